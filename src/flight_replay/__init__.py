@@ -1,0 +1,1 @@
+"""Replay a recorded drone flight as a waypoint mission and measure how close it came."""
