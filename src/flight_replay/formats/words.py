@@ -1,0 +1,47 @@
+"""Mission items in words and in heights above the sea, for formats that know no MAVLink."""
+
+from __future__ import annotations
+
+import math
+
+from flight_replay.mission import Command, Frame, Home, Mission, MissionItem
+
+_NAMES: dict[int, str] = {command: command.name.lower().replace("_", " ") for command in Command}
+_HEIGHTS: dict[int, str] = {
+    Frame.ABSOLUTE: "above mean sea level",
+    Frame.RELATIVE: "above home",
+    Frame.TERRAIN: "above terrain",
+}
+
+
+def command_name(item: MissionItem) -> str:
+    """What the item does: "waypoint", "spline waypoint", or its MAV_CMD number where it has no word here."""
+    return _NAMES.get(item.command, f"command {item.command}")
+
+
+def described(item: MissionItem) -> str:
+    """One line on a place: how it is flown to, how high, how long it is held."""
+    height = _HEIGHTS.get(item.frame, f"in frame {item.frame}")
+    hold = f", hold {item.hold_s:g} s" if item.hold_s > 0 else ""
+    return f"{command_name(item)}, {item.alt_m:g} m {height}{hold}"
+
+
+def amsl_m(item: MissionItem, home: Home | None) -> float:
+    """The item's height above mean sea level; not a number where only a terrain model or home would tell."""
+    if item.frame == Frame.ABSOLUTE:
+        return item.alt_m
+    if item.frame == Frame.RELATIVE and home is not None:
+        return home.alt_amsl_m + item.alt_m
+    return math.nan
+
+
+def speeds_m_s(mission: Mission) -> dict[int, float]:
+    """Speed asked for on the leg to each waypoint, by sequence number; none where none was asked."""
+    speeds: dict[int, float] = {}
+    asked = math.nan
+    for seq, item in enumerate(mission.items, 1):
+        if item.command == Command.CHANGE_SPEED and item.params[1] > 0:
+            asked = item.params[1]
+        elif item.is_place and math.isfinite(asked):
+            speeds[seq] = asked
+    return speeds
