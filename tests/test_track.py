@@ -10,7 +10,7 @@ def test_selecting_keeps_columns_together() -> None:
     """A mask picks the same fixes of every column."""
     n = 5
     track = track_from_columns(
-        np.arange(n, dtype=float), np.linspace(47, 47.1, n), np.full(n, 8.0), np.arange(n) * 2.0
+        np.arange(n, dtype=float), np.linspace(47, 47.1, n), np.full(n, 8.0), np.arange(n) * np.float64(2)
     )
     picked = track.select(np.array([False, True, False, True, False]))
     assert len(picked) == 2
