@@ -1,0 +1,174 @@
+"""The live display: the steps of the replay, what is under way, and the vehicle's readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import TextIO
+
+from rich.console import Console as RichConsole
+from rich.console import ConsoleOptions, Group, RenderableType, RenderResult
+from rich.live import Live
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from flight_replay.events import Event, Heading, Notice, Phase, PhaseStarted, Progress, VehicleState
+from flight_replay.status import Status
+from flight_replay.wording import WARNING_SEVERITY, sentence, went_wrong
+
+REFRESHES_PER_S = 8
+_STEPS = {
+    Phase.CONNECT: "Connect",
+    Phase.UPLOAD: "Upload",
+    Phase.PREARM: "Prepare",
+    Phase.ARM: "Arm",
+    Phase.TAKEOFF: "Takeoff",
+    Phase.MISSION: "Mission",
+    Phase.RETURN: "Return",
+    Phase.CLOSE: "Close",
+}
+# A space that does not break keeps mark and step on one line; ASCII has none.
+_MARKS = {"done": "✔\N{NO-BREAK SPACE}", "now": "▶\N{NO-BREAK SPACE}", "ahead": "·\N{NO-BREAK SPACE}"}
+_ASCII_MARKS = {"done": "+", "now": ">", "ahead": "-"}
+_MARK_STYLES = {"done": "green", "now": "bold cyan", "ahead": "dim"}
+_BYTES_PER_MB = 1_000_000
+
+
+class LiveConsole:
+    """A display that is drawn over itself; text of ours scrolls by above it."""
+
+    def __init__(self, stream: TextIO, *, verbose: bool = False) -> None:
+        self._rich = RichConsole(file=stream, highlight=False, force_terminal=True)
+        self._verbose = verbose
+        self._status = Status()
+        self._live = Live(
+            get_renderable=lambda: Display(self._status),
+            console=self._rich,
+            refresh_per_second=REFRESHES_PER_S,
+            redirect_stdout=False,
+            redirect_stderr=False,
+        )
+
+    def __enter__(self) -> LiveConsole:
+        self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._live.stop()
+
+    def listener(self, event: Event) -> None:
+        """Take the event into the display; notices, and everything if verbose, also scroll by."""
+        self._status.update(event)
+        line = sentence(event) if self._scrolls(event) else None
+        if line is not None:
+            self._rich.print(Text(line, style="yellow" if went_wrong(event) else ""))
+
+    def _scrolls(self, event: Event) -> bool:
+        minor = isinstance(event, PhaseStarted | Progress)
+        return isinstance(event, Notice) or went_wrong(event) or (self._verbose and not minor)
+
+    def say(self, text: str) -> None:
+        """Print text of ours above the display."""
+        self._rich.print(Text(text))
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Take the display away while a question is asked."""
+        self._live.stop()
+        try:
+            yield
+        finally:
+            self._live.start()
+
+
+class Display:
+    """The display at one moment; an empty one before anything has happened."""
+
+    def __init__(self, status: Status) -> None:
+        self._status = status
+
+    def __rich_console__(self, console: RichConsole, options: ConsoleOptions) -> RenderResult:
+        """The lines that there is something to say in, as wide as the terminal is."""
+        status = self._status
+        parts: list[RenderableType] = []
+        if status.begun:
+            parts.append(_steps(status, _ASCII_MARKS if options.ascii_only else _MARKS))
+        if status.progress is not None:
+            parts.append(_work(status.progress))
+        if status.waiting and status.ended is None:
+            parts.append(_line("Waiting", status.waiting, "yellow"))
+        if status.heading is not None:
+            parts.append(_waypoints(status.heading))
+        if status.vehicle is not None:
+            parts.append(_readings(status.vehicle, status.speed_m_s))
+        parts += [
+            _line("Autopilot", words.text, "yellow" if words.severity <= WARNING_SEVERITY else "dim")
+            for words in status.words
+        ]
+        if status.trouble:
+            parts.append(_line("Warning", status.trouble, "bold yellow"))
+        yield Group(*parts)
+
+
+def _steps(status: Status, marks: dict[str, str]) -> Text:
+    steps = Text()
+    for phase, name in _STEPS.items():
+        state = "ahead" if phase not in status.begun else "done"
+        if phase is status.phase and status.ended is None:
+            state = "now"
+        steps.append(f"{marks[state]}{name}", _MARK_STYLES[state])
+        steps.append("  ")
+    steps.rstrip()
+    return steps
+
+
+def _work(progress: Progress) -> RenderableType:
+    done, total, unit = progress.done, progress.total, progress.unit
+    if unit == "bytes":
+        amount = f"{done / _BYTES_PER_MB:.1f} of {total / _BYTES_PER_MB:.1f} MB"
+    else:
+        amount = f"{done} of {total} {unit}".rstrip()
+    return _bar(progress.what, amount, done, total)
+
+
+def _bar(label: str, amount: str, done: int, total: int) -> RenderableType:
+    row = Table.grid(padding=(0, 1), expand=True)
+    row.add_column(no_wrap=True, overflow="ellipsis", max_width=24)
+    row.add_column(ratio=1)
+    row.add_column(no_wrap=True, justify="right")
+    bar = ProgressBar(total=max(total, 1), completed=done, complete_style="cyan", finished_style="green")
+    row.add_row(label, bar, amount)
+    return row
+
+
+def _waypoints(heading: Heading) -> RenderableType:
+    ahead = "" if heading.distance_m is None else f", {heading.distance_m:.1f} m ahead"
+    return _bar("Waypoint", f"{heading.seq} of {heading.last_seq}{ahead}", heading.seq, heading.last_seq)
+
+
+def _readings(vehicle: VehicleState, speed_m_s: float) -> Text:
+    pairs = {
+        "Altitude": f"{vehicle.alt_m:.1f} m",
+        "Speed": f"{speed_m_s:.1f} m/s",
+        "Mode": vehicle.mode,
+        "Battery": _battery(vehicle.battery_v, vehicle.battery_percent),
+    }
+    known = [(label, value) for label, value in pairs.items() if value]
+    return Text("   ").join(Text.assemble((label, "dim"), " ", value) for label, value in known)
+
+
+def _battery(volts: float | None, percent: float | None) -> str:
+    parts = [f"{volts:.1f} V" if volts is not None and math.isfinite(volts) else ""]
+    parts.append(f"{percent:.0f} %" if percent is not None and math.isfinite(percent) else "")
+    return " ".join(filter(None, parts))
+
+
+def _line(label: str, text: str, style: str) -> Text:
+    line = Text.assemble((label, "dim"), " ", (text, style))
+    line.no_wrap, line.overflow = True, "ellipsis"
+    return line
