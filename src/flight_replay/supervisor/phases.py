@@ -1,0 +1,140 @@
+"""From the ground to the start of the mission: each phase a function that ends when the phase is done.
+
+Each raises ``PhaseTimeoutError`` with the autopilot's own reason when its deadline passes, and
+``Interrupted`` (see ``watch``) when the vehicle has other plans.
+"""
+
+from __future__ import annotations
+
+from flight_replay.errors import PhaseTimeoutError, VehicleError
+from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, Waiting
+from flight_replay.supervisor.contract import Request
+from flight_replay.supervisor.deadline import Deadline, Pace, Repeat
+from flight_replay.supervisor.plan import ENOUGH_OF_TARGET
+from flight_replay.supervisor.watch import Watch
+
+_AGAIN_S = 1.2  # Heartbeats show once a second what came of a request.
+_ARM_PATIENCE_S = 3.5  # ArduCopter 3.3 shows arming after 3 s, and a second request starts them anew.
+_PREARM_REPORT_S = 5.0
+_OFF_GROUND_M = 1.0
+_GAIN_M = 0.5  # Less height than this is no climb.
+
+
+def wait_ready(watch: Watch) -> None:
+    """Wait until the vehicle can be armed, showing its own reasons meanwhile."""
+    watch.emit(PhaseStarted(Phase.PREARM))
+    watch.forget_reason()
+    pace, report = Pace(watch), Deadline(watch, _PREARM_REPORT_S)
+    deadline = Deadline(watch, watch.deadlines.prearm_s)
+    while not _known_ready(watch):
+        reason = watch.reason or (watch.readiness.reason if watch.readiness else "it says nothing")
+        if deadline.passed:
+            raise PhaseTimeoutError(_late("was not ready to arm", watch.deadlines.prearm_s, reason))
+        if report.passed:
+            watch.vehicle.ask_prearm_report()
+            report.restart()
+        if pace.due():
+            watch.emit(Waiting(Phase.PREARM, reason))
+        watch.step()
+
+
+def _known_ready(watch: Watch) -> bool:
+    """Whether the vehicle is known to be on the ground, disarmed, somewhere, and ready."""
+    if watch.armed:
+        raise VehicleError(
+            f"the vehicle is armed already, in mode {watch.mode}; land and disarm it, then start again"
+        )
+    told = watch.armed is not None and watch.state is not None
+    return told and watch.readiness is not None and watch.readiness.ready
+
+
+def change_mode(watch: Watch, mode: str) -> None:
+    """Get the vehicle into ``mode``, confirmed by its heartbeat, and expect it to stay there."""
+    watch.forget_reason()
+    watch.expect_mode(mode, *([watch.mode] if watch.mode else []))
+    deadline, repeat = Deadline(watch, watch.deadlines.mode_s), Repeat(watch)
+    while watch.mode != mode:
+        if deadline.passed:
+            reason = _refusal(watch, Request.MODE)
+            raise PhaseTimeoutError(_late(f"did not change to mode {mode}", watch.deadlines.mode_s, reason))
+        if repeat.due(_AGAIN_S):
+            watch.vehicle.ask_mode(mode)
+        watch.step()
+    watch.expect_mode(mode)
+
+
+def verify_mission(watch: Watch) -> None:
+    """Make sure that the mission on board is still the one that was uploaded."""
+    if not watch.vehicle.mission_verified():
+        raise VehicleError(
+            "the mission on board is not the one that was uploaded: another station changed it; "
+            "disconnect that station, then start again"
+        )
+
+
+def arm(watch: Watch) -> None:
+    """Arm, patiently: again only after a refusal, or after a silence longer than any arming takes."""
+    watch.emit(PhaseStarted(Phase.ARM))
+    watch.forget_reason()
+    pace, repeat = Pace(watch), Repeat(watch)
+    deadline = Deadline(watch, watch.deadlines.arm_s)
+    while not watch.armed:
+        reason = _refusal(watch, Request.ARM)
+        if deadline.passed:
+            raise PhaseTimeoutError(_late("did not arm", watch.deadlines.arm_s, reason))
+        answer = watch.answers.get(Request.ARM)
+        if repeat.due(_AGAIN_S if answer and not answer.accepted else _ARM_PATIENCE_S):
+            watch.answers.pop(Request.ARM, None)
+            watch.arm_asked = True
+            watch.vehicle.ask_arm()
+        if pace.due():
+            watch.emit(Waiting(Phase.ARM, reason))
+        watch.step()
+
+
+def take_off(watch: Watch, altitude_m: float) -> None:
+    """Climb to ``altitude_m`` above home; 95 % of it counts."""
+    watch.emit(PhaseStarted(Phase.TAKEOFF))
+    watch.forget_reason()
+    enough_m = altitude_m * ENOUGH_OF_TARGET
+    ground_m = highest_m = watch.altitude_m
+    pace, repeat = Pace(watch), Repeat(watch)
+    deadline = Deadline(watch, watch.deadlines.no_climb_s)
+    while watch.altitude_m < enough_m:
+        if watch.altitude_m > highest_m + _GAIN_M:
+            highest_m = watch.altitude_m
+            deadline.restart()
+        _check_climb(watch, deadline, highest_m)
+        if highest_m < ground_m + _OFF_GROUND_M and not _accepted(watch) and repeat.due(_AGAIN_S):
+            watch.vehicle.ask_takeoff(altitude_m)
+        if pace.due():
+            watch.emit(Climbing(watch.altitude_m, enough_m, altitude_m))
+        watch.step()
+    watch.emit(TargetAltitudeReached(altitude_m))
+
+
+def _check_climb(watch: Watch, deadline: Deadline, highest_m: float) -> None:
+    if watch.armed is False:
+        raise VehicleError(f"the vehicle disarmed before it climbed{_because(watch.reason)}")
+    if deadline.passed:
+        reason = _refusal(watch, Request.TAKEOFF)
+        raise PhaseTimeoutError(_late(f"stayed at {highest_m:.1f} m", watch.deadlines.no_climb_s, reason))
+
+
+def _accepted(watch: Watch) -> bool:
+    answer = watch.answers.get(Request.TAKEOFF)
+    return answer is not None and answer.accepted
+
+
+def _refusal(watch: Watch, request: Request) -> str:
+    """The vehicle's reason against ``request``: its words, or the code of its answer."""
+    answer = watch.answers.get(request)
+    return watch.reason or (answer.reason if answer else "")
+
+
+def _late(what: str, limit_s: float, reason: str) -> str:
+    return f"the vehicle {what} within {limit_s:.0f} s{_because(reason) or '; look at its messages'}"
+
+
+def _because(reason: str) -> str:
+    return f': it says "{reason}"' if reason else ""

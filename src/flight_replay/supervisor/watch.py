@@ -1,0 +1,227 @@
+"""The supervisor's eyes: folds a vehicle's news into what is known now, and notices what must be noticed.
+
+Two clocks: the vehicle's own times the flight (a simulator's may run 20 times faster), the one
+here times silence. Nothing known outlives a silence: whoever waits, waits for new news.
+"""
+
+from __future__ import annotations
+
+from functools import singledispatchmethod
+
+from flight_replay.events import (
+    LinkBack,
+    LinkLost,
+    Listener,
+    StatusText,
+    VehicleState,
+    WaypointReached,
+)
+from flight_replay.mission import FIRST_SEQ
+from flight_replay.supervisor.contract import (
+    Answer,
+    Clock,
+    Heartbeat,
+    ItemReached,
+    MissionAt,
+    Readiness,
+    Rebooted,
+    Request,
+    Vehicle,
+)
+from flight_replay.supervisor.plan import Deadlines
+
+_STEP_S = 0.1  # Longest nap by the clock here; news ends it.
+_WARNING = 4  # MAV_SEVERITY_WARNING: texts from here up are reasons, the rest is chatter.
+_OWN_MODES = frozenset({"RTL", "SMART_RTL", "LAND", "BRAKE", "AUTO_RTL"})
+
+
+class Interrupted(Exception):  # noqa: N818 - a turn of events, which only becomes an error in flight
+    """The flight cannot go on as planned: ``ended`` and ``problem`` as in FlightRecord."""
+
+    def __init__(self, ended: str, problem: str) -> None:
+        super().__init__(problem)
+        self.ended = ended
+        self.problem = problem
+
+
+class Watch:
+    """What is known of the vehicle, and when it was learnt."""
+
+    def __init__(self, vehicle: Vehicle, clock: Clock, listener: Listener, deadlines: Deadlines) -> None:
+        self.vehicle = vehicle
+        self.emit = listener
+        self.deadlines = deadlines
+        self._clock = clock
+        self._heard_s = clock.monotonic_s()
+        self._lost = False
+        self._strange_beats = 0
+        self._ours: frozenset[str] = frozenset()
+        self.mode: str | None = None
+        self.armed: bool | None = None
+        self.state: VehicleState | None = None
+        self.readiness: Readiness | None = None
+        self.mission = MissionAt(0)
+        self.reached: dict[int, float] = {}
+        self.flown: list[VehicleState] = []
+        self.auto_start_s: float | None = None
+        self._recording = False
+        self.answers: dict[Request, Answer] = {}
+        self.arm_asked = self.was_armed = False
+        self.reason = ""
+        self.failsafe = ""
+
+    @property
+    def wall_s(self) -> float:
+        """Seconds by the clock here."""
+        return self._clock.monotonic_s()
+
+    @property
+    def time_s(self) -> float:
+        """Seconds by the vehicle's clock, 0 before it told."""
+        return self.state.time_s if self.state else 0.0
+
+    @property
+    def altitude_m(self) -> float:
+        """Metres above home, 0 before the vehicle told."""
+        return self.state.alt_m if self.state else 0.0
+
+    @property
+    def may_be_armed(self) -> bool:
+        """Whether motors that we asked to run do, or may yet: an arming under way takes 3 s to show."""
+        if not self.arm_asked or self.was_armed:
+            return self.arm_asked and bool(self.armed)
+        answer = self.answers.get(Request.ARM)
+        return answer is None or answer.accepted
+
+    @property
+    def mode_in_doubt(self) -> bool:
+        """Whether the newest heartbeat shows a mode that is not ours."""
+        return self._strange_beats > 0
+
+    def expect_mode(self, *modes: str) -> None:
+        """From now on any other mode, told twice running, is somebody else's wish: ``Interrupted``.
+
+        Twice, because a link that reorders may bring one heartbeat from before the change.
+        """
+        self._ours = frozenset(modes)
+        self._strange_beats = 0
+
+    def forget_reason(self) -> None:
+        """What comes from now on explains the step that begins now."""
+        self.reason = ""
+        self.answers.clear()
+
+    def record_auto(self) -> None:
+        """From the moment that the vehicle takes up AUTO, keep where it flies and what it reaches."""
+        self._recording = True
+        self.mission = MissionAt(0)
+        self.reached.clear()
+
+    def _in_auto(self) -> None:
+        if self._recording and self.auto_start_s is None:
+            self.auto_start_s = self.time_s
+
+    def step(self, timeout_s: float = _STEP_S) -> None:
+        """Take in what the vehicle reports, waiting briefly for it.
+
+        Raises:
+            Interrupted: The link stays lost, or the vehicle left the expected mode or rebooted.
+        """
+        news = self.vehicle.news(timeout_s)
+        if news:
+            self._heard()
+        for item in news:
+            self._take(item)
+        self._notice_silence()
+        if self._strange_beats >= 2:
+            self._explain_mode()
+
+    def _heard(self) -> None:
+        silent_s = self.wall_s - self._heard_s
+        if self._lost:
+            self._lost = False
+            self.emit(LinkBack(silent_s))
+        self._heard_s = self.wall_s
+
+    def _notice_silence(self) -> None:
+        silent_s = self.wall_s - self._heard_s
+        if silent_s >= self.deadlines.silence_s and not self._lost:
+            self._lost = True
+            self.emit(LinkLost(silent_s))
+        if silent_s >= self.deadlines.link_back_s:
+            raise Interrupted(
+                "link lost",
+                f"nothing was heard from the vehicle for {silent_s:.0f} s; "
+                "its own failsafe decides now: watch it, and check the link",
+            )
+
+    def _explain_mode(self) -> None:
+        if self.mode in _OWN_MODES:
+            why = f": {self.failsafe}" if self.failsafe else ""
+            raise Interrupted("failsafe", f"the vehicle changed to {self.mode} by itself{why}; it was let go")
+        raise Interrupted(
+            "pilot",
+            f"the mode was changed to {self.mode} by somebody else, who has control of the vehicle now",
+        )
+
+    @singledispatchmethod
+    def _take(self, news: object) -> None:
+        raise TypeError(f"no such news: {news!r}")
+
+    @_take.register
+    def _(self, beat: Heartbeat) -> None:
+        self.mode, self.armed = beat.mode, beat.armed
+        self.was_armed = self.was_armed or (self.arm_asked and beat.armed)
+        strange = bool(self._ours) and beat.mode not in self._ours
+        self._strange_beats = self._strange_beats + 1 if strange else 0
+        if beat.mode == "AUTO":
+            self._in_auto()
+
+    @_take.register
+    def _(self, state: VehicleState) -> None:
+        self.state = state
+        if self.auto_start_s is not None:
+            self.flown.append(state)
+        self.emit(state)
+
+    @_take.register
+    def _(self, text: StatusText) -> None:
+        if text.severity <= _WARNING:
+            self.reason = text.text
+        if "failsafe" in text.text.lower():
+            self.failsafe = text.text
+        self.emit(text)
+
+    @_take.register
+    def _(self, answer: Answer) -> None:
+        self.answers[answer.request] = answer
+        if answer.request is Request.MODE and answer.accepted:
+            self._in_auto()
+
+    @_take.register
+    def _(self, at: MissionAt) -> None:
+        self.mission = at
+        if self.auto_start_s is not None:
+            # Whatever lies behind the current item was reached, though a bad link lost the word of it.
+            for seq in range(FIRST_SEQ, at.seq):
+                self._reach(seq)
+            if at.complete:
+                self._reach(at.seq)
+
+    @_take.register
+    def _(self, item: ItemReached) -> None:
+        self._reach(item.seq)
+
+    @_take.register
+    def _(self, readiness: Readiness) -> None:
+        self.readiness = readiness
+
+    @_take.register
+    def _(self, rebooted: Rebooted) -> None:
+        self.readiness = None
+        raise Interrupted("reboot", "the autopilot rebooted; check why before flying again")
+
+    def _reach(self, seq: int) -> None:
+        if seq not in self.reached:
+            self.reached[seq] = self.time_s
+            self.emit(WaypointReached(seq, self.time_s))
