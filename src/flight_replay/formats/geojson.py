@@ -11,7 +11,9 @@ import math
 from itertools import pairwise
 from typing import Any
 
-from flight_replay.formats.words import amsl_m, command_name, described, speeds_m_s
+import numpy as np
+
+from flight_replay.formats.words import amsl_m, command_name, described, route_line, speeds_m_s
 from flight_replay.mission import FIRST_SEQ, Home, Mission, MissionItem
 from flight_replay.track import Track
 
@@ -25,9 +27,11 @@ def text(mission: Mission, track: Track | None = None) -> str:
     speeds = speeds_m_s(mission)
     for seq, item in enumerate(mission.items, FIRST_SEQ):
         features.append(_item_feature(seq, item, mission.home, speeds.get(seq)))
-    if len(mission.places) > 1:
-        route = [(item.lat_deg, item.lon_deg, amsl_m(item, mission.home)) for _, item in mission.places]
-        features.append(_feature(_line(route), {"kind": "route", "name": "Route"}))
+    route, above_sea = route_line(mission)
+    if len(route) > 1:
+        heights = route[:, 2] if above_sea else np.full(len(route), np.nan)
+        places = zip(route[:, 0].tolist(), route[:, 1].tolist(), heights.tolist(), strict=True)
+        features.append(_feature(_line(list(places)), {"kind": "route", "name": "Route"}))
     if track is not None and len(track) > 1:
         features.append(_track_feature(track))
     collection = {"type": "FeatureCollection", "features": features}

@@ -12,7 +12,8 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from flight_replay.formats.checked import finite
-from flight_replay.formats.words import amsl_m, command_name, described, speeds_m_s
+from flight_replay.formats.words import amsl_m, command_name, described, route_line, speeds_m_s
+from flight_replay.geodesy import Floats
 from flight_replay.mission import Home, Mission, MissionItem
 from flight_replay.track import Track
 
@@ -34,9 +35,8 @@ def text(mission: Mission, track: Track | None = None) -> str:
     _child(folder, "name", "Mission")
     _add_mission(folder, mission)
     if track is not None and len(track):
-        heights_m = np.where(np.isfinite(track.amsl_m), track.amsl_m, 0.0)
-        places = zip(track.lat_deg, track.lon_deg, heights_m, strict=True)
-        _add_line(document, "Recorded track", "recorded", "absolute", list(places))
+        line = np.column_stack([track.lat_deg, track.lon_deg, track.amsl_m])
+        _add_line(document, "Recorded track", "recorded", "absolute", line)
     Xml.indent(root)
     return Xml.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
@@ -52,14 +52,10 @@ def _add_mission(folder: Xml.Element, mission: Mission) -> None:
         _add_data(pin, seq, item, speeds.get(seq))
         mode, height_m = _height(item, mission.home)
         _add_point(pin, mode, item.lat_deg, item.lon_deg, height_m)
-    if len(mission.places) > 1:
-        heights = [_height(item, mission.home) for _, item in mission.places]
-        mode = "absolute" if all(mode == "absolute" for mode, _ in heights) else "relativeToGround"
-        places = [
-            (item.lat_deg, item.lon_deg, height_m if mode == "absolute" else item.alt_m)
-            for (_, item), (_, height_m) in zip(mission.places, heights, strict=True)
-        ]
-        _add_line(folder, "Route", "planned", mode, places)
+    line, above_sea = route_line(mission)
+    if len(line) > 1:
+        mode = "absolute" if above_sea else "relativeToGround"
+        _add_line(folder, "Route", "planned", mode, line)
 
 
 def _height(item: MissionItem, home: Home | None) -> tuple[str, float]:
@@ -90,9 +86,7 @@ def _add_point(pin: Xml.Element, mode: str, lat_deg: float, lon_deg: float, heig
     _child(point, "coordinates", _coordinates(lat_deg, lon_deg, height_m))
 
 
-def _add_line(
-    parent: Xml.Element, name: str, style: str, mode: str, places: list[tuple[float, float, float]]
-) -> None:
+def _add_line(parent: Xml.Element, name: str, style: str, mode: str, places: Floats) -> None:
     line = Xml.SubElement(parent, "Placemark")
     _child(line, "name", name)
     _child(line, "styleUrl", f"#{style}")

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import numpy as np
+
+from flight_replay.geodesy import Floats, LocalFrame
 from flight_replay.mission import Command, Frame, Home, Mission, MissionItem
+from flight_replay.path import path_through, stops
 
+CURVE_TOLERANCE_M = 0.1
+"""How far the lines that stand for a spline leg may lie from it: nobody sees that on a map."""
 _NAMES: dict[int, str] = {command: command.name.lower().replace("_", " ") for command in Command}
 _HEIGHTS: dict[int, str] = {
     Frame.ABSOLUTE: "above mean sea level",
@@ -45,3 +52,28 @@ def speeds_m_s(mission: Mission) -> dict[int, float]:
         elif item.is_place and math.isfinite(asked):
             speeds[seq] = asked
     return speeds
+
+
+def route_line(mission: Mission) -> tuple[Floats, bool]:
+    """The planned path as rows (latitude, longitude, height), and whether the heights are above the sea.
+
+    Spline legs are drawn as the curves that ArduCopter flies; heights whose reference is not known
+    for every waypoint are the items' own.
+    """
+    places = [item for _, item in mission.places]
+    if not places:
+        return np.zeros((0, 3)), False
+    above_sea = all(math.isfinite(amsl_m(item, mission.home)) for item in places)
+    items = [_raised(item, mission.home) if above_sea else item for item in mission.items]
+    frame = LocalFrame(places[0].lat_deg, places[0].lon_deg)
+    line = path_through(stops(items, frame), tolerance_m=CURVE_TOLERANCE_M)
+    rows = np.column_stack([*frame.to_degrees(line.north_east_m), line.up_m])
+    moved = np.append(True, np.any(np.diff(rows, axis=0) != 0, axis=1))
+    return rows[moved], above_sea
+
+
+def _raised(item: MissionItem, home: Home | None) -> MissionItem:
+    """A place with its height above the sea; height 0 stays, for it means "as before"."""
+    if not item.is_place or item.alt_m == 0:
+        return item
+    return replace(item, alt_m=amsl_m(item, home))
