@@ -1,0 +1,174 @@
+"""The airframe that ArduPilot's SITL flies: what lean and throttle do to it, in still or moving air.
+
+Sources: libraries/SITL/SIM_Frame.cpp and SIM_Motor.cpp (default frame "+", 3 kg: drag, thrust),
+AC_AttitudeControl.cpp (input_thrust_vector_heading, input_shaping_angle: how the lean follows the
+wish) and AP_MotorsMulticopter.cpp (the throttle filter). Leans are kept as the horizontal part of
+the thrust over its vertical part, north and east; positions are metres north, east and up of home.
+"""
+
+from __future__ import annotations
+
+from math import atan, atan2, cos, exp, hypot, pi, sin, sqrt
+
+from flight_replay.simulator.control import clamp, sqrt_controller, step_towards
+from flight_replay.simulator.limits import GRAVITY_M_S2, Limits
+
+# SIM_Frame.h's default model: drag balances 45 degrees of lean at 15.08 m/s, of which a part,
+# linear in speed, is the momentum that the rotors give to the air they turn.
+_MASS_KG = 3.0
+_DISC_AREA_M2 = 0.385
+_MOMENTUM_DRAG = 0.2
+_REFERENCE_SPEED_M_S = 15.08
+_REFERENCE_LEAN = pi / 4
+_AIR_DENSITY_KG_M3 = 1.16
+_HOVER_FORCE_N = _MASS_KG * GRAVITY_M_S2
+_REFERENCE_MOMENTUM_N = (
+    cos(_REFERENCE_LEAN) ** 2
+    * _MOMENTUM_DRAG
+    * _REFERENCE_SPEED_M_S
+    * sqrt(_HOVER_FORCE_N / cos(_REFERENCE_LEAN) * _AIR_DENSITY_KG_M3 * _DISC_AREA_M2)
+)
+LINEAR_DRAG_PER_S = _MOMENTUM_DRAG * sqrt(_AIR_DENSITY_KG_M3 * _DISC_AREA_M2 * _HOVER_FORCE_N) / _MASS_KG
+SQUARE_DRAG_PER_M = (_HOVER_FORCE_N - _REFERENCE_MOMENTUM_N) / _REFERENCE_SPEED_M_S**2 / _MASS_KG
+
+# AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
+_THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
+# Time by which the airframe's lean follows the attitude controller's target: the rate loop's own.
+_LEAN_LAG_S = 0.03
+
+
+class Airframe:
+    """Position, velocity, lean and heading; ``step`` moves them on."""
+
+    __slots__ = (
+        "_keep_lean", "_keep_throttle", "_limits", "_target_e", "_target_n", "_target_rate_e",
+        "_target_rate_n", "_wind", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n", "on_ground",
+        "throttle", "u", "ve", "vn", "vu", "yaw",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        limits: Limits,
+        position_m: tuple[float, float, float],
+        yaw_rad: float,
+        wind_m_s: tuple[float, float, float],
+        dt: float,
+    ) -> None:
+        self.n, self.e, self.u = position_m
+        self.vn = self.ve = self.vu = 0.0
+        self.lean_n = self.lean_e = 0.0
+        self._target_n = self._target_e = self._target_rate_n = self._target_rate_e = 0.0
+        self.yaw, self._yaw_rate = yaw_rad, 0.0
+        self.on_ground = self.u <= 0
+        self.throttle = 0.0 if self.on_ground else limits.hover_throttle
+        self.accel_u = 0.0
+        self.dt = dt
+        self._limits = limits
+        self._wind = wind_m_s
+        self._keep_throttle = exp(-dt / _THROTTLE_FILTER_S)
+        self._keep_lean = exp(-dt / _LEAN_LAG_S)
+
+    @property
+    def attitude_rad(self) -> tuple[float, float, float]:
+        """Roll, pitch and yaw."""
+        c, s = cos(self.yaw), sin(self.yaw)
+        forward = self.lean_n * c + self.lean_e * s
+        right = self.lean_e * c - self.lean_n * s
+        pitch = -atan(forward)
+        return atan(right * cos(pitch)), pitch, self.yaw
+
+    @property
+    def target_lean(self) -> tuple[float, float]:
+        """The lean that the attitude controller aims at now."""
+        return self._target_n, self._target_e
+
+    def step(self, accel_n: float, accel_e: float, throttle: float) -> None:
+        """Move one step on under a wanted horizontal acceleration, m/s², and a throttle, 0 to 1."""
+        dt = self.dt
+        self._lean_towards(accel_n / GRAVITY_M_S2, accel_e / GRAVITY_M_S2)
+        self.throttle = throttle + (self.throttle - throttle) * self._keep_throttle
+        lift = GRAVITY_M_S2 * self.throttle / self._limits.hover_throttle
+        drag_n, drag_e, drag_u = self._drag()
+        an, ae = self.lean_n * lift - drag_n, self.lean_e * lift - drag_e
+        self.accel_u = au = lift - GRAVITY_M_S2 - drag_u
+        vn, ve, vu = self.vn, self.ve, self.vu
+        self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + au * dt
+        self.n += 0.5 * dt * (vn + self.vn)
+        self.e += 0.5 * dt * (ve + self.ve)
+        self.u += 0.5 * dt * (vu + self.vu)
+        self.on_ground = self.u <= 0.0 and self.vu <= 0.0
+        if self.on_ground:
+            self._rest()
+
+    def _rest(self) -> None:
+        """Stand on the ground (SIM_Aircraft.cpp: GROUND_BEHAVIOR_NO_MOVEMENT)."""
+        self.u = 0.0
+        self.vn = self.ve = self.vu = 0.0
+        self.accel_u = 0.0
+
+    def _lean_towards(self, lean_n: float, lean_e: float) -> None:
+        """Move the attitude target with limited rate and acceleration, and the lean after it."""
+        dt = self.dt
+        self._target_rate_n = self._shaped_rate(lean_n - self._target_n, self._target_rate_n)
+        self._target_rate_e = self._shaped_rate(lean_e - self._target_e, self._target_rate_e)
+        self._target_n += self._target_rate_n * dt
+        self._target_e += self._target_rate_e * dt
+        keep = self._keep_lean
+        self.lean_n = self._target_n + (self.lean_n - self._target_n) * keep
+        self.lean_e = self._target_e + (self.lean_e - self._target_e) * keep
+
+    def _shaped_rate(self, error: float, rate: float) -> float:
+        limits = self._limits
+        wanted = sqrt_controller(
+            error, 1.0 / max(limits.attitude_input_s, 0.01), limits.lean_accel_rad_s2, self.dt
+        )
+        if limits.lean_rate_rad_s > 0:
+            wanted = clamp(wanted, -limits.lean_rate_rad_s, limits.lean_rate_rad_s)
+        if limits.lean_accel_rad_s2 <= 0:
+            return wanted
+        return step_towards(wanted, rate, limits.lean_accel_rad_s2 * self.dt)
+
+    def _drag(self) -> tuple[float, float, float]:
+        """Deceleration by the air, north, east and up: square along each body axis, plus linear."""
+        wn, we, wu = self._wind
+        n, e, u = self.vn - wn, self.ve - we, self.vu - wu
+        scale = 1.0 / sqrt(1.0 + self.lean_n * self.lean_n + self.lean_e * self.lean_e)
+        tn, te = self.lean_n * scale, self.lean_e * scale
+        lift = n * tn + e * te + u * scale
+        n, e, u = n - lift * tn, e - lift * te, u - lift * scale
+        hn, he = cos(self.yaw), sin(self.yaw)
+        tilt = hn * tn + he * te
+        xn, xe, xu = hn - tilt * tn, he - tilt * te, -tilt * scale
+        size = 1.0 / sqrt(xn * xn + xe * xe + xu * xu)
+        ahead = (n * xn + e * xe + u * xu) * size
+        step = ahead * size
+        yn, ye, yu = n - step * xn, e - step * xe, u - step * xu
+        side = SQUARE_DRAG_PER_M * sqrt(yn * yn + ye * ye + yu * yu) + LINEAR_DRAG_PER_S
+        front = (SQUARE_DRAG_PER_M * abs(ahead) + LINEAR_DRAG_PER_S) * step
+        top = (SQUARE_DRAG_PER_M * abs(lift) + LINEAR_DRAG_PER_S) * lift
+        return (
+            front * xn + side * yn + top * tn,
+            front * xe + side * ye + top * te,
+            front * xu + side * yu + top * scale,
+        )
+
+    def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
+        """Turn the heading with ArduCopter's limits of yaw rate and acceleration."""
+        limits, dt = self._limits, self.dt
+        error = (yaw_rad - self.yaw + pi) % (2.0 * pi) - pi
+        wanted = rate_rad_s + sqrt_controller(
+            error, 1.0 / max(limits.attitude_input_s, 0.01), limits.yaw_accel_rad_s2, dt
+        )
+        wanted = clamp(wanted, -limits.yaw_slew_rad_s, limits.yaw_slew_rad_s)
+        self._yaw_rate = step_towards(wanted, self._yaw_rate, limits.yaw_accel_rad_s2 * dt)
+        self.yaw = (self.yaw + self._yaw_rate * dt + pi) % (2.0 * pi) - pi
+
+    @property
+    def ground_course(self) -> float:
+        """Direction of flight, rad from north."""
+        return atan2(self.ve, self.vn)
+
+    @property
+    def ground_speed(self) -> float:
+        """Horizontal speed, m/s."""
+        return hypot(self.vn, self.ve)

@@ -1,0 +1,157 @@
+"""A multicopter with ArduCopter's navigation: commands in, motion out, in constant steps.
+
+No clock, no link and no chance: the same commands at the same steps give the same flight.
+Metres north, east and up of home.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flight_replay.mission import FIRST_SEQ
+from flight_replay.simulator.airframe import Airframe
+from flight_replay.simulator.auto import LocalItem
+from flight_replay.simulator.auto_run import MissionRun
+from flight_replay.simulator.heading import Heading
+from flight_replay.simulator.limits import Limits
+from flight_replay.simulator.phases import Flight, GoTo, Hold, Landing, Phase, Return, Standing, TakeOff
+from flight_replay.simulator.position_control import PositionControl
+from flight_replay.simulator.scurve import Vector
+from flight_replay.simulator.wpnav import WaypointNavigation
+
+STEP_S = 0.02
+
+
+class Copter:
+    """The vehicle: give a command, then ``step``; every step lasts ``step_s``, STEP_S unless told."""
+
+    def __init__(  # noqa: PLR0913
+        self,
+        limits: Limits,
+        *,
+        position_m: Vector = (0.0, 0.0, 0.0),
+        velocity_m_s: Vector = (0.0, 0.0, 0.0),
+        yaw_rad: float = 0.0,
+        wind_m_s: Vector = (0.0, 0.0, 0.0),
+        step_s: float = STEP_S,
+    ) -> None:
+        """On the ground at home, or hovering (or moving) at a place above it.
+
+        Args:
+            limits: what the vehicle may do.
+            position_m: start; the vehicle flies already if it is above the ground.
+            velocity_m_s: velocity at the start, north, east, up.
+            yaw_rad: heading at the start.
+            wind_m_s: velocity of the air, north, east, up.
+            step_s: duration of a step.
+        """
+        self.limits = limits
+        self.step_s = step_s
+        self.steps = 0
+        self._body = body = Airframe(limits, position_m, yaw_rad, wind_m_s, step_s)
+        body.vn, body.ve, body.vu = velocity_m_s
+        control = PositionControl(limits, body)
+        self._flight = Flight(
+            limits, body, control, WaypointNavigation(limits, body, control), Heading(limits, body, control)
+        )
+        self.motors = not body.on_ground
+        self._armed_step = 0
+        self._phase: Phase = Standing() if body.on_ground else Hold(self._flight)
+
+    # state
+
+    @property
+    def time_s(self) -> float:
+        """Seconds since the beginning."""
+        return self.steps * self.step_s
+
+    @property
+    def position_m(self) -> Vector:
+        """North, east, up of home."""
+        return self._body.n, self._body.e, self._body.u
+
+    @property
+    def velocity_m_s(self) -> Vector:
+        """North, east, up."""
+        return self._body.vn, self._body.ve, self._body.vu
+
+    @property
+    def attitude_rad(self) -> tuple[float, float, float]:
+        """Roll, pitch, yaw."""
+        return self._body.attitude_rad
+
+    @property
+    def throttle(self) -> float:
+        """Throttle, 0 to 1."""
+        return self._body.throttle
+
+    @property
+    def landed(self) -> bool:
+        """Whether the vehicle stands on the ground."""
+        return self._body.on_ground
+
+    @property
+    def target_m(self) -> Vector:
+        """Where navigation wants the vehicle to be now."""
+        control = self._flight.control
+        return control.n, control.e, control.u
+
+    @property
+    def phase(self) -> Phase:
+        """What the vehicle is doing."""
+        return self._phase
+
+    @property
+    def mission(self) -> MissionRun | None:
+        """The mission that is running, if the vehicle is in AUTO."""
+        return self._phase if isinstance(self._phase, MissionRun) else None
+
+    # commands
+
+    def arm(self) -> None:
+        """Start the motors at idle."""
+        self.motors = True
+        self._armed_step = self.steps
+
+    def disarm(self) -> None:
+        """Stop the motors."""
+        self.motors = False
+        self._phase = Standing()
+
+    def takeoff(self, altitude_m: float) -> None:
+        """Climb straight up, as NAV_TAKEOFF in GUIDED does; arms if need be."""
+        if not self.motors:
+            self.arm()
+        armed_s = (self.steps - self._armed_step) * self.step_s
+        limits = self.limits
+        self._flight.control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
+        wait_s = max(0.0, limits.arming_delay_s - armed_s) if self.landed else 0.0
+        self._phase = TakeOff(self._flight, altitude_m, wait_s=wait_s)
+
+    def goto(self, position_m: Vector) -> None:
+        """Fly to a place, as GUIDED does."""
+        self._phase = GoTo(self._flight, position_m)
+
+    def hold(self) -> None:
+        """Stop and stay."""
+        self._phase = Hold(self._flight)
+
+    def start_auto(self, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> MissionRun:
+        """Fly a mission from an item on; what is returned tells how far it has come."""
+        self._phase = run = MissionRun(self._flight, items, start_seq)
+        return run
+
+    def return_home(self) -> None:
+        """Climb, return, wait and land, as RTL does."""
+        self._phase = Return(self._flight)
+
+    def land(self) -> None:
+        """Land here."""
+        self._phase = Landing(self._flight)
+
+    def step(self) -> None:
+        """Move ``step_s`` on."""
+        self._phase.step()
+        self.steps += 1
+        if self._phase.done and isinstance(self._phase, Landing | Return):
+            self.disarm()

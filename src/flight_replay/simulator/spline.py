@@ -1,0 +1,149 @@
+"""A spline leg as ArduCopter flies it: a cubic Hermite curve, and the speed along it.
+
+Source: AP_Math/SplineCurve.cpp. The curve runs over 0..1; a tangent at an end is the vector that
+the neighbouring items give (see ``wpnav``). The speed is limited by half of the acceleration
+across the track and by half of it along the track, with a stop or the next leg's speed ahead.
+"""
+
+from __future__ import annotations
+
+from math import hypot, sqrt
+
+from flight_replay.simulator.control import clamp
+from flight_replay.simulator.scurve import PathLimits, Vector
+
+# SplineCurve.cpp: LATERAL_ACCEL_SCALER, TANGENTIAL_ACCEL_SCALER and SPLINE_FACTOR.
+_ACROSS_SHARE = 0.5
+_ALONG_SHARE = 0.5
+_LONGEST_TANGENTS = 4.0
+_NOWHERE = (0.0, 0.0, 0.0)
+
+Coefficients = tuple[Vector, Vector, Vector, Vector]
+
+
+def hermite(origin: Vector, destination: Vector, leaving: Vector, arriving: Vector) -> Coefficients:
+    """Coefficients of 1, t, t², t³ of the curve; tangents too long for the chord are scaled down.
+
+    Source: SplineCurve::set_origin_and_destination: together at most four times the chord.
+    """
+    chord = hypot(*(b - a for a, b in zip(origin, destination, strict=True)))
+    tangents = hypot(*leaving) + hypot(*arriving)
+    scale = _LONGEST_TANGENTS * chord / tangents if tangents > _LONGEST_TANGENTS * chord else 1.0
+    rows = []
+    for a, b, m, k in zip(origin, destination, leaving, arriving, strict=True):
+        m, k = m * scale, k * scale  # noqa: PLW2901
+        rows.append((a, m, 3.0 * (b - a) - 2.0 * m - k, 2.0 * (a - b) + m + k))
+    n, e, u = rows
+    return ((n[0], e[0], u[0]), (n[1], e[1], u[1]), (n[2], e[2], u[2]), (n[3], e[3], u[3]))
+
+
+class _Place:
+    """Where on a curve: position, unit tangent, its length (m per unit of t), and the speed allowed there.
+
+    ``bend`` is the second derivative's length at rest, where the tangent is 0.
+    """
+
+    __slots__ = ("accel", "bend", "position", "rate", "speed_max", "unit")
+
+    def __init__(self, coefficients: Coefficients, t: float, limits: PathLimits) -> None:
+        (n0, e0, u0), (n1, e1, u1), (n2, e2, u2), (n3, e3, u3) = coefficients
+        self.position = (
+            n0 + t * (n1 + t * (n2 + t * n3)),
+            e0 + t * (e1 + t * (e2 + t * e3)),
+            u0 + t * (u1 + t * (u2 + t * u3)),
+        )
+        vn = n1 + t * (2.0 * n2 + 3.0 * t * n3)
+        ve = e1 + t * (2.0 * e2 + 3.0 * t * e3)
+        vu = u1 + t * (2.0 * u2 + 3.0 * t * u3)
+        an, ae, au = 2.0 * n2 + 6.0 * t * n3, 2.0 * e2 + 6.0 * t * e3, 2.0 * u2 + 6.0 * t * u3
+        self.rate = rate = sqrt(vn * vn + ve * ve + vu * vu)
+        self.bend = 0.0
+        if rate > 0:
+            vn, ve, vu = vn / rate, ve / rate, vu / rate
+        else:
+            if not (an or ae or au):
+                an, ae, au = 6.0 * n3, 6.0 * e3, 6.0 * u3
+            self.bend = hypot(an, ae, au)
+            vn, ve, vu = an / self.bend, ae / self.bend, au / self.bend
+        self.unit = (vn, ve, vu)
+        self.accel = _ALONG_SHARE * limits.accel_along(vn, ve, vu)
+        self.speed_max = limits.speed_along(vn, ve, vu)
+        along = an * vn + ae * ve + au * vu
+        an, ae, au = an - along * vn, ae - along * ve, au - along * vu
+        across = sqrt(an * an + ae * ae + au * au)
+        if across > 0 and rate > 0:
+            allowed = _ACROSS_SHARE * limits.accel_along(an, ae, au)
+            self.speed_max = min(self.speed_max, rate * sqrt(allowed / across))
+
+
+class Spline:
+    """Motion along one spline leg, from ``origin`` to ``destination`` with the tangents given there.
+
+    ``assumed_speed`` is what the look ahead from the origin takes for the destination's speed
+    before that is known: ArduPilot leaves the value of the spline planned before (m/s).
+    """
+
+    __slots__ = (
+        "_coefficients", "_destination", "_limits", "_place",
+        "arriving", "destination_speed", "finished", "origin_speed", "time",
+    )  # fmt: skip
+
+    def __init__(  # noqa: PLR0913
+        self,
+        origin: Vector,
+        destination: Vector,
+        leaving: Vector,
+        arriving: Vector,
+        limits: PathLimits,
+        assumed_speed: float = 0.0,
+    ) -> None:
+        self._destination = destination
+        self._limits = limits
+        self.time = 0.0
+        self.finished = origin == destination
+        self.arriving = _NOWHERE if self.finished else arriving
+        self.origin_speed = self.destination_speed = 0.0
+        if self.finished:
+            return
+        self._coefficients = hermite(origin, destination, leaving, arriving)
+        self._place = _Place(self._coefficients, 0.0, limits)
+        self.destination_speed = assumed_speed
+        self.origin_speed = min(self._place.speed_max, self._braking_speed(self._place))
+        self.destination_speed = 0.0
+        if any(arriving):
+            self.destination_speed = _Place(self._coefficients, 1.0, limits).speed_max
+
+    def change_speed(self, limits: PathLimits) -> None:
+        """Fly the rest of the leg with other limits (SplineCurve::set_speed_accel)."""
+        self._limits = limits
+
+    def limit_destination_speed(self, speed: float) -> None:
+        """End not faster than ``speed`` (SplineCurve::set_destination_speed_max)."""
+        self.destination_speed = min(self.destination_speed, speed)
+
+    def _braking_speed(self, place: _Place) -> float:
+        """Speed from which the destination's is reached in time, over the straight distance to it."""
+        n, e, u = place.position
+        dn, de, du = self._destination
+        distance = hypot(dn - n, de - e, du - u)
+        return sqrt(2.0 * place.accel * distance + self.destination_speed**2)
+
+    def advance(self, dt: float, speed: float) -> tuple[Vector, Vector]:
+        """Target position and velocity ``dt`` seconds on; ``speed`` is that of the step before.
+
+        Source: SplineCurve::advance_target_along_track, with the step's mean speed in place of
+        its first, so that longer steps than ArduPilot's follow the same motion.
+        """
+        if self.finished:
+            return self._destination, _NOWHERE
+        place = self._place
+        allowed = min(place.speed_max, self._braking_speed(place))
+        faster = clamp(allowed, speed - place.accel * dt, speed + place.accel * dt)
+        distance = 0.5 * (speed + faster) * dt
+        self.time += distance / place.rate if place.rate > 0 else sqrt(2.0 * distance / place.bend)
+        if self.time >= 1.0:
+            self.time = 1.0
+            self.finished = True
+        self._place = place = _Place(self._coefficients, self.time, self._limits)
+        n, e, u = place.unit
+        return place.position, (n * faster, e * faster, u * faster)
