@@ -68,6 +68,10 @@ class Airframe:
         self._keep_throttle = exp(-dt / _THROTTLE_FILTER_S)
         self._keep_lean = exp(-dt / _LEAN_LAG_S)
 
+    def use_limits(self, limits: Limits) -> None:
+        """Go by other parameters from now on."""
+        self._limits = limits
+
     @property
     def attitude_rad(self) -> tuple[float, float, float]:
         """Roll, pitch and yaw."""

@@ -49,6 +49,11 @@ class MissionRun:
             item is not None and item.command == Command.LOITER_UNLIMITED and self._flight.navigation.reached
         )
 
+    @property
+    def destination_m(self) -> Vector:
+        """Where the leg that is flown ends."""
+        return self._flight.navigation.destination
+
     def step(self) -> None:
         """Check the item, go on to the next if it is done, and fly one step."""
         if not self.completed:

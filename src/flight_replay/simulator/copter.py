@@ -12,6 +12,7 @@ from flight_replay.mission import FIRST_SEQ
 from flight_replay.simulator.airframe import Airframe
 from flight_replay.simulator.auto import LocalItem
 from flight_replay.simulator.auto_run import MissionRun
+from flight_replay.simulator.drift import Drift
 from flight_replay.simulator.heading import Heading
 from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.phases import Flight, GoTo, Hold, Landing, Phase, Return, Standing, TakeOff
@@ -106,6 +107,34 @@ class Copter:
         """The mission that is running, if the vehicle is in AUTO."""
         return self._phase if isinstance(self._phase, MissionRun) else None
 
+    # parameters
+
+    def change_limits(self, limits: Limits) -> None:
+        """Fly by other parameters from now on; changed speeds hold for a mission that is under way."""
+        before, self.limits = self.limits, limits
+        self._flight.use_limits(limits)
+        for kind, old, new in (
+            (1, before.wp_speed_m_s, limits.wp_speed_m_s),
+            (2, before.wp_speed_up_m_s, limits.wp_speed_up_m_s),
+            (3, before.wp_speed_down_m_s, limits.wp_speed_down_m_s),
+        ):
+            if old != new and self.mission is not None:
+                self.change_speed(kind, new)
+
+    def change_speed(self, kind: int, speed_m_s: float) -> bool:
+        """Another speed for what is under way, kinds as in DO_CHANGE_SPEED; False if nothing takes it."""
+        flight = self._flight
+        if self.mission is not None:
+            change = {2: flight.navigation.set_speed_up, 3: flight.navigation.set_speed_down}
+            change.get(kind, flight.navigation.set_speed)(speed_m_s)
+            return True
+        if not isinstance(self._phase, TakeOff | GoTo | Drift | Hold):
+            return False
+        level, up, down = flight.control.speed_max, flight.control.speed_up, flight.control.speed_down
+        speeds = {2: (level, speed_m_s, down), 3: (level, up, speed_m_s)}
+        flight.control.set_speeds(*speeds.get(kind, (speed_m_s, up, down)))
+        return True
+
     # commands
 
     def arm(self) -> None:
@@ -131,6 +160,13 @@ class Copter:
     def goto(self, position_m: Vector) -> None:
         """Fly to a place, as GUIDED does."""
         self._phase = GoTo(self._flight, position_m)
+
+    def drift(self, velocity_m_s: Vector) -> None:
+        """Fly at a velocity, north, east, up, as GUIDED does."""
+        if isinstance(self._phase, Drift):
+            self._phase.velocity_m_s = velocity_m_s
+        else:
+            self._phase = Drift(self._flight, velocity_m_s)
 
     def hold(self) -> None:
         """Stop and stay."""

@@ -38,6 +38,10 @@ class Heading:
         self._left_rad = 0.0
         self._turn_rate = 0.0
 
+    def use_limits(self, limits: Limits) -> None:
+        """Go by other parameters from now on."""
+        self._limits = limits
+
     def hold(self) -> None:
         """Keep the present heading."""
         self.look = Look.HOLD

@@ -44,6 +44,12 @@ class Flight:
         """Where the airframe is."""
         return self.body.n, self.body.e, self.body.u
 
+    def use_limits(self, limits: Limits) -> None:
+        """Go by other parameters from now on."""
+        self.limits = limits
+        for part in (self.body, self.control, self.navigation, self.heading):
+            part.use_limits(limits)
+
 
 class Phase(Protocol):
     """Something that a copter does."""

@@ -57,6 +57,12 @@ class PositionControl:
 
     # limits and starts
 
+    def use_limits(self, limits: Limits) -> None:
+        """Go by other parameters from now on."""
+        self._limits = limits
+        self.accel_max, self.accel_z_max = limits.wp_accel_m_s2, limits.wp_accel_z_m_s2
+        self._jerk, self._jerk_z = limits.correction_jerk_m_s3, limits.correction_jerk_z_m_s3
+
     def set_speeds(self, level: float, up: float, down: float) -> None:
         """Highest speeds of targets, m/s (set_max_speed_accel_xy, _z)."""
         self.speed_max, self.speed_up, self.speed_down = level, up, down

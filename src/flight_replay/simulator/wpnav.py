@@ -52,6 +52,11 @@ class WaypointNavigation:
         self.reached = True
         self.fast = False
 
+    def use_limits(self, limits: Limits) -> None:
+        """Go by other parameters from now on."""
+        self._limits = limits
+        self._corner_accel, self._offset_jerk = limits.corner_accel_m_s2, limits.correction_jerk_m_s3
+
     @property
     def _path_limits(self) -> PathLimits:
         limits, control = self._limits, self._control
