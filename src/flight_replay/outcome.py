@@ -1,0 +1,77 @@
+"""How a replay went: the flown track against the recorded fixes that it should have followed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.compare import Spread, in_order_distances, in_time, spread
+from flight_replay.geodesy import Floats
+from flight_replay.matching import in_order
+from flight_replay.path import Path
+from flight_replay.route import Route
+from flight_replay.supervisor.plan import FlightRecord
+from flight_replay.track import Track
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """Distances of one replay, metres; None where nothing can be compared.
+
+    ``space_m`` and ``time_m`` hold a distance for each of the first fixes of the route's covered
+    track: as many as the flight got to, and as many as both clocks have.
+    """
+
+    in_space: Spread | None
+    in_time: Spread | None
+    space_m: Floats
+    time_m: Floats
+
+
+def compare_flight(route: Route, record: FlightRecord) -> Outcome:
+    """Measure a flight by DESIGN.md's measures.
+
+    A flight that was ended before the final waypoint is held only to the fixes that the route
+    covers up to the last waypoint reached.
+    """
+    due = _fixes_due(route, record)
+    space_m = _distances_in_space(due, record.flown)
+    time_m = _distances_in_time(route, record)
+    return Outcome(spread(space_m), spread(time_m), space_m, time_m)
+
+
+def _fixes_due(route: Route, record: FlightRecord) -> Track:
+    """The covered fixes on the way to the last waypoint that was reached."""
+    reached = {seq for seq, _ in record.reached}
+    last_seq = max((seq for seq, _ in route.mission.places if seq in reached), default=0)
+    if last_seq == route.mission.places[-1][0]:
+        return route.covered
+    matching = in_order(route.covered.north_east_m(), route.path.north_east_m)
+    return route.covered.select(_leads_to(route.path, matching.piece) <= last_seq)
+
+
+def _leads_to(path: Path, piece: np.typing.NDArray[np.intp]) -> np.typing.NDArray[np.intp]:
+    """Sequence number of the waypoint that each piece of the path leads to."""
+    return path.seq[np.minimum(piece + 1, len(path.seq) - 1)]
+
+
+def _distances_in_space(due: Track, flown: Track) -> Floats:
+    if not len(due) or not len(flown):
+        return np.zeros(0)
+    frame = due.frame
+    return in_order_distances(due.north_east_m(frame), flown.north_east_m(frame))
+
+
+def _distances_in_time(route: Route, record: FlightRecord) -> Floats:
+    """Recorded positions since the first fix against flown ones since the first waypoint."""
+    reached_s = dict(record.reached).get(route.mission.places[0][0])
+    if reached_s is None or not len(record.flown):
+        return np.zeros(0)
+    recorded, frame = route.covered, route.covered.frame
+    return in_time(
+        recorded.time_s - recorded.time_s[0],
+        recorded.north_east_m(frame),
+        record.flown.time_s - reached_s,
+        record.flown.north_east_m(frame),
+    )

@@ -1,0 +1,109 @@
+"""From a recorded track to the route that will be flown, and how well that follows the recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.compare import Spread, in_order_distances, spread
+from flight_replay.decimate import MAX_POINTS, SPACING_M, spaced
+from flight_replay.geodesy import Floats
+from flight_replay.mission import Mission, MissionItem, change_speed, waypoint
+from flight_replay.option_types import RECORDED, Recorded
+from flight_replay.path import Path, planned_path
+from flight_replay.track import Track
+
+FLOOR_M = 5.0
+"""Recorded heights below this are flown at this height: recordings begin and end on the ground."""
+SPEED_RATIO = 1.25
+"""A recorded leg faster or slower than the speed in force by this ratio is worth a speed change."""
+MIN_SPEED_M_S = 0.5
+"""Slowest speed worth asking for: ArduCopter ignores less than 0.2 m/s, 3.3 less than 1 m/s."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Route:
+    """A mission, the recorded fixes that it covers, and its distance from them as planned."""
+
+    method: str
+    mission: Mission
+    covered: Track
+    path: Path
+    planned_error: Spread
+    notes: tuple[str, ...] = ()
+
+
+def route_through(method: str, mission: Mission, covered: Track, notes: tuple[str, ...] = ()) -> Route:
+    """The route of a mission that was made from ``covered``, with its planned error.
+
+    Args:
+        method: name of the way in which the mission was made.
+        mission: at least one place.
+        covered: at least one fix.
+        notes: what a person should know of the planning, one sentence each.
+    """
+    path = planned_path(mission, covered.frame)
+    error = spread(in_order_distances(covered.north_east_m(), path.north_east_m))
+    assert error is not None, "a covered track has fixes"
+    return Route(method, mission, covered, path, error, notes)
+
+
+def spaced_route(
+    track: Track,
+    *,
+    spacing_m: float = SPACING_M,
+    max_points: int = MAX_POINTS,
+    altitude_m: float | Recorded = 30.0,
+    speed_m_s: float | Recorded | None = None,
+) -> Route:
+    """The route of DroneKit's example: straight waypoints at kept fixes, see ``decimate.spaced``.
+
+    Args:
+        track: at least one fix.
+        spacing_m: least distance between waypoints.
+        max_points: most waypoints; speed changes come on top.
+        altitude_m: height above home, constant or as recorded.
+        speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
+    """
+    kept = spaced(track, spacing_m, max_points)
+    places = track.select(kept)
+    heights = heights_m(places, altitude_m)
+    waypoints = [
+        waypoint(float(lat), float(lon), float(height))
+        for lat, lon, height in zip(places.lat_deg, places.lon_deg, heights, strict=True)
+    ]
+    mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)))
+    return route_through("spacing", mission, track.select(slice(0, int(kept[-1]) + 1)))
+
+
+def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:
+    """Height above home to fly at, shape (n,): constant, or as recorded but not below the floor."""
+    if altitude_m == RECORDED:
+        return np.maximum(track.alt_m, FLOOR_M)
+    return np.full(len(track), float(altitude_m))
+
+
+def _with_speeds(
+    waypoints: list[MissionItem], places: Track, speed_m_s: float | Recorded | None
+) -> list[MissionItem]:
+    """The waypoints with the speed changes that hold for the leg to the waypoint behind them."""
+    if speed_m_s is None:
+        return waypoints
+    if speed_m_s != RECORDED:
+        return [change_speed(float(speed_m_s)), *waypoints]
+    items, in_force = waypoints[:1], np.inf
+    for item, speed in zip(waypoints[1:], _leg_speeds_m_s(places), strict=True):
+        if max(speed / in_force, in_force / speed) > SPEED_RATIO:
+            items.append(change_speed(round(speed, 2)))
+            in_force = speed
+        items.append(item)
+    return items
+
+
+def _leg_speeds_m_s(places: Track) -> list[float]:
+    """Mean recorded ground speed of every leg between kept fixes, metres per second."""
+    steps_m = np.linalg.norm(np.diff(places.north_east_m(), axis=0), axis=1)
+    steps_s = np.diff(places.time_s)
+    speeds = np.divide(steps_m, steps_s, out=np.full(len(steps_m), np.inf), where=steps_s > 0)
+    return [float(speed) for speed in np.clip(speeds, MIN_SPEED_M_S, 30.0)]
