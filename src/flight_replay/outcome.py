@@ -14,6 +14,8 @@ from flight_replay.route import Route
 from flight_replay.supervisor.plan import FlightRecord
 from flight_replay.track import Track
 
+_ON_THE_SPOT_M = 0.001
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
@@ -48,12 +50,14 @@ def _fixes_due(route: Route, record: FlightRecord) -> Track:
     if last_seq == route.mission.places[-1][0]:
         return route.covered
     matching = in_order(route.covered.north_east_m(), route.path.north_east_m)
-    return route.covered.select(_leads_to(route.path, matching.piece) <= last_seq)
+    return route.covered.select(matching.along_m <= _reach_m(route.path, last_seq) + _ON_THE_SPOT_M)
 
 
-def _leads_to(path: Path, piece: np.typing.NDArray[np.intp]) -> np.typing.NDArray[np.intp]:
-    """Sequence number of the waypoint that each piece of the path leads to."""
-    return path.seq[np.minimum(piece + 1, len(path.seq) - 1)]
+def _reach_m(path: Path, seq: int) -> float:
+    """Length of the path up to item ``seq``, metres; below zero before the first."""
+    steps_m = np.linalg.norm(np.diff(path.north_east_m, axis=0), axis=1)
+    behind = np.flatnonzero(path.seq <= seq)
+    return float(steps_m[: behind[-1]].sum()) if len(behind) else -1.0
 
 
 def _distances_in_space(due: Track, flown: Track) -> Floats:
