@@ -168,6 +168,12 @@ class Copter:
         else:
             self._phase = Drift(self._flight, velocity_m_s)
 
+    def look(
+        self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False
+    ) -> None:
+        """Turn to a heading, or by an angle, until a command looks elsewhere."""
+        self._flight.heading.fix(angle_rad, rate_rad_s, direction, relative=relative)
+
     def hold(self) -> None:
         """Stop and stay."""
         self._phase = Hold(self._flight)
