@@ -1,0 +1,138 @@
+"""Where a log's bytes come from: a file, a compressed file, or standard input."""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO, Protocol
+
+from flight_replay.errors import LogError
+
+STANDARD_INPUT = "-"
+_GZIP_MARK = b"\x1f\x8b\x08"
+_HEAD_LENGTH = 512
+
+
+class Stream(Protocol):
+    """Bytes in order; ``read`` returns at most ``size`` of them, and none at the end only."""
+
+    def read(self, size: int) -> bytes: ...
+
+
+class Source:
+    """An open log: ``descriptor`` where any part can be read at any time, else ``stream``.
+
+    ``size`` is the number of stored bytes, 0 where that is not known beforehand; ``position``
+    tells how many of them the stream has taken.
+    """
+
+    def __init__(self, name: str, file: BinaryIO, size: int = 0) -> None:
+        self.name = name
+        self.size = size
+        self._file = file
+        self.head = b""
+        while len(self.head) < _HEAD_LENGTH and (more := file.read(_HEAD_LENGTH - len(self.head))):
+            self.head += more
+        self._held = self.head
+        self.position = 0
+        self.is_compressed = self.head.startswith(_GZIP_MARK)
+
+    @property
+    def descriptor(self) -> int | None:
+        """A file descriptor for reading at offsets, where the log is a plain file."""
+        return self._file.fileno() if self.size and not self.is_compressed else None
+
+    @property
+    def stream(self) -> Stream:
+        """The log's bytes in order, decompressed."""
+        return _Unpacked(self) if self.is_compressed else self
+
+    def read(self, size: int) -> bytes:
+        """The next stored bytes."""
+        data, self._held = self._held[:size], self._held[size:]
+        data = data or self._file.read(size)
+        self.position += len(data)
+        return data
+
+
+class _Unpacked:
+    """The contents of gzip members one after another, up to the first fault."""
+
+    def __init__(self, packed: Stream) -> None:
+        self._packed = packed
+        self._inflate = zlib.decompressobj(wbits=31)
+        self._pending = b""
+
+    def read(self, size: int) -> bytes:
+        """The next decompressed bytes; a torn or damaged end reads like an end."""
+        while True:
+            if self._inflate.eof:
+                self._pending = self._inflate.unused_data
+                self._inflate = zlib.decompressobj(wbits=31)
+            self._pending = self._pending or self._packed.read(size)
+            if not self._pending:
+                return b""
+            try:
+                data = self._inflate.decompress(self._pending, size)
+            except zlib.error:
+                self._pending = b""
+                return b""
+            self._pending = self._inflate.unconsumed_tail
+            if data:
+                return data
+
+
+@contextmanager
+def opened(path: Path | str) -> Iterator[Source]:
+    """The log at a path, or on standard input for ``-``.
+
+    Raises:
+        LogError: It cannot be opened or is a directory.
+    """
+    if str(path) == STANDARD_INPUT:
+        yield Source("standard input", sys.stdin.buffer)
+        return
+    try:
+        file = Path(path).open("rb", buffering=0)
+    except IsADirectoryError:
+        raise LogError(f"{path} is a directory; name a log file in it") from None
+    except FileNotFoundError:
+        raise LogError(f"{path} does not exist; name a log with --tlog") from None
+    except (OSError, ValueError) as error:
+        raise LogError(f"{path} cannot be opened ({error}); name a readable log with --tlog") from error
+    with file:
+        status = os.fstat(file.fileno())
+        yield Source(str(path), file, status.st_size if stat.S_ISREG(status.st_mode) else 0)
+
+
+def what_it_is(head: bytes) -> str:
+    """What a file without any record looks like, by its first bytes."""
+    for mark, kind in _KINDS:
+        if head.startswith(mark):
+            return kind
+    if not head:
+        return "is empty"
+    if head[1::2].count(0) > len(head) // 3 or head[::2].count(0) > len(head) // 3:
+        return "is text in UTF-16, not a MAVLink log" if _is_text(head.replace(b"\0", b"")) else _UNKNOWN
+    return "is text, not a MAVLink log" if _is_text(head) else _UNKNOWN
+
+
+def _is_text(head: bytes) -> bool:
+    return bool(head) and all(byte >= 32 or byte in b"\t\r\n\f" for byte in head) and max(head) < 127
+
+
+_UNKNOWN = "holds no MAVLink position, heartbeat or GPS record"
+_KINDS = (
+    (b"version https://git-lfs", "is a git LFS pointer, not the log itself (git lfs pull fetches it)"),
+    (b"\xff\xfe", "is text in UTF-16, not a MAVLink log"),
+    (b"\xfe\xff", "is text in UTF-16, not a MAVLink log"),
+    (b"\xa3\x95", "is a DataFlash log, not a telemetry log"),
+    (b"ULog\x01\x12\x35", "is a PX4 ULog, not a telemetry log"),
+    (b"PK\x03\x04", "is a ZIP archive (unpack it first)"),
+    (_GZIP_MARK, "is gzip data that holds no MAVLink position, heartbeat or GPS record"),
+)
