@@ -75,7 +75,7 @@ class Limits:
             parameters: ArduPilot names to values in ArduPilot's units, of any version from 3.3 to 4.7.
         """
         values = {}
-        for name, (field, scale) in _PARAMETERS.items():
+        for name, (field, scale) in PARAMETERS.items():
             if name in parameters:
                 values[field] = float(parameters[name]) * scale
         limits = cls(**{f.name: values.get(f.name, f.default) for f in fields(cls)})
@@ -125,7 +125,7 @@ class Limits:
         return min(self.shaping_jerk_z_m_s3, min(GRAVITY_M_S2, self.wp_accel_z_m_s2) * 8.0 * pi)
 
 
-_PARAMETERS: dict[str, tuple[str, float]] = {
+PARAMETERS: dict[str, tuple[str, float]] = {
     # Names and units up to 4.6, then 4.7's; a table holds one or the other.
     "WPNAV_SPEED": ("wp_speed_m_s", _CENTI),
     "WPNAV_ACCEL": ("wp_accel_m_s2", _CENTI),
@@ -184,3 +184,4 @@ _PARAMETERS: dict[str, tuple[str, float]] = {
     "LAND_ALT_LOW_M": ("land_altitude_low_m", 1.0),
     "CIRCLE_RADIUS_M": ("circle_radius_m", 1.0),
 }
+"""ArduPilot parameter names to the field that they set and its SI units per unit of theirs."""

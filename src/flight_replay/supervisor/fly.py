@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 import numpy as np
 
 from flight_replay.errors import VehicleError
-from flight_replay.events import Finished, Listener, Phase, PhaseStarted, VehicleState, ignore
+from flight_replay.events import Listener, Phase, PhaseStarted, VehicleState, ignore
 from flight_replay.mission import FIRST_SEQ
 from flight_replay.supervisor.contract import Clock, Vehicle
 from flight_replay.supervisor.phases import arm, change_mode, take_off, verify_mission, wait_ready
@@ -26,7 +26,8 @@ def fly(vehicle: Vehicle, clock: Clock, plan: Plan, listener: Listener = ignore)
 
     Whatever ends the flight once arming was asked for (an error, Ctrl-C, a ``SystemExit`` raised on
     SIGTERM) commands RTL first and emits whether the vehicle confirmed it; only a pilot or a
-    failsafe that changed the mode is not overruled. A flight that reached AUTO is handed back
+    failsafe that changed the mode is not overruled. ``Finished`` is left to the caller, who has the
+    vehicle to close first. A flight that reached AUTO is handed back
     even where it ended otherwise than asked: see ``FlightRecord.problem``.
 
     Raises:
@@ -44,9 +45,7 @@ def fly(vehicle: Vehicle, clock: Clock, plan: Plan, listener: Listener = ignore)
         watch.emit(PhaseStarted(Phase.MISSION))
         watch.record_auto()
         change_mode(watch, "AUTO")
-        record = _follow(watch, plan)
-    watch.emit(Finished(record.ended))
-    return record
+        return _follow(watch, plan)
 
 
 @contextmanager

@@ -27,7 +27,7 @@ def wait_ready(watch: Watch) -> None:
     pace, report = Pace(watch), Deadline(watch, _PREARM_REPORT_S)
     deadline = Deadline(watch, watch.deadlines.prearm_s)
     while not _known_ready(watch):
-        reason = watch.reason or (watch.readiness.reason if watch.readiness else "it says nothing")
+        reason = watch.reason or (watch.readiness.reason if watch.readiness else "")
         if deadline.passed:
             raise PhaseTimeoutError(_late("was not ready to arm", watch.deadlines.prearm_s, reason))
         if report.passed:

@@ -1,0 +1,112 @@
+"""Reads the mission on board, several items under way at once: requests do not depend on each other."""
+
+from __future__ import annotations
+
+from flight_replay.errors import VehicleError
+from flight_replay.mission import MissionItem
+from flight_replay.vehicle.items import item_of
+from flight_replay.vehicle.mavlink import MISSION_RESULTS, Message, dialect
+from flight_replay.vehicle.port import Inbox, Port
+from flight_replay.vehicle.timing import RoundTrip
+
+_WINDOW = 8  # Requests under way: what a small receive buffer holds (MISSION_REQUEST_INT is 17 bytes).
+_QUIET_S = 12.0  # Without anything new this long (more than ArduPilot's 8 s for others), reading failed.
+_BUSY_S = 0.5
+
+
+class Reader:
+    """One reading of the mission on board; ``items`` includes home's slot, number 0."""
+
+    def __init__(self, port: Port, trip: RoundTrip, *, as_int: bool) -> None:
+        self._port, self._trip, self._as_int = port, trip, as_int
+        self._found: dict[int, MissionItem] = {}
+        self._asked_s: dict[int, float] = {}
+        self._first_asked: dict[int, float] = {}
+
+    def read(self) -> list[MissionItem]:
+        """All items, home's slot first; none if the vehicle has none.
+
+        Raises:
+            VehicleError: The vehicle does not answer, or refuses.
+        """
+        kinds = ("MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_ACK")
+        with self._port.inbox(*kinds) as inbox:
+            count = self._count(inbox)
+            self._collect(inbox, count)
+        self._port.send(
+            dialect.MAVLink_mission_ack_message(
+                self._port.system, self._port.component, dialect.MAV_MISSION_ACCEPTED
+            )
+        )
+        return [self._found[seq] for seq in range(count)]
+
+    def _count(self, inbox: Inbox) -> int:
+        port, end_s = self._port, self._port.now_s() + _QUIET_S
+        refusal = ""
+        while port.now_s() < end_s:
+            port.send(dialect.MAVLink_mission_request_list_message(port.system, port.component))
+            asked_s = port.now_s()
+            while (message := inbox.get(asked_s + self._trip.again_s - port.now_s())) is not None:
+                if message.get_type() == "MISSION_COUNT" and _is_mission(message):
+                    self._trip.took(port.now_s() - asked_s)
+                    return int(message.count)
+                if message.get_type() == "MISSION_ACK" and message.type != dialect.MAV_MISSION_ACCEPTED:
+                    refusal = f": {MISSION_RESULTS.get(message.type, message.type)}"
+                    inbox.get(_BUSY_S)
+            self._trip.lost()
+        raise VehicleError(
+            f"the vehicle did not tell its mission within {_QUIET_S:.0f} s{refusal}; check the link"
+        )
+
+    def _collect(self, inbox: Inbox, count: int) -> None:
+        progress_s = self._port.now_s()
+        while len(self._found) < count:
+            if self._port.now_s() - progress_s > _QUIET_S:
+                missing = min(set(range(count)) - self._found.keys())
+                raise VehicleError(
+                    f"the vehicle did not send mission item {missing} within {_QUIET_S:.0f} s; check the link"
+                )
+            self._ask(count)
+            message = inbox.get(self._trip.again_s / 4)
+            while message is not None:
+                if self._take(message, count):
+                    progress_s = self._port.now_s()
+                    self._ask(count)
+                message = inbox.get(0.0)
+
+    def _ask(self, count: int) -> None:
+        """Keep a window of requests under way, asking again for those that are overdue."""
+        now_s = self._port.now_s()
+        missing = [seq for seq in range(count) if seq not in self._found][:_WINDOW]
+        for seq in missing:
+            if now_s - self._asked_s.get(seq, float("-inf")) < self._trip.again_s:
+                continue
+            if seq in self._asked_s:
+                self._trip.lost()
+            self._asked_s[seq] = now_s
+            self._first_asked.setdefault(seq, now_s)
+            self._port.send(self._request(seq))
+
+    def _request(self, seq: int) -> Message:
+        port = self._port
+        kind = dialect.MAVLink_mission_request_int_message if self._as_int else None
+        kind = kind or dialect.MAVLink_mission_request_message
+        return kind(port.system, port.component, seq)
+
+    def _take(self, message: Message, count: int) -> bool:
+        """Whether the message brought an item that was missing."""
+        kind = message.get_type()
+        wanted = "MISSION_ITEM_INT" if self._as_int else "MISSION_ITEM"
+        if kind != wanted or not _is_mission(message) or message.seq >= count or message.seq in self._found:
+            return False
+        if message.seq not in self._asked_s:
+            return False
+        if self._asked_s[message.seq] == self._first_asked[message.seq]:
+            self._trip.took(self._port.now_s() - self._asked_s[message.seq])
+        self._found[message.seq] = item_of(message)
+        return True
+
+
+def _is_mission(message: Message) -> bool:
+    """Whether a message is about the mission, not the fence or rally points."""
+    return bool(getattr(message, "mission_type", 0) == dialect.MAV_MISSION_TYPE_MISSION)

@@ -1,0 +1,39 @@
+"""Asks for the reports that the supervisor lives on, and again when they stop."""
+
+from __future__ import annotations
+
+from flight_replay.vehicle.mavlink import dialect
+from flight_replay.vehicle.port import Port
+from flight_replay.vehicle.telemetry import Telemetry
+
+_AGAIN_S = 1.5
+_STALE_S = 2.0
+_RATES_HZ = {
+    dialect.MAV_DATA_STREAM_EXTENDED_STATUS: 4,
+    dialect.MAV_DATA_STREAM_POSITION: 10,
+    dialect.MAV_DATA_STREAM_EXTRA1: 4,
+    dialect.MAV_DATA_STREAM_EXTRA2: 2,
+    dialect.MAV_DATA_STREAM_EXTRA3: 2,
+}
+"""Reports per second of the vehicle's time: the path flown is measured by its positions."""
+
+
+class Streams:
+    """Keeps the reports coming: a request may get lost, and a reboot forgets it."""
+
+    def __init__(self, port: Port, telemetry: Telemetry) -> None:
+        self._port, self._telemetry = port, telemetry
+        self._asked_s = float("-inf")
+
+    def keep(self) -> None:
+        """Ask if what was asked for does not come."""
+        now_s = self._port.now_s()
+        if now_s - self._asked_s < _AGAIN_S or now_s - self._telemetry.reported_s < _STALE_S:
+            return
+        self._asked_s = now_s
+        for stream, rate_hz in _RATES_HZ.items():
+            self._port.send(
+                dialect.MAVLink_request_data_stream_message(
+                    self._port.system, self._port.component, stream, rate_hz, 1
+                )
+            )

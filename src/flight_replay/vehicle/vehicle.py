@@ -1,0 +1,170 @@
+"""A connected vehicle: everything that the program asks of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any
+
+from flight_replay.errors import PhaseTimeoutError
+from flight_replay.events import (
+    Listener,
+    Notice,
+    Phase,
+    PhaseStarted,
+    Progress,
+    VehicleState,
+    Waiting,
+    ignore,
+)
+from flight_replay.mission import Mission
+from flight_replay.record import Recorder
+from flight_replay.supervisor.contract import News
+from flight_replay.vehicle.commands import Commands
+from flight_replay.vehicle.drone import dronekit_vehicle
+from flight_replay.vehicle.identity import Identity, find_vehicle, identify
+from flight_replay.vehicle.link import Link
+from flight_replay.vehicle.names import mode_number
+from flight_replay.vehicle.on_board import OnBoard
+from flight_replay.vehicle.opening import opened
+from flight_replay.vehicle.parameters import limits_as_parameters, parameters_set, read_parameters
+from flight_replay.vehicle.port import LinkPort
+from flight_replay.vehicle.sightings import Sighting, Sightings
+from flight_replay.vehicle.streams import Streams
+from flight_replay.vehicle.telemetry import Telemetry
+
+CONNECT_LIMIT_S = 30.0
+_TELL_S = 1.0
+
+
+class ConnectedVehicle:
+    """A vehicle on an open link; fulfils ``supervisor.Vehicle``.
+
+    ``identity`` says what it is, ``drone`` is DroneKit's view of it.
+    """
+
+    def __init__(self, link: Link, sighting: Sighting) -> None:
+        """Talk to the vehicle that was sighted on a link that runs."""
+        self.drone: Any = dronekit_vehicle(link, sighting.system, sighting.component)
+        self._link = link
+        self._port = LinkPort(link, self.drone, sighting.system, sighting.component)
+        self._commands = Commands(self._port)
+        self._telemetry = Telemetry(sighting.system, sighting.component, self.drone, self._commands)
+        link.add_receiver(self._telemetry.receive)
+        self._streams = Streams(self._port, self._telemetry)
+        self._streams.keep()
+        self.identity: Identity = identify(self._port, sighting)
+        self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int)
+
+    def news(self, timeout_s: float) -> Sequence[News]:
+        """Everything reported since the last call, in order; waits for the first until the timeout."""
+        self._streams.keep()
+        return self._telemetry.take(timeout_s)
+
+    def ask_mode(self, mode: str) -> None:
+        """Ask for a flight mode by ArduCopter's name of it."""
+        self._commands.set_mode(mode_number(mode))
+
+    def ask_arm(self) -> None:
+        """Ask to arm, with all of the vehicle's own checks."""
+        self._commands.arm()
+
+    def ask_takeoff(self, altitude_m: float) -> None:
+        """Ask to climb to ``altitude_m`` above home."""
+        self._commands.take_off(altitude_m)
+
+    def ask_prearm_report(self) -> None:
+        """Ask for the reasons against arming."""
+        self._commands.report_prearm()
+
+    def upload(self, mission: Mission, listener: Listener = ignore) -> None:
+        """Put a mission on board, read it back and compare.
+
+        Raises:
+            MissionError: The vehicle refuses it.
+            VehicleError: The link fails, or what is on board is not what was sent.
+        """
+        total = len(mission.items)
+        listener(PhaseStarted(Phase.UPLOAD, str(len(mission.places))))
+        self._on_board.put(mission, lambda done: listener(Progress("mission items", done, total)))
+
+    def mission_verified(self) -> bool:
+        """Whether the mission on board is, item for item, the one that was uploaded."""
+        return self._on_board.verified()
+
+    def mission_on_board(self) -> Mission:
+        """The mission that is on board now, under the vehicle's home.
+
+        Raises:
+            VehicleError: The vehicle does not tell.
+        """
+        return self._on_board.read()
+
+    def wait_position(self, limit_s: float, listener: Listener = ignore) -> VehicleState:
+        """Where the vehicle is, waiting until it knows: seconds here.
+
+        Raises:
+            PhaseTimeoutError: It does not know in time.
+        """
+        now_s = self._port.now_s
+        end_s, tell_s = now_s() + limit_s, now_s()
+        while now_s() < end_s:
+            for news in self.news(0.1):
+                if isinstance(news, VehicleState):
+                    return news
+            if now_s() - tell_s >= _TELL_S:
+                tell_s = now_s()
+                listener(Waiting(Phase.PREARM, "no position yet"))
+        raise PhaseTimeoutError(
+            f"the vehicle does not know where it is after {limit_s:.0f} s; give its GPS a view of the sky"
+        )
+
+    def parameters(self, names: Iterable[str]) -> dict[str, float]:
+        """Values of those of the named parameters that the vehicle has, in its own units."""
+        return read_parameters(self._port, names)
+
+    def parameters_set(self, wanted: Mapping[str, float]) -> AbstractContextManager[None]:
+        """Set parameters, in the vehicle's own units, for as long as the context lasts."""
+        return parameters_set(self._port, wanted)
+
+    def limits_as_parameters(self, limits: Mapping[str, float]) -> dict[str, float]:
+        """Parameters in the vehicle's naming scheme for fields of ``simulator.limits.Limits``, SI units."""
+        return limits_as_parameters(self._port, limits)
+
+
+@contextmanager
+def connect(  # noqa: PLR0913
+    connection_string: str,
+    *,
+    baud: int = 57600,
+    listener: Listener = ignore,
+    speedup: float = 1.0,
+    recorder: Recorder | None = None,
+    limit_s: float = CONNECT_LIMIT_S,
+) -> Iterator[ConnectedVehicle]:
+    """Connect through DroneKit to the vehicle behind a connection string, and close on every way out.
+
+    Args:
+        connection_string: As DroneKit takes it: see ``transport``.
+        baud: Speed of a serial port.
+        listener: Hears the phases CONNECT and CLOSE, and of neighbours on the link.
+        speedup: How fast the vehicle's clock runs, for heartbeats often enough by it.
+        recorder: Keeps every frame of both directions.
+        limit_s: Seconds to wait for a vehicle.
+
+    Raises:
+        VehicleError: The connection cannot be opened, or no vehicle is heard.
+    """
+    listener(PhaseStarted(Phase.CONNECT, connection_string))
+    link = Link(opened(connection_string, baud), speedup=speedup, recorder=recorder)
+    try:
+        sightings = Sightings(speedup)
+        link.add_receiver(sightings.receive)
+        link.start()
+        sighting = find_vehicle(sightings, connection_string, limit_s)
+        for other in sightings.vehicles[1:]:
+            listener(Notice(f"vehicle {other.system} is on this link too and is left alone", warning=True))
+        yield ConnectedVehicle(link, sighting)
+    finally:
+        listener(PhaseStarted(Phase.CLOSE))
+        link.close()
