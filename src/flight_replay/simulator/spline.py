@@ -85,7 +85,7 @@ class Spline:
 
     __slots__ = (
         "_coefficients", "_destination", "_limits", "_place",
-        "arriving", "destination_speed", "finished", "origin_speed", "time",
+        "arriving", "destination_speed", "finished", "origin_speed", "time", "unused_s",
     )  # fmt: skip
 
     def __init__(  # noqa: PLR0913
@@ -99,7 +99,7 @@ class Spline:
     ) -> None:
         self._destination = destination
         self._limits = limits
-        self.time = 0.0
+        self.time = self.unused_s = 0.0
         self.finished = origin == destination
         self.arriving = _NOWHERE if self.finished else arriving
         self.origin_speed = self.destination_speed = 0.0
@@ -131,19 +131,20 @@ class Spline:
     def advance(self, dt: float, speed: float) -> tuple[Vector, Vector]:
         """Target position and velocity ``dt`` seconds on; ``speed`` is that of the step before.
 
-        Source: SplineCurve::advance_target_along_track, with the step's mean speed in place of
-        its first, so that longer steps than ArduPilot's follow the same motion.
+        Source: SplineCurve::advance_target_along_track. There the speed is limited where the step
+        began; here where it ends, so that longer steps than ArduPilot's brake no later.
         """
         if self.finished:
             return self._destination, _NOWHERE
         place = self._place
-        allowed = min(place.speed_max, self._braking_speed(place))
-        faster = clamp(allowed, speed - place.accel * dt, speed + place.accel * dt)
-        distance = 0.5 * (speed + faster) * dt
+        distance = speed * dt
         self.time += distance / place.rate if place.rate > 0 else sqrt(2.0 * distance / place.bend)
         if self.time >= 1.0:
+            self.unused_s = (self.time - 1.0) * place.rate / speed
             self.time = 1.0
             self.finished = True
         self._place = place = _Place(self._coefficients, self.time, self._limits)
+        allowed = min(place.speed_max, self._braking_speed(place))
+        speed = clamp(allowed, speed - place.accel * dt, speed + place.accel * dt)
         n, e, u = place.unit
-        return place.position, (n * faster, e * faster, u * faster)
+        return place.position, (n * speed, e * speed, u * speed)

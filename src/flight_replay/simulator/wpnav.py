@@ -7,18 +7,33 @@ cut. The target's clock slows down when the copter falls behind it. Metres north
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import erf, exp, hypot, pi, sqrt
 
 from flight_replay.simulator.airframe import Airframe
-from flight_replay.simulator.control import clamp, shape_velocity
+from flight_replay.simulator.control import clamp
 from flight_replay.simulator.limits import MIN_SPEED_M_S, Limits
 from flight_replay.simulator.position_control import PositionControl
 from flight_replay.simulator.scurve import PathLimits, SCurve, Vector
 from flight_replay.simulator.spline import Spline
 
 _NOWHERE = (0.0, 0.0, 0.0)
+_SQRT_HALF, _BELL = sqrt(0.5), 1.0 / sqrt(2.0 * pi)
 # AC_WPNav::advance_wp_target_along_track: speed that the target may have beyond the copter's.
 _AHEAD_SHARE = 0.05
+# Noise of the speed that a position estimate shows at rest. It decides whether the target's clock
+# starts fast or slow, by 0.2 s on a leg from rest; the model takes the mean.
+_NOISE_M_S = 0.005
+_NOISE_MATTERS = 0.02
+
+
+def _mean_clamped(mean: float, deviation: float) -> float:
+    """Mean of a noisy value that is kept within 0 and 1."""
+    if deviation < _NOISE_MATTERS:
+        return clamp(mean, 0.0, 1.0)
+    low, high = mean / deviation, (mean - 1.0) / deviation
+    above_low, above_high = 0.5 * (1.0 + erf(low * _SQRT_HALF)), 0.5 * (1.0 + erf(high * _SQRT_HALF))
+    bell = exp(-0.5 * low * low) - exp(-0.5 * high * high)
+    return mean * (above_low - above_high) + above_high + deviation * bell * _BELL
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
@@ -32,7 +47,6 @@ class WaypointNavigation:
         self._limits, self._body, self._control = limits, body, control
         self._dt = body.dt
         self._corner_accel = limits.corner_accel_m_s2
-        self._offset_jerk = limits.correction_jerk_m_s3
         self.start()
 
     def start(self, speed_m_s: float = 0.0, at: Vector | None = None) -> None:
@@ -48,7 +62,7 @@ class WaypointNavigation:
         self._next_spline: Spline | None = None
         self._assumed_speed = 0.0
         self._clock_rate = 1.0
-        self._offset_speed, self._offset_accel = self._speed, 0.0
+        self._unused_s = 0.0
         self.reached = True
         self.fast = False
 
@@ -76,7 +90,6 @@ class WaypointNavigation:
         """Change the horizontal speed, now and for legs to come (set_speed_xy)."""
         if speed_m_s < MIN_SPEED_M_S:
             return
-        self._offset_speed *= speed_m_s / self._speed
         self._speed = speed_m_s
         control = self._control
         control.set_speeds(speed_m_s, control.speed_up, control.speed_down)
@@ -157,14 +170,13 @@ class WaypointNavigation:
     def advance(self) -> None:
         """Fly the airframe one step towards the target, and move the target on (update_wpnav)."""
         control = self._control
+        dt = self._dt * self._clock() + self._unused_s
         control.update()
-        self._shape_offset()
-        dt = self._dt * self._clock() * self._offset_speed / self._speed
         if self._spline is not None:
             speed = hypot(control.vn, control.ve, control.vu)
             position, velocity = self._spline.advance(dt, speed)
             accel = _NOWHERE
-            finished = self._spline.finished
+            finished, self._unused_s = self._spline.finished, self._spline.unused_s
         else:
             position, velocity, accel, finished = self._advance_straight(dt)
         control.set_target(position, velocity, accel)
@@ -186,51 +198,44 @@ class WaypointNavigation:
             behind = (control.n - body.n) * vn + (control.e - body.e) * ve + (control.u - body.u) * vu
             made_good = body.vn * vn + body.ve * ve + body.vu * vu
             gain = self._limits.position_p
-            wanted = clamp(_AHEAD_SHARE + (made_good - gain * behind) / (speed * speed), 0.0, 1.0)
+            wanted = _AHEAD_SHARE + (made_good - gain * behind) / (speed * speed)
+            wanted = _mean_clamped(wanted, _NOISE_M_S / speed)
         # The C code multiplies the acceleration in cm/s² by 0.01 and divides by the jerk in m/s³.
         smooth_s = self._limits.wp_accel_m_s2 / self._limits.wp_jerk_m_s3
         self._clock_rate += (wanted - self._clock_rate) * self._dt / smooth_s
         return self._clock_rate
 
-    def _shape_offset(self) -> None:
-        """Follow a changed speed smoothly by scaling time (_offset_vel)."""
-        if self._offset_speed == self._speed and self._offset_accel == 0:
-            return
-        self._offset_speed += self._offset_accel * self._dt
-        self._offset_accel = shape_velocity(
-            self._speed - self._offset_speed,
-            0.0,
-            self._offset_accel,
-            self._limits.wp_accel_m_s2,
-            self._offset_jerk,
-            self._dt,
-            total=True,
-        )
-
     def _advance_straight(self, dt: float) -> tuple[Vector, Vector, Vector, bool]:
         """Target on straight legs: the sum of the leg before, this one and the next (SCurve.cpp)."""
         leg, previous, following = self._leg, self._previous, self._next
-        n, e, u = self._origin
         moves = []
         if not previous.finished:
             position, speed, accel = previous.advance(dt)
             moves.append((previous.direction, position - previous.length, speed, accel))
         if not leg.empty:
+            self._unused_s = max(0.0, leg.time + dt - leg.end_time) if self.fast else 0.0
             moves.append((leg.direction, *leg.advance(dt)))
         finished = leg.finished
-        if following.time == 0 and self.fast and self._may_turn(dt):
-            moves.append((following.direction, *following.advance(dt)))
-        elif following.time > 0:
+        if following.time > 0:
             moves.append((following.direction, *following.advance(dt)))
             finished = finished or following.time >= leg.end_time - leg.time
+            self._unused_s = 0.0
+        elif self.fast and self._may_turn():
+            # The moment has come within the last step, on average in its middle.
+            moves.append((following.direction, *following.advance(0.5 * dt)))
+        return *self._sum(moves), finished
+
+    def _sum(self, moves: list[tuple[Vector, float, float, float]]) -> tuple[Vector, Vector, Vector]:
+        """Position, velocity and acceleration of motions along several directions."""
+        n, e, u = self._origin
         vn = ve = vu = an = ae = au = 0.0
         for (dn, de, du), position, speed, accel in moves:
             n, e, u = n + dn * position, e + de * position, u + du * position
             vn, ve, vu = vn + dn * speed, ve + de * speed, vu + du * speed
             an, ae, au = an + dn * accel, ae + de * accel, au + du * accel
-        return (n, e, u), (vn, ve, vu), (an, ae, au), finished
+        return (n, e, u), (vn, ve, vu), (an, ae, au)
 
-    def _may_turn(self, dt: float) -> bool:
+    def _may_turn(self) -> bool:
         """Whether the next leg may begin: its overlap stays within radius, speed and acceleration.
 
         Source: SCurve::advance_target_along_track.
@@ -238,21 +243,18 @@ class WaypointNavigation:
         leg, following = self._leg, self._next
         if following.empty or leg.time < leg.turn_out_time - following.turn_in_time:
             return False
-        if leg.position * 2.0 < leg.length:
-            return False
         half = 0.5 * (leg.end_time - leg.time)
-        if 2.0 * half >= 0.5 * following.end_time:
+        if leg.position * 2.0 < leg.length or 2.0 * half >= 0.5 * following.end_time:
             return False
         position, speed, accel = leg.at(leg.time + half)
         position2, speed2, accel2 = following.at(half)
         n, e, u = leg.direction
         n2, e2, u2 = following.direction
         position -= leg.length
-        apart = hypot(
-            n * position + n2 * position2, e * position + e2 * position2, u * position + u2 * position2
+        up = u * position + u2 * position2
+        return (
+            hypot(n * position + n2 * position2, e * position + e2 * position2, up) < self._limits.wp_radius_m
+            and hypot(n * speed + n2 * speed2, e * speed + e2 * speed2)
+            < min(leg.top_speed, following.top_speed)
+            and hypot(n * accel + n2 * accel2, e * accel + e2 * accel2) < self._corner_accel
         )
-        if apart >= self._limits.wp_radius_m:
-            return False
-        return hypot(n * accel + n2 * accel2, e * accel + e2 * accel2) < self._corner_accel and hypot(
-            n * speed + n2 * speed2, e * speed + e2 * speed2
-        ) < min(leg.top_speed, following.top_speed)

@@ -1,0 +1,152 @@
+"""The built-in copter against recordings of ArduCopter, and what simulating costs.
+
+    python benchmarks/simulator.py [DIRECTORY] [NAME...]
+
+The directory holds, per mission, NAME.waypoints (QGC WPL 110 with home as item 0), NAME.csv
+(GLOBAL_POSITION_INT from arming to landing, with mode) and NAME.json (auto_start_ms, reached,
+text), as its README describes. Distances are horizontal, of recorded positions in AUTO from
+ours: in space in order, in time since the first waypoint was reached.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from flight_replay.compare import in_order_distances, in_time
+from flight_replay.geodesy import Floats
+from flight_replay.mission import Home, Mission, MissionItem, waypoint
+from flight_replay.simulator.limits import Limits
+from flight_replay.simulator.model import Trajectory, home_frame, simulate, simulate_flight
+
+TRUTH = Path(__file__).resolve().parents[2] / "shared" / "arducopter"
+AUTO, RTL = 3, 6
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A recorded flight: seconds since boot, metres north, east, up of home, and when things happened."""
+
+    mission: Mission
+    time_s: Floats
+    position_m: Floats
+    mode: Floats
+    auto_s: float
+    reached_s: dict[int, float]
+    disarmed_s: float
+
+    @property
+    def last_s(self) -> float:
+        return max(self.reached_s.values())
+
+
+def read_mission(path: Path) -> Mission:
+    rows = [line.split() for line in path.read_text().splitlines()[1:] if line.strip()]
+    home = Home(*(float(value) for value in rows[0][8:11]))
+    items = tuple(
+        MissionItem(int(r[3]), int(r[2]), tuple(map(float, r[4:8])), float(r[8]), float(r[9]), float(r[10]))  # type: ignore[arg-type]
+        for r in rows[1:]
+    )
+    return Mission(items, home)
+
+
+def read_recording(directory: Path, name: str) -> Recording:
+    mission = read_mission(directory / f"{name}.waypoints")
+    columns = np.genfromtxt(directory / f"{name}.csv", delimiter=",", names=True)
+    story = json.loads((directory / f"{name}.json").read_text())
+    ground = home_frame(mission).to_metres(columns["lat_e7"] * 1e-7, columns["lon_e7"] * 1e-7)
+    disarmed = [t for t, text in story["text"] if "Disarming" in text]
+    return Recording(
+        mission,
+        columns["time_boot_ms"] * 1e-3,
+        np.column_stack([ground, columns["relative_alt_mm"] * 1e-3]),
+        columns["mode"],
+        story["auto_start_ms"] * 1e-3,
+        {seq: t * 1e-3 for t, seq in story["reached"]},
+        disarmed[-1] * 1e-3 if disarmed else float("nan"),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """Distances, m, and durations, s: theirs and ours."""
+
+    space: Floats
+    in_time: Floats
+    auto_s: tuple[float, float]
+    takeoff_s: tuple[float, float]
+    rtl_s: tuple[float, float]
+
+
+def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
+    returning = truth.time_s[truth.mode == RTL]
+    flown = simulate_flight(truth.mission, limits, after_s=returning[0] - truth.last_s if len(returning) else 0.0)
+    ours = flown.north_east_m
+    auto = (truth.time_s >= truth.auto_s) & (truth.time_s <= truth.last_s)
+    own_auto = (flown.time_s >= flown.auto_s[0]) & (flown.time_s <= flown.auto_s[1] + 1.0)
+    first = min(truth.reached_s)
+    theirs = truth.position_m[auto, :2]
+    late = truth.time_s[auto] - truth.reached_s[first]
+    own = flown.time_s - flown.reached_s[first]
+    rtl_begin = returning[0] if len(returning) else float("nan")
+    after = rtl_begin - truth.last_s
+    return Result(
+        in_order_distances(theirs, ours[own_auto]),
+        in_time(late, theirs, own[own_auto], ours[own_auto]),
+        (truth.last_s - truth.auto_s, flown.auto_s[1] - flown.auto_s[0]),
+        (truth.auto_s - truth.time_s[0], flown.auto_s[0]),
+        (truth.disarmed_s - rtl_begin, flown.time_s[-1] - flown.auto_s[1] - after),
+    ), flown
+
+
+def percent(pair: tuple[float, float]) -> str:
+    return f"{pair[0]:7.1f} {100 * (pair[1] / pair[0] - 1):+5.1f} %"
+
+
+def show(name: str, result: Result) -> None:
+    print(
+        f"{name:20s} {result.space.mean():6.3f} {result.space.max():6.3f}   {result.in_time.mean():6.3f} "
+        f"{result.in_time.max():6.3f}  {percent(result.auto_s)}  {percent(result.takeoff_s)}  "
+        f"{percent(result.rtl_s)}"
+    )
+
+
+def show_cost() -> None:
+    """A mission of 100 items, 10 m apart on a spiral."""
+    mission = spiral(100)
+    best = float("inf")
+    for _ in range(3):
+        begin = time.perf_counter()
+        flown = simulate(mission, Limits())
+        best = min(best, time.perf_counter() - begin)
+    duration = flown.auto_s[1] - flown.auto_s[0]
+    print(f"100 items: {duration:.0f} s flown in {best:.3f} s, {duration / best:.0f} times real time")
+
+
+def spiral(count: int) -> Mission:
+    angle = np.cumsum(10.0 / (20.0 + np.arange(count)))
+    places = (20.0 + np.arange(count))[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    frame = home_frame(Mission((), Home(47.0, 8.0, 0.0)))
+    lat, lon = frame.to_degrees(places)
+    items = tuple(waypoint(a, b, 30.0) for a, b in zip(lat.tolist(), lon.tolist(), strict=True))
+    return Mission(items, Home(47.0, 8.0, 0.0))
+
+
+def main(arguments: list[str]) -> None:
+    directory = Path(arguments[0]) if arguments else TRUTH
+    names = arguments[1:] or sorted(path.stem for path in directory.glob("*.waypoints"))
+    print(f"{'':20s} in space, m     in time, m      AUTO, s          take-off, s      RTL, s")
+    print(f"{'':20s}   mean    max     mean    max")
+    for name in names:
+        result, _ = compare(read_recording(directory, name), Limits())
+        show(name, result)
+    show_cost()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
