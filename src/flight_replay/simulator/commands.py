@@ -1,0 +1,100 @@
+"""MAVLink commands, as COMMAND_LONG or COMMAND_INT, and what ArduCopter answers to them.
+
+Sources: GCS_Common.cpp (handle_command_long, handle_command_int_packet), ArduCopter/GCS_Mavlink.cpp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flight_replay.simulator import command_handlers, guided
+from flight_replay.simulator.mavlink import Message, Sender, dialect
+from flight_replay.simulator.mission_items import float32
+
+if TYPE_CHECKING:
+    from flight_replay.simulator.autopilot import Autopilot
+
+_PLACED = frozenset({dialect.MAV_CMD_DO_SET_HOME, dialect.MAV_CMD_DO_REPOSITION, dialect.MAV_CMD_DO_SET_ROI})
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command in either form: degrees × 1e7 where it has a place, metres in ``frame``."""
+
+    number: int
+    params: tuple[float, float, float, float]
+    x: int
+    y: int
+    z: float
+    frame: int
+
+
+Handler = Callable[["Autopilot", Command, Sender], int]
+
+
+def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """Run a COMMAND_LONG; its places come in 32 bit floats."""
+    number = message.command
+    params = (message.param1, message.param2, message.param3, message.param4)
+    scale = 1e7 if number in _PLACED else 1.0
+    x, y = (
+        int(float32(value * scale)) if value == value else 0 for value in (message.param5, message.param6)
+    )
+    frame = dialect.MAV_FRAME_GLOBAL
+    if number == dialect.MAV_CMD_NAV_TAKEOFF:
+        frame = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
+    _answer(autopilot, Command(number, params, x, y, message.param7, frame), sender)
+    return True
+
+
+def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """Run a COMMAND_INT."""
+    params = (message.param1, message.param2, message.param3, message.param4)
+    command = Command(message.command, params, message.x, message.y, message.z, message.frame)
+    _answer(autopilot, command, sender)
+    return True
+
+
+def _answer(autopilot: Autopilot, command: Command, sender: Sender) -> None:
+    handler = COMMANDS.get(command.number)
+    result = dialect.MAV_RESULT_UNSUPPORTED
+    if handler is not None and not _is_unknown_to_firmware(autopilot, command):
+        result = handler(autopilot, command, sender)
+    sender.channel.send(
+        dialect.MAVLink_command_ack_message(command.number, result, 0, 0, sender.system, sender.component)
+    )
+
+
+def _is_unknown_to_firmware(autopilot: Autopilot, command: Command) -> bool:
+    knows = autopilot.faults.personality.knows_set_mode_command
+    return command.number == dialect.MAV_CMD_DO_SET_MODE and not knows
+
+
+COMMANDS: dict[int, Handler] = {
+    dialect.MAV_CMD_COMPONENT_ARM_DISARM: command_handlers.arm_disarm,
+    dialect.MAV_CMD_DO_SET_MODE: command_handlers.set_mode,
+    dialect.MAV_CMD_NAV_TAKEOFF: command_handlers.takeoff,
+    dialect.MAV_CMD_MISSION_START: command_handlers.mission_start,
+    dialect.MAV_CMD_NAV_LOITER_UNLIM: command_handlers.loiter,
+    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: command_handlers.return_to_launch,
+    dialect.MAV_CMD_NAV_LAND: command_handlers.land,
+    dialect.MAV_CMD_DO_CHANGE_SPEED: command_handlers.change_speed,
+    dialect.MAV_CMD_DO_REPOSITION: guided.reposition,
+    dialect.MAV_CMD_CONDITION_YAW: command_handlers.condition_yaw,
+    dialect.MAV_CMD_DO_SET_HOME: command_handlers.set_home,
+    dialect.MAV_CMD_GET_HOME_POSITION: command_handlers.get_home_position,
+    dialect.MAV_CMD_DO_SET_MISSION_CURRENT: command_handlers.set_mission_current,
+    dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: command_handlers.reboot,
+    dialect.MAV_CMD_PREFLIGHT_CALIBRATION: command_handlers.accept,
+    dialect.MAV_CMD_PREFLIGHT_STORAGE: command_handlers.accept,
+    dialect.MAV_CMD_RUN_PREARM_CHECKS: command_handlers.run_prearm_checks,
+    dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: command_handlers.request_capabilities,
+    dialect.MAV_CMD_REQUEST_MESSAGE: command_handlers.request_message,
+    dialect.MAV_CMD_SET_MESSAGE_INTERVAL: command_handlers.set_message_interval,
+    dialect.MAV_CMD_GET_MESSAGE_INTERVAL: command_handlers.get_message_interval,
+    dialect.MAV_CMD_DO_SEND_BANNER: command_handlers.send_banner,
+    dialect.MAV_CMD_DO_SET_ROI: command_handlers.accept,
+}
+"""Handlers by MAV_CMD; each gives a MAV_RESULT."""

@@ -1,0 +1,149 @@
+"""What can be wrong with the simulated vehicle, as plain data for tests and rehearsals.
+
+``Faults()`` is a sound ArduCopter 4.6. Each field makes one thing different; ``happenings`` are
+things that befall the flight at a moment of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from flight_replay.simulator.mission_store import CAPACITY
+
+
+@dataclass(frozen=True, slots=True)
+class MissionFaults:
+    """How the mission protocol errs: results are MAV_MISSION_RESULT values.
+
+    ``result_of_item`` answers the item of that sequence number instead of storing it,
+    ``result_of_upload`` the whole upload after its last item.
+    """
+
+    knows_item_int: bool = True
+    capacity: int = CAPACITY
+    result_of_item: Mapping[int, int] = field(default_factory=dict)
+    result_of_upload: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class OtherHeartbeat:
+    """A heartbeat that somebody else sends over the same link, once a second."""
+
+    system: int
+    component: int
+    vehicle_type: int
+    autopilot: int = 8
+    base_mode: int = 0
+    custom_mode: int = 0
+    system_status: int = 4
+
+
+GIMBAL = OtherHeartbeat(1, 154, 26)
+RADIO = OtherHeartbeat(51, 68, 0)
+ADSB_RECEIVER = OtherHeartbeat(1, 156, 27)
+SECOND_COPTER = OtherHeartbeat(2, 1, 2, autopilot=3, base_mode=209, custom_mode=5)
+
+
+@dataclass(frozen=True, slots=True)
+class Personality:
+    """Which vehicle and firmware it is: ``vehicle_type`` is a MAV_TYPE."""
+
+    vehicle_type: int = 2
+    firmware: str = "ArduCopter"
+    version: tuple[int, int, int] = (4, 6, 0)
+    mavlink1: bool = False
+    knows_set_mode_command: bool = True
+    arming_takes_s: float = 0.0
+    capabilities: int = 64495
+
+    @property
+    def banner(self) -> str:
+        """The firmware's name and version, as its first status text gives it."""
+        return f"{self.firmware} V{'.'.join(str(part) for part in self.version)}"
+
+
+PLANE = Personality(vehicle_type=1, firmware="ArduPlane")
+ROVER = Personality(vehicle_type=10, firmware="ArduRover")
+COPTER_3_3 = Personality(
+    version=(3, 3, 0),
+    mavlink1=True,
+    knows_set_mode_command=False,
+    arming_takes_s=2.5,
+    capabilities=0b1011,  # MISSION_FLOAT, PARAM_FLOAT, COMMAND_INT
+)
+
+
+@dataclass(frozen=True, slots=True)
+class PilotMode:
+    """The pilot's switch: a mode number."""
+
+    mode: int
+
+
+@dataclass(frozen=True, slots=True)
+class FailsafeMode:
+    """The vehicle's own decision: a mode number, and the words with which it is announced."""
+
+    mode: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameter:
+    """A parameter takes a value: SIM_BATT_VOLTAGE, say."""
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Reboot:
+    """The autopilot starts anew; in the air the copter falls, so it is found landed where it was."""
+
+
+@dataclass(frozen=True, slots=True)
+class MoveItem:
+    """Another station rewrites a mission item: that many metres north of where it was."""
+
+    seq: int
+    north_m: float = 20.0
+
+
+Action = PilotMode | FailsafeMode | SetParameter | Reboot | MoveItem
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """``action`` takes place ``after_s`` of vehicle time behind a moment of the flight.
+
+    ``moment`` is "boot", "upload" (a mission was received), "armed", "takeoff" (commanded) or a mode
+    entered, by name ("AUTO", "RTL").
+    """
+
+    moment: str
+    after_s: float
+    action: Action
+
+
+@dataclass(frozen=True, slots=True)
+class Faults:
+    """Everything that is wrong with one simulated vehicle."""
+
+    personality: Personality = field(default_factory=Personality)
+    mission: MissionFaults = field(default_factory=MissionFaults)
+    never_armable: str = ""
+    """A prearm reason that never goes away."""
+    refuses_arming: str = ""
+    """A reason that only the arm command meets."""
+    refused_modes: Mapping[int, str] = field(default_factory=dict)
+    """Reasons by mode number."""
+    climbs: bool = True
+    """Whether an accepted take-off leaves the ground."""
+    others: tuple[OtherHeartbeat, ...] = ()
+    happenings: tuple[Happening, ...] = ()
+
+
+def old_copter() -> Faults:
+    """ArduCopter 3.3: MAVLink 1, no MISSION_ITEM_INT, modes by SET_MODE only, arming that takes 2.5 s."""
+    return Faults(personality=COPTER_3_3, mission=MissionFaults(knows_item_int=False))

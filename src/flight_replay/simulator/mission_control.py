@@ -1,0 +1,203 @@
+"""AUTO's bookkeeping: which item is current, what starts, resumes and ends the mission, what is said.
+
+Sources: AP_Mission.cpp (start, resume, stop, reset, set_current_cmd), mode_auto.cpp (init, run,
+exit_mission). The flying itself is the flight model's ``auto_run``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flight_replay.mission import FIRST_SEQ
+from flight_replay.simulator.auto import LocalItem
+from flight_replay.simulator.mavlink import dialect
+from flight_replay.simulator.mission_items import StoredItem
+from flight_replay.simulator.mission_names import SAYS_REACHED, name_of
+from flight_replay.simulator.mission_store import is_navigation
+from flight_replay.simulator.modes import Mode
+
+if TYPE_CHECKING:
+    from flight_replay.simulator.auto_run import MissionRun
+    from flight_replay.simulator.autopilot import Autopilot
+
+_CRITICAL, _INFO = 2, 6
+_NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
+_ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLETE
+_ABSOLUTE, _RELATIVE = 0, 3
+_TAKES_OFF_BY_ITSELF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottle
+
+
+class MissionControl:
+    """``seq`` is the navigation item that is flown or was last, 0 before the first."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        self._autopilot = autopilot
+        self.seq = 0
+        self._state = _NOT_STARTED
+        self._waiting = False
+        self._may_lift = False
+        self._run: MissionRun | None = None
+        self._told = 0
+        self._completed_told = False
+        self._changes = 0
+        self._items: list[LocalItem] = []
+
+    @property
+    def state(self) -> int:
+        """MISSION_STATE."""
+        return int(self._state if len(self._autopilot.store) > 1 else _NO_MISSION)
+
+    # orders
+
+    def may_begin(self) -> bool:
+        """Whether AUTO may be entered; from the ground, armed, only with a take-off item first."""
+        vehicle = self._autopilot
+        if not vehicle.armed:
+            return True
+        if vehicle.flight.landed and not vehicle.store.starts_with_takeoff(self._first()):
+            vehicle.say(_CRITICAL, "Auto: Missing Takeoff Cmd")
+            return False
+        return len(vehicle.store) > 1
+
+    def _first(self) -> int:
+        """Where the mission would go on: MIS_RESTART 1 begins anew."""
+        restarts = self._autopilot.parameters["MIS_RESTART"] == 1 or self._state == _COMPLETE
+        return FIRST_SEQ if restarts or self.seq == 0 else self.seq
+
+    def wait_to_start(self) -> None:
+        """AUTO was entered: begin at the next step."""
+        self._waiting = True
+        self._may_lift = bool(int(self._autopilot.parameters["AUTO_OPTIONS"]) & _TAKES_OFF_BY_ITSELF)
+
+    def lift(self) -> None:
+        """MISSION_START: the mission may leave the ground."""
+        self._may_lift = True
+
+    def stop(self) -> None:
+        """AUTO was left."""
+        self._waiting, self._run = False, None
+        if self._state == _ACTIVE:
+            self._state = _NOT_STARTED
+
+    def reset(self) -> None:
+        """Back to the first item, as disarming does."""
+        self.seq, self._run = 0, None
+        self._may_lift = False
+
+    def clear(self) -> bool:
+        """Whether the mission may be cleared: not while it runs armed; then it is forgotten here."""
+        if self._autopilot.armed and self._state == _ACTIVE:
+            return False
+        self.reset()
+        self._state = _NOT_STARTED
+        return True
+
+    def set_current(self, seq: int) -> bool:
+        """Go to an item, at once if the mission runs."""
+        store = self._autopilot.store
+        if seq >= len(store) or len(store) == 1:
+            return False
+        target = store.next_navigation(max(seq, FIRST_SEQ))
+        if target is None:
+            return False
+        if self._state == _ACTIVE and self._run is not None:
+            self._start_at(max(seq, FIRST_SEQ))
+            return True
+        self.seq = target
+        if self._state == _COMPLETE:
+            self._state = _NOT_STARTED
+        return True
+
+    # time
+
+    def update(self) -> None:
+        """Start when AUTO waits for it, follow the flight, and speak of what has happened."""
+        vehicle = self._autopilot
+        if vehicle.mode != Mode.AUTO:
+            return
+        if self._waiting and vehicle.sensors.origin_set:
+            self._waiting = False
+            self._state = _ACTIVE
+            self._begin(self._first())
+        if self._run is None and self._state == _ACTIVE and self._can_fly():
+            self._begin(self._first())
+        if self._run is not None:
+            self._follow(self._run)
+
+    def _can_fly(self) -> bool:
+        vehicle = self._autopilot
+        return vehicle.armed and (not vehicle.flight.landed or self._may_lift)
+
+    def _begin(self, seq: int) -> None:
+        if len(self._autopilot.store) < 2:
+            self._state = _COMPLETE
+        elif self._can_fly():
+            self._start_at(seq)
+
+    def _start_at(self, seq: int) -> None:
+        vehicle = self._autopilot
+        self._changes = vehicle.store.changes
+        self._items = self.local_items()
+        self._told, self._completed_told, self.seq = 0, False, 0
+        self._state = _ACTIVE
+        self._from = seq
+        self._run = vehicle.flight.fly_mission(self._items, seq)
+
+    def _follow(self, run: MissionRun) -> None:
+        vehicle = self._autopilot
+        if self._changes != vehicle.store.changes and not vehicle.protocol.receiving:
+            self._take_over_changes()
+            return
+        last = self._tell_reached(run)
+        if last is not None:
+            vehicle.broadcast(dialect.MAVLink_mission_item_reached_message(last))
+        if run.completed and not self._completed_told:
+            self._completed_told = True
+            self._state = _COMPLETE
+            if vehicle.flight.landed:
+                vehicle.disarm()
+
+    def _tell_reached(self, run: MissionRun) -> int | None:
+        """Speak of items reached and started since; ArduCopter sends but the last of one instant."""
+        last = None
+        for seq, _ in run.reached[self._told :]:
+            last = seq
+            if self._items[seq - FIRST_SEQ].command in SAYS_REACHED:
+                self._autopilot.say(_INFO, f"Reached command #{seq}")
+        self._told = len(run.reached)
+        if run.current_seq != self.seq:
+            before = self.seq if self.seq else self._from - 1
+            self.seq = run.current_seq
+            for seq in range(before + 1, self.seq + 1):
+                self._autopilot.say(_INFO, f"Mission: {seq} {name_of(self._items[seq - FIRST_SEQ].command)}")
+        return last
+
+    def _take_over_changes(self) -> None:
+        """Somebody wrote to the mission that is flown (ModeAuto::run, check_for_mission_change)."""
+        seq, before = self.seq, self._items
+        self._changes = self._autopilot.store.changes
+        now = self.local_items()
+        if now[max(seq - 1, 0) : seq + 3] == before[max(seq - 1, 0) : seq + 3]:
+            self._items[:] = now
+        else:
+            self._start_at(seq if 0 < seq < len(self._autopilot.store) else FIRST_SEQ)
+            self._autopilot.say(_CRITICAL, "Auto mission changed, restarted command")
+
+    # places
+
+    def local_items(self) -> list[LocalItem]:
+        """The stored mission in metres around home."""
+        vehicle = self._autopilot
+        return [
+            LocalItem(seq, item.command, item.params, *self._local(item))
+            for seq, item in enumerate(vehicle.store.items[FIRST_SEQ:], FIRST_SEQ)
+        ]
+
+    def _local(self, item: StoredItem) -> tuple[tuple[float, float] | None, float | None]:
+        vehicle = self._autopilot
+        place: tuple[float, float] | None = None
+        if item.lat_e7 or item.lon_e7:
+            place = vehicle.metres_from_home(item.lat_e7, item.lon_e7)
+        home_m = vehicle.home.alt_cm / 100 if vehicle.home else 0.0
+        up_m = item.alt_m - home_m if item.frame == _ABSOLUTE else item.alt_m
+        return place, None if item.alt_cm == 0 and is_navigation(item.command) else up_m

@@ -1,0 +1,102 @@
+"""What ArduCopter 4.6 keeps of each mission command's four parameters (AP_Mission.h, AP_Mission.cpp).
+
+A command that is missing here is answered with MAV_MISSION_UNSUPPORTED.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+
+Rule = Callable[[float], float]
+
+
+def _integer(low: int, high: int) -> Rule:
+    return lambda value: float(min(max(int(value), low), high))
+
+
+def _lost(value: float) -> float:
+    return 0.0
+
+
+def _real(value: float) -> float:
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+def _flag(value: float) -> float:
+    return float(value > 0)
+
+
+def _direction(value: float) -> float:
+    return -1.0 if value < 0 else 1.0
+
+
+def _turns(value: float) -> float:
+    return int(value * 256) / 256 if 0 < value < 1 else float(min(int(value), 255))
+
+
+def _circle_radius(value: float) -> float:
+    size = abs(value)
+    kept = float(int(size)) if size <= 255 else min(255, int(size * 0.1)) * 10.0
+    return -kept if value < 0 else kept
+
+
+_U8, _U16 = _integer(0, 2**8 - 1), _integer(0, 2**16 - 1)
+_I8, _I16 = _integer(-(2**7), 2**7 - 1), _integer(-(2**15), 2**15 - 1)
+
+
+def _rules(*rules: Rule) -> tuple[Rule, ...]:
+    return rules + (_lost,) * (4 - len(rules))
+
+
+RULES: dict[int, tuple[Rule, ...]] = {
+    16: _rules(_U16),  # NAV_WAYPOINT: delay, s
+    17: _rules(_lost, _lost, _integer(-(2**16) + 1, 2**16 - 1)),  # NAV_LOITER_UNLIM: radius, m
+    18: _rules(_turns, _lost, _circle_radius, _flag),  # NAV_LOITER_TURNS
+    19: _rules(_U16, _lost, _direction, _flag),  # NAV_LOITER_TIME: s
+    20: _rules(),  # NAV_RETURN_TO_LAUNCH
+    21: _rules(_U16, _lost, _lost, _direction),  # NAV_LAND
+    22: _rules(_U16),  # NAV_TAKEOFF
+    30: _rules(_U16),  # NAV_CONTINUE_AND_CHANGE_ALT
+    31: _rules(_lost, _integer(-(2**16) + 1, 2**16 - 1), _lost, _flag),  # NAV_LOITER_TO_ALT
+    82: _rules(_U16),  # NAV_SPLINE_WAYPOINT: delay, s
+    84: _rules(),  # NAV_VTOL_TAKEOFF
+    85: _rules(_U16),  # NAV_VTOL_LAND
+    92: _rules(_U16),  # NAV_GUIDED_ENABLE
+    93: _rules(_real, _I8, _I8, _I8),  # NAV_DELAY: s, or a time of day
+    94: _rules(lambda value: int(value * 100) / 100),  # NAV_PAYLOAD_PLACE
+    112: _rules(_real),  # CONDITION_DELAY
+    114: _rules(_real),  # CONDITION_DISTANCE
+    115: _rules(_real, _real, _I8, _U8),  # CONDITION_YAW
+    177: _rules(_U16, _I16),  # DO_JUMP
+    178: _rules(_U8, _real, _real),  # DO_CHANGE_SPEED
+    179: _rules(_U16),  # DO_SET_HOME
+    181: _rules(_U8, _U8),  # DO_SET_RELAY
+    182: _rules(_U8, _I16, _real),  # DO_REPEAT_RELAY
+    183: _rules(_U8, _U16),  # DO_SET_SERVO
+    184: _rules(_U8, _U16, _I16, _real),  # DO_REPEAT_SERVO
+    188: _rules(),  # DO_RETURN_PATH_START
+    189: _rules(),  # DO_LAND_START
+    191: _rules(),  # DO_GO_AROUND
+    193: _rules(_U16),  # DO_PAUSE_CONTINUE
+    201: _rules(_U16),  # DO_SET_ROI
+    205: _rules(_real, _real, _real),  # DO_MOUNT_CONTROL
+    206: _rules(_real, _lost, _U8),  # DO_SET_CAM_TRIGG_DIST
+    207: _rules(_U16),  # DO_FENCE_ENABLE
+    208: _rules(_U16),  # DO_PARACHUTE
+    211: _rules(_U8, _U8),  # DO_GRIPPER
+    212: _rules(_U16),  # DO_AUTOTUNE_ENABLE
+    213: _rules(_real, _real, _U8),  # NAV_SET_YAW_SPEED
+    216: _rules(_U16),  # DO_SPRAYER
+    218: _rules(_U16, _U8),  # DO_AUX_FUNCTION
+    222: _rules(_U16, _real, _real, _real),  # DO_GUIDED_LIMITS
+    600: _rules(_U16),  # JUMP_TAG
+    601: _rules(_U16, _I16),  # DO_JUMP_TAG
+    42600: _rules(_U8, _U8, _real, _real),  # DO_WINCH
+}
+
+PLACED = frozenset({16, 17, 18, 19, 21, 22, 30, 31, 82, 84, 85, 92, 94, 179, 188, 189, 191, 201})
+"""Commands stored with latitude, longitude and altitude."""
+
+TAKEOFFS = frozenset({22, 84})
+"""Commands that lift off."""

@@ -1,0 +1,79 @@
+"""The copter's parameters: ArduCopter 4.6's names, order, types and defaults, kept in memory.
+
+``parameters.csv`` holds what an ArduCopter 4.6 SITL answered to PARAM_REQUEST_LIST. Those that
+the flight model, the checks or the failsafes read take effect at once; the others are stored
+and answered only, so that ground stations find what they look for.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+
+_KIND_OF_NAME = {"int8": 2, "int16": 4, "int32": 6, "real32": 9}
+_INTEGER_LIMITS = {2: (-(2**7), 2**7 - 1), 4: (-(2**15), 2**15 - 1), 6: (-(2**31), 2**31 - 1)}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter: ``kind`` is its MAV_PARAM_TYPE, ``index`` its place in the full list."""
+
+    name: str
+    kind: int
+    index: int
+    value: float
+
+
+def as_kind(value: float, kind: int) -> float:
+    """``value`` as a parameter of ``kind`` holds it: rounded and limited, or a 32 bit float."""
+    if kind not in _INTEGER_LIMITS:
+        return float(struct.unpack("<f", struct.pack("<f", value))[0])
+    low, high = _INTEGER_LIMITS[kind]
+    nearest = math.floor(value + 0.5) if value > 0 else math.ceil(value - 0.5)
+    return float(min(max(nearest, low), high))
+
+
+class Parameters(Mapping[str, float]):
+    """Values by name, in the autopilot's order; ``changed`` hears each new value once."""
+
+    def __init__(self, values: Mapping[str, float] | None = None) -> None:
+        self.changed: list[Callable[[Parameter], None]] = []
+        self._parameters: dict[str, Parameter] = {}
+        with files("flight_replay.simulator").joinpath("parameters.csv").open(encoding="ascii") as lines:
+            for index, row in enumerate(csv.DictReader(lines)):
+                kind = _KIND_OF_NAME[row["type"]]
+                value = as_kind(float(row["value"]), kind)
+                self._parameters[row["name"]] = Parameter(row["name"], kind, index, value)
+        self._order = list(self._parameters)
+        for name, value in (values or {}).items():
+            self.assign(name, value)
+
+    def __getitem__(self, name: str) -> float:
+        return self._parameters[name].value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._order)
+
+    def __len__(self) -> int:
+        return len(self._order)
+
+    def find(self, name: str) -> Parameter | None:
+        """The parameter of that name, if there is one."""
+        return self._parameters.get(name)
+
+    def at(self, index: int) -> Parameter | None:
+        """The parameter at a place of the full list, if it is that long."""
+        return self._parameters[self._order[index]] if 0 <= index < len(self._order) else None
+
+    def assign(self, name: str, value: float) -> Parameter:
+        """Set a known parameter as its type holds it, and tell the listeners; KeyError if unknown."""
+        old = self._parameters[name]
+        new = Parameter(name, old.kind, old.index, as_kind(value, old.kind))
+        self._parameters[name] = new
+        for listener in self.changed:
+            listener(new)
+        return new
