@@ -16,12 +16,13 @@ from flight_replay.simulator.faults import Faults
 from flight_replay.simulator.flight import STEP_S, ModelFlight
 from flight_replay.simulator.happenings import Happenings
 from flight_replay.simulator.inbound import HANDLERS
+from flight_replay.simulator.local_map import LocalMap
 from flight_replay.simulator.mavlink import Channel, Message, Sender, dialect
 from flight_replay.simulator.mission_control import MissionControl
-from flight_replay.simulator.mission_items import StoredItem
 from flight_replay.simulator.mission_protocol import MissionProtocol
 from flight_replay.simulator.mission_store import MissionStore
-from flight_replay.simulator.modes import NEEDS_POSITION, Mode, is_blocked
+from flight_replay.simulator.mode_switch import ModeSwitch
+from flight_replay.simulator.modes import Mode
 from flight_replay.simulator.parameters import Parameter, Parameters
 from flight_replay.simulator.place import HomePlace, Metres, Place, Start
 from flight_replay.simulator.prearm import Prearm
@@ -29,9 +30,6 @@ from flight_replay.simulator.sensors import Sensors
 
 CRITICAL, WARNING, INFO = 2, 4, 6
 _TEXT_LENGTH = 50
-_WAYPOINT = 16
-_ABSOLUTE_FRAMES = frozenset({0, 5})
-_RELATIVE_FRAMES = frozenset({3, 6, 10, 11})
 
 
 class Autopilot:
@@ -50,16 +48,15 @@ class Autopilot:
         self.channels: list[Channel] = []
         self._unix_s = unix_s
         self.parameters.changed.append(self._parameter_changed)
-        self.store = MissionStore(self._home_item, self._mission_counted)
+        self.store = MissionStore(lambda: self.local.home_item, self._mission_counted)
         self.happenings = Happenings(self)
         self.boot(start)
 
     def boot(self, at: Start) -> None:
         """Start anew at a place: everything is forgotten but the parameters and the mission."""
         self._steps = 0
-        self.start = at
-        self.mode = Mode.STABILIZE
-        self.home: HomePlace | None = None
+        self.local = LocalMap(at)
+        self.modes = ModeSwitch(self)
         self.drifts_until_s = math.inf
         self.sensors = Sensors()
         self.battery = Battery(self.parameters)
@@ -68,14 +65,8 @@ class Autopilot:
         self.arming = Arming(self)
         self.failsafes = Failsafes(self)
         self.prearm = Prearm(self)
-        self.protocol = MissionProtocol(
-            self.store,
-            time_s=lambda: self.time_s,
-            say=self.say,
-            may_clear=self.mission.clear,
-            current_seq=lambda: self.mission.seq,
-            faults=self.faults.mission,
-        )
+        self.protocol = MissionProtocol(self.store, self, self.faults.mission)
+        self._warned: set[str] = set()
         self.happenings.note("boot")
 
     def reboot(self) -> None:
@@ -127,6 +118,12 @@ class Autopilot:
         """A STATUSTEXT to every station; long ones are cut, as ArduPilot's are over MAVLink 1."""
         self.broadcast(dialect.MAVLink_statustext_message(severity, text.encode()[:_TEXT_LENGTH]))
 
+    def warn_once(self, text: str) -> None:
+        """A warning that is spoken once a boot."""
+        if text not in self._warned:
+            self._warned.add(text)
+            self.say(WARNING, text)
+
     def broadcast(self, message: Message) -> None:
         """A message to every station."""
         for channel in self.channels:
@@ -143,29 +140,19 @@ class Autopilot:
     # places
 
     @property
+    def start(self) -> Start:
+        """Where it was booted, which is the EKF's origin."""
+        return self.local.start
+
+    @property
+    def home(self) -> HomePlace | None:
+        """Home, once the EKF has an origin."""
+        return self.local.home
+
+    @property
     def place(self) -> Place:
         """Where the copter is."""
-        return self.place_of(self.flight.position_m)
-
-    def place_of(self, position_m: Metres) -> Place:
-        """A place given in metres around where the copter was booted."""
-        return self.start.place_of(position_m)
-
-    def metres_of_frame(self, lat_e7: int, lon_e7: int, alt_m: float, frame: int) -> Metres | None:
-        """A place whose height counts from sea level, home or the (level) ground; None if it is none."""
-        if abs(lat_e7) > 90 * 10**7 or abs(lon_e7) > 180 * 10**7 or not math.isfinite(alt_m):
-            return None
-        if frame in _ABSOLUTE_FRAMES:
-            return self.start.metres_of(lat_e7, lon_e7, alt_m)
-        if frame not in _RELATIVE_FRAMES or self.home is None:
-            return None
-        return self.start.metres_of(lat_e7, lon_e7, alt_m + self.home.alt_cm / 100)
-
-    def metres_from_home(self, lat_e7: int, lon_e7: int) -> tuple[float, float]:
-        """North and east of home, metres."""
-        north_m, east_m, _ = self.start.metres_of(lat_e7, lon_e7, 0.0)
-        home_m = self.home.position_m if self.home else (0.0, 0.0, 0.0)
-        return north_m - home_m[0], east_m - home_m[1]
+        return self.start.place_of(self.flight.position_m)
 
     @property
     def above_home_m(self) -> float:
@@ -173,25 +160,28 @@ class Autopilot:
         return self.flight.position_m[2] - (self.home.position_m[2] if self.home else 0.0)
 
     def move_home(self, position_m: Metres) -> None:
-        """Home and the point that RTL flies to become another place."""
+        """Home, and the point that RTL flies to, become another place."""
         self.flight.move_home(position_m)
         self.set_home(position_m)
 
     def set_home(self, position_m: Metres) -> None:
         """Home is a place, and all stations hear of it."""
-        place = self.place_of(position_m)
-        self.home = HomePlace(place.lat_e7, place.lon_e7, round(place.alt_mm / 10), position_m)
+        self.local.set_home(position_m)
         self.broadcast(telemetry.gps_global_origin(self))
         self.broadcast(telemetry.home_position(self))
 
-    def _home_item(self) -> StoredItem:
-        if self.home is None:
-            return StoredItem(_WAYPOINT)
-        return StoredItem(
-            _WAYPOINT, 0, (0.0, 0.0, 0.0, 0.0), self.home.lat_e7, self.home.lon_e7, self.home.alt_cm
-        )
+    # mission
 
-    # modes
+    @property
+    def mission_seq(self) -> int:
+        """The item that is flown."""
+        return self.mission.seq
+
+    def clear_mission(self) -> bool:
+        """Forget where the mission was; False while it is flown."""
+        return self.mission.clear()
+
+    # modes and motors
 
     @property
     def armed(self) -> bool:
@@ -199,49 +189,17 @@ class Autopilot:
         return self.arming.armed
 
     @property
-    def mode_name(self) -> str:
-        """The mode as ArduCopter's texts write it: Auto, Land, RTL."""
-        return self.mode.name if self.mode == Mode.RTL else self.mode.name.replace("_", "").capitalize()
+    def mode(self) -> Mode:
+        """The flight mode."""
+        return self.modes.mode
 
     def request_mode(self, number: int) -> bool:
-        """A station asks for a mode by its number."""
-        try:
-            mode = Mode(number)
-        except ValueError:
-            self.say(WARNING, f"No such mode {number}")
-            return False
-        if is_blocked(mode, int(self.parameters["FLTMODE_GCSBLOCK"])):
-            self._mode_refused(mode, "GCS entry disabled (FLTMODE_GCSBLOCK)")
-            return False
-        reason = self.faults.refused_modes.get(number)
-        if reason is not None:
-            self._mode_refused(mode, reason)
-            return False
-        return self.set_mode(mode)
-
-    def _mode_refused(self, mode: Mode, reason: str) -> None:
-        self.say(WARNING, f"Mode change to {mode.name} failed: {reason}")
+        """A station asks for a mode by its number; whether it was entered."""
+        return self.modes.request(number)
 
     def set_mode(self, mode: Mode) -> bool:
-        """Enter a mode if what it needs is there; on the ground disarmed any mode may be chosen."""
-        if mode == self.mode:
-            return True
-        if self.armed and mode in NEEDS_POSITION and not self.sensors.position_ok:
-            self._mode_refused(mode, "requires position")
-            return False
-        if mode == Mode.AUTO and not self.mission.may_begin():
-            self._mode_refused(mode, "init failed")
-            return False
-        before, self.mode = self.mode, mode
-        self.drifts_until_s = math.inf
-        if before == Mode.AUTO:
-            self.mission.stop()
-        self.flight.enter_mode(mode)
-        if mode == Mode.AUTO:
-            self.mission.wait_to_start()
-        self.broadcast(telemetry.heartbeat(self))
-        self.happenings.note(mode.name)
-        return True
+        """The pilot or the vehicle itself chooses a mode; whether it was entered."""
+        return self.modes.enter(mode)
 
     def disarm(self) -> None:
         """Stop the motors."""

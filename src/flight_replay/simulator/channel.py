@@ -128,16 +128,7 @@ class LinkChannel:
         self._others_due_s = self._autopilot.time_s + 1.0
         for other in others:
             self._encoder.srcSystem, self._encoder.srcComponent = other.system, other.component
-            self._send_as_is(
-                dialect.MAVLink_heartbeat_message(
-                    other.vehicle_type,
-                    other.autopilot,
-                    other.base_mode,
-                    other.custom_mode,
-                    other.system_status,
-                    3,
-                )  # fmt: skip
-            )
+            self._send_as_is(dialect.MAVLink_heartbeat_message(*other.fields, 3))
 
     # rates
 

@@ -114,7 +114,7 @@ def set_home(autopilot: Autopilot, command: Command, sender: Sender) -> int:
         return ACCEPTED
     if command.params[0] != 0:
         return FAILED
-    place_m = autopilot.metres_of_frame(command.x, command.y, command.z, command.frame)
+    place_m = autopilot.local.metres_of_frame(command.x, command.y, command.z, command.frame)
     if place_m is None:
         return DENIED
     autopilot.move_home(place_m)

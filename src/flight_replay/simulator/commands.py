@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isnan
 from typing import TYPE_CHECKING
 
 from flight_replay.simulator import command_handlers, guided
@@ -21,7 +22,7 @@ _PLACED = frozenset({dialect.MAV_CMD_DO_SET_HOME, dialect.MAV_CMD_DO_REPOSITION,
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command in either form: degrees × 1e7 where it has a place, metres in ``frame``."""
+    """A command in either form: degrees times 1e7 where it has a place, metres in ``frame``."""
 
     number: int
     params: tuple[float, float, float, float]
@@ -39,9 +40,7 @@ def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> bool
     number = message.command
     params = (message.param1, message.param2, message.param3, message.param4)
     scale = 1e7 if number in _PLACED else 1.0
-    x, y = (
-        int(float32(value * scale)) if value == value else 0 for value in (message.param5, message.param6)
-    )
+    x, y = (0 if isnan(part) else int(float32(part * scale)) for part in (message.param5, message.param6))
     frame = dialect.MAV_FRAME_GLOBAL
     if number == dialect.MAV_CMD_NAV_TAKEOFF:
         frame = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT

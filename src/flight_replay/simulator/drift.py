@@ -1,4 +1,4 @@
-"""Flying at a velocity, as GUIDED does between SET_POSITION_TARGET messages (ModeGuided::velaccel_control_run)."""
+"""Flying at a velocity, as GUIDED does (ModeGuided::velaccel_control_run)."""
 
 from __future__ import annotations
 

@@ -38,6 +38,11 @@ class OtherHeartbeat:
     custom_mode: int = 0
     system_status: int = 4
 
+    @property
+    def fields(self) -> tuple[int, int, int, int, int]:
+        """What HEARTBEAT carries, in its order."""
+        return self.vehicle_type, self.autopilot, self.base_mode, self.custom_mode, self.system_status
+
 
 GIMBAL = OtherHeartbeat(1, 154, 26)
 RADIO = OtherHeartbeat(51, 68, 0)

@@ -33,7 +33,7 @@ def item(autopilot: Autopilot, message: Message) -> int:
         target = stored(message)
     except ItemRefused as refused:
         return refused.result
-    place_m = autopilot.metres_of_frame(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
+    place_m = autopilot.local.metres_of_frame(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
     if message.current == 3:
         if autopilot.mode == Mode.GUIDED and place_m is not None and not autopilot.flight.landed:
             north_m, east_m, _ = autopilot.flight.position_m
@@ -56,7 +56,7 @@ def reposition(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     changes = int(command.params[1]) & _CHANGES_MODE
     if autopilot.mode != Mode.GUIDED and not changes:
         return _DENIED
-    place_m = autopilot.metres_of_frame(command.x, command.y, command.z, command.frame)
+    place_m = autopilot.local.metres_of_frame(command.x, command.y, command.z, command.frame)
     if place_m is None or (command.x == 0 and command.y == 0):
         return _DENIED
     if not autopilot.request_mode(Mode.GUIDED):
@@ -99,7 +99,7 @@ def global_target(autopilot: Autopilot, message: Message, sender: Sender) -> boo
     """SET_POSITION_TARGET_GLOBAL_INT."""
     if autopilot.mode != Mode.GUIDED or autopilot.flight.landed:
         return True
-    place_m = autopilot.metres_of_frame(
+    place_m = autopilot.local.metres_of_frame(
         message.lat_int, message.lon_int, message.alt, message.coordinate_frame
     )
     if place_m is None and not message.type_mask & _IGNORES_PLACE:

@@ -197,7 +197,7 @@ class MissionControl:
         vehicle = self._autopilot
         place: tuple[float, float] | None = None
         if item.lat_e7 or item.lon_e7:
-            place = vehicle.metres_from_home(item.lat_e7, item.lon_e7)
+            place = vehicle.local.metres_from_home(item.lat_e7, item.lon_e7)
         home_m = vehicle.home.alt_cm / 100 if vehicle.home else 0.0
         up_m = item.alt_m - home_m if item.frame == _ABSOLUTE else item.alt_m
         return place, None if item.alt_cm == 0 and is_navigation(item.command) else up_m

@@ -30,7 +30,7 @@ class ItemRefused(Exception):  # noqa: N818
 
 @dataclass(frozen=True, slots=True)
 class StoredItem:
-    """An item on board: degrees × 1e7 and centimetres for places, ``params`` as they read back."""
+    """An item on board: degrees times 1e7 and centimetres for places, ``params`` as they read back."""
 
     command: int
     frame: int = 0
@@ -87,7 +87,7 @@ def _kept(
 
 
 def _place(message: Message) -> tuple[int, int]:
-    """Degrees × 1e7 of either kind of item; MISSION_ITEM is multiplied in 32 bit floats, as on board."""
+    """Degrees times 1e7 of either kind of item; MISSION_ITEM is multiplied in 32 bit floats, as on board."""
     if message.get_msgId() == dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT or message.command not in PLACED:
         return int(message.x), int(message.y)
     if not abs(message.x) <= 90:

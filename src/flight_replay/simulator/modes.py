@@ -20,9 +20,7 @@ class Mode(IntEnum):
     BRAKE = 17
 
 
-NEEDS_POSITION = frozenset(
-    {Mode.AUTO, Mode.GUIDED, Mode.LOITER, Mode.RTL, Mode.POSHOLD, Mode.BRAKE}
-)
+NEEDS_POSITION = frozenset({Mode.AUTO, Mode.GUIDED, Mode.LOITER, Mode.RTL, Mode.POSHOLD, Mode.BRAKE})
 MANUAL_THROTTLE = frozenset({Mode.STABILIZE, Mode.ACRO})
 NO_ARMING = frozenset({Mode.RTL, Mode.LAND, Mode.BRAKE})
 """Modes in which arming is refused; AUTO is decided by AUTO_OPTIONS."""

@@ -12,7 +12,7 @@ Metres = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Degrees × 1e7, and millimetres above mean sea level."""
+    """Degrees times 1e7, and millimetres above mean sea level."""
 
     lat_e7: int
     lon_e7: int
@@ -30,12 +30,12 @@ class Start:
 
     @property
     def lat_e7(self) -> int:
-        """Latitude, degrees × 1e7."""
+        """Latitude, degrees times 1e7."""
         return round(self.lat_deg * 1e7)
 
     @property
     def lon_e7(self) -> int:
-        """Longitude, degrees × 1e7."""
+        """Longitude, degrees times 1e7."""
         return round(self.lon_deg * 1e7)
 
     @property

@@ -99,7 +99,7 @@ class Prearm:
             problems.append("AHRS not healthy")
         auto_may = int(vehicle.parameters["AUTO_OPTIONS"]) & _AUTO_ALLOWS_ARMING
         if vehicle.mode in NO_ARMING or (vehicle.mode == Mode.AUTO and not auto_may):
-            problems.append(f"{vehicle.mode_name} mode not armable")
+            problems.append(f"{vehicle.mode.name} mode not armable")
         if vehicle.faults.refuses_arming:
             problems.append(vehicle.faults.refuses_arming)
         return problems

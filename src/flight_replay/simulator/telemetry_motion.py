@@ -101,7 +101,7 @@ def _position_target_global_int(autopilot: Autopilot) -> Message | None:
     target = autopilot.flight.target_m
     if target is None:
         return None
-    place = autopilot.place_of(target)
+    place = autopilot.start.place_of(target)
     return dialect.MAVLink_position_target_global_int_message(
         _boot_ms(autopilot), dialect.MAV_FRAME_GLOBAL, _POSITION_ONLY, place.lat_e7, place.lon_e7,
         place.alt_mm / 1000, 0, 0, 0, 0, 0, 0, 0, 0,
