@@ -23,6 +23,18 @@ _ANY = 0
 
 
 @contextmanager
+def _same_logging() -> Iterator[None]:
+    """The root logger as it was: DroneKit configures it for the whole program."""
+    root = logging.getLogger()
+    before = list(root.handlers)
+    try:
+        yield
+    finally:
+        for handler in set(root.handlers) - set(before):
+            root.removeHandler(handler)
+
+
+@contextmanager
 def _old_collections() -> Iterator[None]:
     """``collections.MutableMapping``, which Python 3.10 took away, for as long as DroneKit is imported."""
     missing = not hasattr(collections, "MutableMapping")
@@ -48,9 +60,10 @@ def import_dronekit() -> Any:
         raise VehicleError(
             f"DroneKit cannot be imported ({error}); install it with: pip install dronekit future"
         ) from error
-    # Without a handler Python would print what they log.
-    for name in ("autopilot", "dronekit"):
-        logging.getLogger(name).addHandler(logging.NullHandler())
+    # What the vehicle says is told as events; without a handler Python would print it too.
+    autopilot = logging.getLogger("autopilot")
+    autopilot.addHandler(logging.NullHandler())
+    autopilot.propagate = False
     return dronekit
 
 
@@ -112,6 +125,7 @@ def dronekit_vehicle(link: Link, system: int, component: int) -> Any:
     """A ``dronekit.Vehicle`` on ``link`` that follows what ``system``/``component`` sends from now on."""
     dronekit = import_dronekit()
     connection = Connection(link, system, component)
-    vehicle = dronekit.Vehicle(connection)
+    with _same_logging():
+        vehicle = dronekit.Vehicle(connection)
     link.add_receiver(connection.deliver)
     return vehicle

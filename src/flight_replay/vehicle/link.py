@@ -61,12 +61,20 @@ class Link:
         with self._lock:
             frame = message.pack(self._mav, force_mavlink1=self._mavlink1)
             self._mav.seq = (self._mav.seq + 1) % 256
-            try:
-                self._transport.write(frame)
-            except OSError as error:
-                _log.debug("cannot send %s: %s", message.get_type(), error)
-                self._broken = True
-                return
+            self._write(frame)
+
+    def forward(self, frame: bytes) -> None:
+        """Send a frame that a ground station on the same link made, as it is."""
+        with self._lock:
+            self._write(frame)
+
+    def _write(self, frame: bytes) -> None:
+        try:
+            self._transport.write(frame)
+        except OSError as error:
+            _log.debug("cannot send a frame: %s", error)
+            self._broken = True
+            return
         if self._recorder:
             self._recorder.write(frame)
 

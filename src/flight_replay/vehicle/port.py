@@ -40,12 +40,13 @@ class Port(Protocol):
 
 
 def is_for_us(message: Message) -> bool:
-    """Whether a message is addressed to us, or to nobody: other stations share the link."""
-    system = getattr(message, "target_system", OUR_SYSTEM)
-    component = getattr(message, "target_component", OUR_COMPONENT)
-    if message.get_type() == "COMMAND_ACK" and system == 0:
-        return True  # MAVLink 1 has no room for an address here.
-    return (system, component) == (OUR_SYSTEM, OUR_COMPONENT)
+    """Whether a message is addressed to us, or to nobody: other stations share the link.
+
+    ArduCopter 3.3 asks for mission items, and MAVLink 1 answers commands, without an address.
+    """
+    system = getattr(message, "target_system", 0)
+    component = getattr(message, "target_component", 0)
+    return (system, component) in {(OUR_SYSTEM, OUR_COMPONENT), (0, 0)}
 
 
 class _QueueInbox:
