@@ -12,6 +12,8 @@ from flight_replay.geodesy import Floats
 from flight_replay.mission import Mission, MissionItem, change_speed, waypoint
 from flight_replay.option_types import RECORDED, Recorded
 from flight_replay.path import Path, planned_path
+from flight_replay.simulator.limits import Limits
+from flight_replay.simulator.model import simulate
 from flight_replay.track import Track
 
 FLOOR_M = 5.0
@@ -20,17 +22,25 @@ SPEED_RATIO = 1.25
 """A recorded leg faster or slower than the speed in force by this ratio is worth a speed change."""
 MIN_SPEED_M_S = 0.5
 """Slowest speed worth asking for: ArduCopter ignores less than 0.2 m/s, 3.3 less than 1 m/s."""
+_STEP_S = 0.1
+"""Steps of the flight model that are good enough for a duration: 0.2 % off on 3 m legs."""
+_LONGEST_SIMULATED_M = 50_000.0
+"""Farther than copters fly; such a route is mostly flown at full speed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Route:
-    """A mission, the recorded fixes that it covers, and its distance from them as planned."""
+    """A mission, the recorded fixes that it covers, its distance from them as planned, and its duration.
+
+    ``predicted_duration_s`` is the time in AUTO that ArduCopter's defaults need for it.
+    """
 
     method: str
     mission: Mission
     covered: Track
     path: Path
     planned_error: Spread
+    predicted_duration_s: float
     notes: tuple[str, ...] = ()
 
 
@@ -46,7 +56,7 @@ def route_through(method: str, mission: Mission, covered: Track, notes: tuple[st
     path = planned_path(mission, covered.frame)
     error = spread(in_order_distances(covered.north_east_m(), path.north_east_m))
     assert error is not None, "a covered track has fixes"
-    return Route(method, mission, covered, path, error, notes)
+    return Route(method, mission, covered, path, error, _duration_s(mission, path), notes)
 
 
 def spaced_route(
@@ -82,6 +92,15 @@ def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:
     if altitude_m == RECORDED:
         return np.maximum(track.alt_m, FLOOR_M)
     return np.full(len(track), float(altitude_m))
+
+
+def _duration_s(mission: Mission, path: Path) -> float:
+    """How long a vehicle at its defaults would take for the mission, seconds."""
+    limits = Limits()
+    if path.length_m > _LONGEST_SIMULATED_M:
+        return path.length_m / limits.wp_speed_m_s
+    begin_s, end_s = simulate(mission, limits, step_s=_STEP_S).auto_s
+    return end_s - begin_s
 
 
 def _with_speeds(

@@ -1,0 +1,99 @@
+"""The command line: from a log to a landing, each step one call.
+
+The one place that turns errors into exit statuses: 0 as asked, 1 an expected failure told in one
+line on stderr, 2 wrong usage, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from types import FrameType
+
+from flight_replay import flying, outputs, planning
+from flight_replay.console import Console, open_console, write_error
+from flight_replay.errors import FlightReplayError
+from flight_replay.journal import Journal
+from flight_replay.options import Options, parse
+from flight_replay.outputs import Replay
+
+INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run ``flight-replay``; returns the exit status.
+
+    Args:
+        argv: The arguments without the program's name, by default those of this process.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        options = parse(arguments)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL)
+    try:
+        with _terminated_like_interrupted(), _console(options) as console:
+            problem = replay(options, arguments, console)
+    except FlightReplayError as error:
+        if options.verbose:
+            logging.getLogger(__name__).exception("what failed, and where")
+        problem = str(error)
+    except KeyboardInterrupt:
+        write_error(sys.stderr, "interrupted")
+        return INTERRUPTED
+    if problem is not None:
+        write_error(sys.stderr, problem)
+    return 0 if problem is None else 1
+
+
+def replay(options: Options, arguments: Sequence[str], console: Console) -> str | None:
+    """From log to landing; returns what went otherwise than asked, once everything is written down."""
+    outputs.check(options)
+    journal = Journal()
+    with outputs.watching(options, console, journal) as listener:
+        log, flights, track = planning.read(options, listener)
+        route = planning.plan(options, track, listener)
+        outputs.save_mission(options, route)
+        flown = None if options.dry_run else flying.fly(options, route, console, listener)
+    result = Replay(log, flights, route, flown)
+    outputs.save_pictures(options, result, journal.entries, arguments)
+    _say(options, result, console)
+    return flown.record.problem if flown else None
+
+
+def _say(options: Options, result: Replay, console: Console) -> None:
+    """The result: for programs on stdout as JSON, for people in words."""
+    if options.json:
+        sys.stdout.write(json.dumps(outputs.summary(result)) + "\n")
+    else:
+        for line in outputs.words(result):
+            console.say(line)
+
+
+def _console(options: Options) -> AbstractContextManager[Console]:
+    """Lines or a live display for people: on stderr where stdout is for programs."""
+    stream = sys.stderr if options.json else sys.stdout
+    return open_console(stream, quiet=options.quiet, verbose=options.verbose)
+
+
+@contextmanager
+def _terminated_like_interrupted() -> Iterator[None]:
+    """Make SIGTERM end the program as Ctrl-C does: the vehicle is sent home first."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupt(_signal: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

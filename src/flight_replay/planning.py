@@ -1,0 +1,45 @@
+"""The steps before anything flies: read the log, choose what of it to fly, plan the route."""
+
+from __future__ import annotations
+
+from flight_replay.events import Listener, Notice, Progress
+from flight_replay.flights import Flight, find_flights, select
+from flight_replay.options import Options
+from flight_replay.route import Route, spaced_route
+from flight_replay.sample import default_log
+from flight_replay.tlog import Log, VehicleId, read_log
+from flight_replay.track import Track
+
+
+def read(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...], Track]:
+    """The log, its flights, and the part of its track that was asked for.
+
+    Raises:
+        LogError: The log cannot be read, or holds nothing of what was asked for.
+    """
+    listener(Notice("Generating waypoints from tlog..."))
+    log = read_log(
+        default_log() if options.tlog is None else options.tlog,
+        vehicle=None if options.vehicle is None else VehicleId(*options.vehicle),
+        progress=lambda done, total: listener(Progress("log", done, total, "bytes")),
+    )
+    track = select(log.track, options.flight, options.from_s, options.to_s)
+    if options.vehicle is None and len(log.vehicles) > 1:
+        others = ", ".join(f"{each.id} ({each.fixes} fixes)" for each in log.vehicles[1:])
+        listener(Notice(f" Vehicle {log.vehicle.id} is replayed; the log also holds {others}: see --vehicle"))
+    return log, find_flights(log.track), track
+
+
+def plan(options: Options, track: Track, listener: Listener) -> Route:
+    """The route that the options ask for."""
+    route = spaced_route(
+        track,
+        spacing_m=options.spacing_m,
+        max_points=options.max_points,
+        altitude_m=options.altitude_m,
+        speed_m_s=options.speed_m_s,
+    )
+    listener(Notice(f" Generated {len(route.mission.places)} waypoints from tlog"))
+    for note in route.notes:
+        listener(Notice(f" {note}"))
+    return route
