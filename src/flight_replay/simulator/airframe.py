@@ -8,28 +8,43 @@ the thrust over its vertical part, north and east; positions are metres north, e
 
 from __future__ import annotations
 
-from math import atan, atan2, cos, exp, hypot, pi, sin, sqrt
+from math import atan, atan2, cos, exp, hypot, pi, sin, sqrt, tan
 
 from flight_replay.simulator.control import clamp, sqrt_controller, step_towards
 from flight_replay.simulator.limits import GRAVITY_M_S2, Limits
 
-# SIM_Frame.h's default model: drag balances 45 degrees of lean at 15.08 m/s, of which a part,
-# linear in speed, is the momentum that the rotors give to the air they turn.
+# SIM_Frame.h's default model: at the reference altitude, drag balances 45 degrees of lean at
+# 15.08 m/s. A part of it, linear in speed, is the momentum that the rotors give to their air.
 _MASS_KG = 3.0
 _DISC_AREA_M2 = 0.385
 _MOMENTUM_DRAG = 0.2
 _REFERENCE_SPEED_M_S = 15.08
 _REFERENCE_LEAN = pi / 4
-_AIR_DENSITY_KG_M3 = 1.16
+_REFERENCE_AMSL_M = 593.0
 _HOVER_FORCE_N = _MASS_KG * GRAVITY_M_S2
-_REFERENCE_MOMENTUM_N = (
-    cos(_REFERENCE_LEAN) ** 2
-    * _MOMENTUM_DRAG
-    * _REFERENCE_SPEED_M_S
-    * sqrt(_HOVER_FORCE_N / cos(_REFERENCE_LEAN) * _AIR_DENSITY_KG_M3 * _DISC_AREA_M2)
-)
-LINEAR_DRAG_PER_S = _MOMENTUM_DRAG * sqrt(_AIR_DENSITY_KG_M3 * _DISC_AREA_M2 * _HOVER_FORCE_N) / _MASS_KG
-SQUARE_DRAG_PER_M = (_HOVER_FORCE_N - _REFERENCE_MOMENTUM_N) / _REFERENCE_SPEED_M_S**2 / _MASS_KG
+# Speed of the air below the rotors in hover: twice power (12.09 V, 29.3 A) over force.
+_OUTFLOW_M_S = 2.0 * 12.09 * 29.3 / _HOVER_FORCE_N
+
+
+def air_density_kg_m3(amsl_m: float) -> float:
+    """Density of the international standard atmosphere."""
+    return 1.225 * float((1.0 - 2.25577e-5 * amsl_m) ** 4.25588)
+
+
+def _drag_coefficients(amsl_m: float) -> tuple[float, float]:
+    """Linear drag, 1/s, and square drag, 1/m, at an altitude (SIM_Frame.cpp: Frame::init)."""
+    reference = air_density_kg_m3(_REFERENCE_AMSL_M)
+    momentum_n = (
+        cos(_REFERENCE_LEAN) ** 2
+        * _MOMENTUM_DRAG
+        * _REFERENCE_SPEED_M_S
+        * sqrt(_HOVER_FORCE_N / cos(_REFERENCE_LEAN) * reference * _DISC_AREA_M2)
+    )
+    square = (_HOVER_FORCE_N * tan(_REFERENCE_LEAN) - momentum_n) / (_MASS_KG * _REFERENCE_SPEED_M_S**2)
+    density = air_density_kg_m3(amsl_m)
+    linear = _MOMENTUM_DRAG * sqrt(density * _DISC_AREA_M2 * _HOVER_FORCE_N) / _MASS_KG
+    return linear, square * density / reference
+
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
 _THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
@@ -41,7 +56,7 @@ class Airframe:
     """Position, velocity, lean and heading; ``step`` moves them on."""
 
     __slots__ = (
-        "_keep_lean", "_keep_throttle", "_limits", "_target_e", "_target_n", "_target_rate_e",
+        "_keep_lean", "_keep_throttle", "_limits", "_linear_drag", "_square_drag", "_target_e", "_target_n", "_target_rate_e",
         "_target_rate_n", "_wind", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n", "on_ground",
         "throttle", "u", "ve", "vn", "vu", "yaw",
     )  # fmt: skip
@@ -52,6 +67,7 @@ class Airframe:
         position_m: tuple[float, float, float],
         yaw_rad: float,
         wind_m_s: tuple[float, float, float],
+        home_amsl_m: float,
         dt: float,
     ) -> None:
         self.n, self.e, self.u = position_m
@@ -65,6 +81,7 @@ class Airframe:
         self.dt = dt
         self._limits = limits
         self._wind = wind_m_s
+        self._linear_drag, self._square_drag = _drag_coefficients(home_amsl_m)
         self._keep_throttle = exp(-dt / _THROTTLE_FILTER_S)
         self._keep_lean = exp(-dt / _LEAN_LAG_S)
 
@@ -91,12 +108,9 @@ class Airframe:
         dt = self.dt
         self._lean_towards(accel_n / GRAVITY_M_S2, accel_e / GRAVITY_M_S2)
         self.throttle = throttle + (self.throttle - throttle) * self._keep_throttle
-        lift = GRAVITY_M_S2 * self.throttle / self._limits.hover_throttle
-        drag_n, drag_e, drag_u = self._drag()
-        an, ae = self.lean_n * lift - drag_n, self.lean_e * lift - drag_e
-        self.accel_u = au = lift - GRAVITY_M_S2 - drag_u
+        an, ae, self.accel_u = self._acceleration()
         vn, ve, vu = self.vn, self.ve, self.vu
-        self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + au * dt
+        self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + self.accel_u * dt
         self.n += 0.5 * dt * (vn + self.vn)
         self.e += 0.5 * dt * (ve + self.ve)
         self.u += 0.5 * dt * (vu + self.vu)
@@ -132,28 +146,35 @@ class Airframe:
             return wanted
         return step_towards(wanted, rate, limits.lean_accel_rad_s2 * self.dt)
 
-    def _drag(self) -> tuple[float, float, float]:
-        """Deceleration by the air, north, east and up: square along each body axis, plus linear."""
+    def _acceleration(self) -> tuple[float, float, float]:
+        """Thrust, gravity and drag, which is linear, plus square along each body axis.
+
+        The throttle is divided by the cosine of the lean (get_throttle_boosted), and air that
+        comes from above lessens the thrust (Motor::calc_thrust).
+        """
         wn, we, wu = self._wind
         n, e, u = self.vn - wn, self.ve - we, self.vu - wu
-        scale = 1.0 / sqrt(1.0 + self.lean_n * self.lean_n + self.lean_e * self.lean_e)
-        tn, te = self.lean_n * scale, self.lean_e * scale
-        lift = n * tn + e * te + u * scale
-        n, e, u = n - lift * tn, e - lift * te, u - lift * scale
+        tu = 1.0 / sqrt(1.0 + self.lean_n * self.lean_n + self.lean_e * self.lean_e)
+        tn, te = self.lean_n * tu, self.lean_e * tu
+        up = n * tn + e * te + u * tu
+        thrust = GRAVITY_M_S2 * self.throttle / (self._limits.hover_throttle * tu)
+        if up > 0:
+            thrust = max(0.0, thrust - GRAVITY_M_S2 * (up / _OUTFLOW_M_S) ** 2)
+        linear, square = self._linear_drag * sqrt(thrust / GRAVITY_M_S2), self._square_drag
+        n, e, u = n - up * tn, e - up * te, u - up * tu
         hn, he = cos(self.yaw), sin(self.yaw)
         tilt = hn * tn + he * te
-        xn, xe, xu = hn - tilt * tn, he - tilt * te, -tilt * scale
-        size = 1.0 / sqrt(xn * xn + xe * xe + xu * xu)
-        ahead = (n * xn + e * xe + u * xu) * size
-        step = ahead * size
-        yn, ye, yu = n - step * xn, e - step * xe, u - step * xu
-        side = SQUARE_DRAG_PER_M * sqrt(yn * yn + ye * ye + yu * yu) + LINEAR_DRAG_PER_S
-        front = (SQUARE_DRAG_PER_M * abs(ahead) + LINEAR_DRAG_PER_S) * step
-        top = (SQUARE_DRAG_PER_M * abs(lift) + LINEAR_DRAG_PER_S) * lift
+        xn, xe, xu = hn - tilt * tn, he - tilt * te, -tilt * tu
+        ahead = (n * xn + e * xe + u * xu) / (xn * xn + xe * xe + xu * xu)
+        size = sqrt(xn * xn + xe * xe + xu * xu)
+        yn, ye, yu = n - ahead * xn, e - ahead * xe, u - ahead * xu
+        side = square * sqrt(yn * yn + ye * ye + yu * yu) + linear
+        front = (square * abs(ahead) * size + linear) * ahead
+        along = thrust - (square * abs(up) + linear) * up
         return (
-            front * xn + side * yn + top * tn,
-            front * xe + side * ye + top * te,
-            front * xu + side * yu + top * scale,
+            along * tn - front * xn - side * yn,
+            along * te - front * xe - side * ye,
+            along * tu - front * xu - side * yu - GRAVITY_M_S2,
         )
 
     def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:

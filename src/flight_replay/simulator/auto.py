@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flight_replay.geodesy import LocalFrame
 from flight_replay.mission import FIRST_SEQ, Command, Frame, Mission
+from flight_replay.simulator.flat import FlatFrame
 
 Params = tuple[float, float, float, float]
 
@@ -53,12 +53,12 @@ class LocalItem:
         return n, e, default[2] if self.up_m is None else self.up_m
 
 
-def local_items(mission: Mission, frame: LocalFrame, home_amsl_m: float = 0.0) -> tuple[LocalItem, ...]:
+def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) -> tuple[LocalItem, ...]:
     """The items of a mission in metres around ``frame``'s origin and above home.
 
     Args:
         mission: items with sequence numbers from 1.
-        frame: local frame whose origin is home.
+        frame: ArduPilot's metres around home.
         home_amsl_m: home's height above sea level, for items in the absolute frame. Heights above
             terrain count from home: the ground is level here.
     """

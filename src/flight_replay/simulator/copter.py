@@ -34,6 +34,7 @@ class Copter:
         velocity_m_s: Vector = (0.0, 0.0, 0.0),
         yaw_rad: float = 0.0,
         wind_m_s: Vector = (0.0, 0.0, 0.0),
+        home_amsl_m: float = 0.0,
         step_s: float = STEP_S,
     ) -> None:
         """On the ground at home, or hovering (or moving) at a place above it.
@@ -44,12 +45,13 @@ class Copter:
             velocity_m_s: velocity at the start, north, east, up.
             yaw_rad: heading at the start.
             wind_m_s: velocity of the air, north, east, up.
+            home_amsl_m: home above mean sea level, for the density of the air.
             step_s: duration of a step.
         """
         self.limits = limits
         self.step_s = step_s
         self.steps = 0
-        self._body = body = Airframe(limits, position_m, yaw_rad, wind_m_s, step_s)
+        self._body = body = Airframe(limits, position_m, yaw_rad, wind_m_s, home_amsl_m, step_s)
         body.vn, body.ve, body.vu = velocity_m_s
         control = PositionControl(limits, body)
         self._flight = Flight(

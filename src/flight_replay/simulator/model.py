@@ -12,6 +12,7 @@ from flight_replay.geodesy import Floats, LocalFrame
 from flight_replay.mission import FIRST_SEQ, Mission
 from flight_replay.simulator.auto import LocalItem, local_items
 from flight_replay.simulator.copter import STEP_S, Copter
+from flight_replay.simulator.flat import FlatFrame
 from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.scurve import Vector
 
@@ -74,9 +75,13 @@ class _Recorder:
         self.run(lambda: run.completed or run.loitering or not self.copter.motors)
         return {seq: begin + t for seq, t in run.reached}, (begin, self.copter.time_s)
 
-    def trajectory(self, reached_s: dict[int, float], auto_s: tuple[float, float]) -> Trajectory:
-        """What was recorded."""
-        return Trajectory(*np.array(self.rows).T, reached_s=reached_s, auto_s=auto_s)
+    def trajectory(
+        self, frame: LocalFrame, reached_s: dict[int, float], auto_s: tuple[float, float]
+    ) -> Trajectory:
+        """What was recorded, in ground metres."""
+        columns = np.array(self.rows).T
+        ground = frame.to_metres(*_flat(frame).to_degrees(columns[1:3].T))
+        return Trajectory(columns[0], ground[:, 0], ground[:, 1], *columns[3:], reached_s, auto_s)
 
 
 def home_frame(mission: Mission) -> LocalFrame:
@@ -88,8 +93,23 @@ def home_frame(mission: Mission) -> LocalFrame:
     raise MissionError("The mission has neither home nor waypoint; give it one to fly to.")
 
 
+def _home_amsl_m(mission: Mission) -> float:
+    return mission.home.alt_amsl_m if mission.home else 0.0
+
+
+def _flat(frame: LocalFrame) -> FlatFrame:
+    return FlatFrame(frame.lat_deg, frame.lon_deg)
+
+
 def _items(mission: Mission) -> tuple[LocalItem, ...]:
-    return local_items(mission, home_frame(mission), mission.home.alt_amsl_m if mission.home else 0.0)
+    return local_items(mission, _flat(home_frame(mission)), _home_amsl_m(mission))
+
+
+def _flat_start(mission: Mission, start_m: Vector) -> Vector:
+    """A start in ground metres, in ArduPilot's."""
+    frame = home_frame(mission)
+    north, east = _flat(frame).to_metres(*frame.to_degrees(start_m[:2])).tolist()
+    return north, east, start_m[2]
 
 
 def _first_altitude_m(items: Sequence[LocalItem]) -> float:
@@ -127,7 +147,7 @@ def simulate(  # noqa: PLR0913
         MissionError: the mission has no place, or never ends.
     """
     items = _items(mission)
-    start = (0.0, 0.0, _first_altitude_m(items)) if start_m is None else start_m
+    start = (0.0, 0.0, _first_altitude_m(items)) if start_m is None else _flat_start(mission, start_m)
     recorder = _Recorder(
         Copter(
             limits,
@@ -138,7 +158,7 @@ def simulate(  # noqa: PLR0913
             step_s=step_s,
         )
     )
-    return recorder.trajectory(*recorder.auto(items, start_seq))
+    return recorder.trajectory(home_frame(mission), *recorder.auto(items, start_seq))
 
 
 def simulate_flight(
@@ -162,7 +182,7 @@ def simulate_flight(
         MissionError: the mission has no place, or never ends.
     """
     items = _items(mission)
-    copter = Copter(limits, wind_m_s=wind_m_s)
+    copter = Copter(limits, wind_m_s=wind_m_s, home_amsl_m=_home_amsl_m(mission))
     recorder = _Recorder(copter)
     up = _first_altitude_m(items) if takeoff_m is None else takeoff_m
     copter.takeoff(up)
@@ -172,4 +192,4 @@ def simulate_flight(
     if copter.motors:
         copter.return_home()
         recorder.run(lambda: not copter.motors)
-    return recorder.trajectory(reached_s, auto_s)
+    return recorder.trajectory(home_frame(mission), reached_s, auto_s)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flight_replay.geodesy import LocalFrame
+from flight_replay.simulator.flat import FlatFrame
 
 Metres = tuple[float, float, float]
 """North, east and up of the start."""
@@ -44,9 +44,9 @@ class Start:
         return round(self.alt_amsl_m * 100)
 
     @property
-    def frame(self) -> LocalFrame:
-        """The metric frame around the start."""
-        return LocalFrame(self.lat_e7 / 1e7, self.lon_e7 / 1e7)
+    def frame(self) -> FlatFrame:
+        """ArduPilot's metres around the start."""
+        return FlatFrame(self.lat_e7 / 1e7, self.lon_e7 / 1e7)
 
     def place_of(self, position_m: Metres) -> Place:
         """The place that is so many metres north, east and up of the start."""

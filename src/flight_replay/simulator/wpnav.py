@@ -241,7 +241,7 @@ class WaypointNavigation:
         Source: SCurve::advance_target_along_track.
         """
         leg, following = self._leg, self._next
-        if following.empty or leg.time < leg.turn_out_time - following.turn_in_time:
+        if leg.empty or following.empty or leg.time < leg.turn_out_time - following.turn_in_time:
             return False
         half = 0.5 * (leg.end_time - leg.time)
         if leg.position * 2.0 < leg.length or 2.0 * half >= 0.5 * following.end_time:
