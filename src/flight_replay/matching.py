@@ -20,6 +20,8 @@ WHOLE_CELLS = 20_000_000
 """Up to so many pairs of fix and piece, every pair is looked at."""
 COARSE_FIXES, COARSE_PIECES = 1500, 4000
 """Size of the first look at more than that; the second keeps near what it found."""
+_STILL_M = 1e-3
+"""Steps below this change the sum of distances by micrometres: it is flat around its least."""
 BAND_M = 40.0
 """How far along the path the second look strays from the first."""
 
@@ -201,12 +203,12 @@ def _pooled(ideal_m: Floats, aside_m: Floats) -> Floats:
 
 
 def _nearest_to_all(ideal_m: Floats, aside_m: Floats) -> float:
-    """The place along a line with the smallest sum of distances (Weiszfeld's iteration, to 0.1 mm)."""
-    place = float(np.median(ideal_m))
+    """The place along a line with the smallest sum of distances (Weiszfeld's iteration)."""
+    place = float(ideal_m.mean())
     for _ in range(100):
         weight = 1 / np.maximum(np.hypot(ideal_m - place, aside_m), 1e-4)
         moved = float(weight @ ideal_m / weight.sum())
-        if abs(moved - place) < 1e-5:
+        if abs(moved - place) < _STILL_M:
             break
         place = moved
     return place
