@@ -11,6 +11,7 @@ import logging
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from types import FrameType
@@ -40,16 +41,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with _terminated_like_interrupted(), _console(options) as console:
             problem = replay(options, arguments, console)
-    except FlightReplayError as error:
-        if options.verbose:
-            logging.getLogger(__name__).exception("what failed, and where")
-        problem = str(error)
     except KeyboardInterrupt:
         write_error(sys.stderr, "interrupted")
         return INTERRUPTED
+    except Exception as error:
+        if options.verbose:
+            traceback.print_exc()
+        problem = _explained(error)
     if problem is not None:
         write_error(sys.stderr, problem)
     return 0 if problem is None else 1
+
+
+def _explained(error: Exception) -> str:
+    """The one line for an error; one that nobody expected is a fault of this program."""
+    if isinstance(error, FlightReplayError):
+        return str(error)
+    return f"a fault of flight-replay itself ({type(error).__name__}: {error}); report it, with what -v shows"
 
 
 def replay(options: Options, arguments: Sequence[str], console: Console) -> str | None:
