@@ -44,7 +44,7 @@ class Autopilot:
         unix_s: float = 0.0,
     ) -> None:
         self.faults = faults or Faults()
-        self.parameters = parameters or Parameters()
+        self.parameters = parameters or Parameters(self.faults.personality.parameters)
         self.channels: list[Channel] = []
         self._unix_s = unix_s
         self.parameters.changed.append(self._parameter_changed)

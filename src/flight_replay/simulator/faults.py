@@ -50,6 +50,11 @@ ADSB_RECEIVER = OtherHeartbeat(1, 156, 27)
 SECOND_COPTER = OtherHeartbeat(2, 1, 2, autopilot=3, base_mode=209, custom_mode=5)
 
 
+# MAV_PROTOCOL_CAPABILITY: MISSION_FLOAT, PARAM_FLOAT, MISSION_INT, COMMAND_INT,
+# SET_POSITION_TARGET_LOCAL_NED and _GLOBAL_INT, MAVLINK2. ArduCopter has more (files, fences).
+_CAPABILITIES = 1 | 2 | 4 | 8 | 128 | 256 | 8192
+
+
 @dataclass(frozen=True, slots=True)
 class Personality:
     """Which vehicle and firmware it is: ``vehicle_type`` is a MAV_TYPE."""
@@ -60,7 +65,9 @@ class Personality:
     mavlink1: bool = False
     knows_set_mode_command: bool = True
     arming_takes_s: float = 0.0
-    capabilities: int = 64495
+    capabilities: int = _CAPABILITIES
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """Defaults that differ from those of 4.6."""
 
     @property
     def banner(self) -> str:
@@ -75,7 +82,8 @@ COPTER_3_3 = Personality(
     mavlink1=True,
     knows_set_mode_command=False,
     arming_takes_s=2.5,
-    capabilities=0b1011,  # MISSION_FLOAT, PARAM_FLOAT, COMMAND_INT
+    capabilities=1 | 2 | 128 | 256,
+    parameters={"FS_GCS_ENABLE": 1, "WPNAV_SPEED": 500, "WPNAV_ACCEL": 100},
 )
 
 

@@ -5,6 +5,7 @@ A handler says whether it dealt with the message.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 Handler = Callable[["Autopilot", Message, Sender], bool]
 
+# MAVLink FTP: opcode and error of a refusal, and the payload's size.
+_FTP_NAK, _FTP_NOT_FOUND, _FTP_PAYLOAD = 129, 10, 251
 _CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 
 
@@ -95,6 +98,17 @@ def _autopilot_version_request(autopilot: Autopilot, message: Message, sender: S
     return True
 
 
+def _file_transfer(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """There are no files here; said at once, so that nobody waits for a timeout."""
+    seq, session, opcode = struct.unpack_from("<HBB", bytes(message.payload))
+    answer = struct.pack("<HBBBBBxIB", (seq + 1) % 2**16, session, _FTP_NAK, 1, opcode, 0, 0, _FTP_NOT_FOUND)
+    payload = list(answer.ljust(_FTP_PAYLOAD, b"\0"))
+    sender.channel.send(
+        dialect.MAVLink_file_transfer_protocol_message(0, sender.system, sender.component, payload)
+    )
+    return True
+
+
 HANDLERS: dict[str, Handler] = {
     "HEARTBEAT": _heartbeat,
     "PARAM_REQUEST_LIST": _param_request_list,
@@ -109,6 +123,7 @@ HANDLERS: dict[str, Handler] = {
     "MISSION_ITEM_INT": _mission_item,
     "SET_POSITION_TARGET_LOCAL_NED": guided.local_target,
     "SET_POSITION_TARGET_GLOBAL_INT": guided.global_target,
+    "FILE_TRANSFER_PROTOCOL": _file_transfer,
     "PING": _ping,
     "TIMESYNC": _timesync,
     "AUTOPILOT_VERSION_REQUEST": _autopilot_version_request,

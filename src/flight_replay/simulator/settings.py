@@ -44,7 +44,7 @@ def open_endpoint(settings: Settings) -> Endpoint:
         SimulatorError: if a parameter is unknown or a link cannot be opened.
     """
     try:
-        parameters = Parameters(settings.parameters)
+        parameters = Parameters({**settings.faults.personality.parameters, **settings.parameters})
     except KeyError as error:
         raise SimulatorError(
             f"the built-in copter has no parameter {error.args[0]}; check its name"
