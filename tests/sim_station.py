@@ -75,8 +75,14 @@ class Station:
 
     @property
     def texts(self) -> list[str]:
-        """Status texts."""
-        return [message.text for message in self.of("STATUSTEXT")]
+        """Status texts, long ones put together again."""
+        whole: list[str] = []
+        for message in self.of("STATUSTEXT"):
+            if message.chunk_seq:
+                whole[-1] += message.text
+            else:
+                whole.append(message.text)
+        return whole
 
     def forget(self) -> None:
         """Forget what was heard."""

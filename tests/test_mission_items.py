@@ -25,7 +25,8 @@ LAT, LON = 473977420, 85455940
 
 def as_int(**fields: Any) -> Any:
     """A MISSION_ITEM_INT; fields that are not given make it a sound waypoint."""
-    sent = {"frame": 3, "command": 16, "params": (0, 0, 0, 0), "x": LAT, "y": LON, "z": 20.0} | fields
+    sent: dict[str, Any] = {"frame": 3, "command": 16, "params": (0, 0, 0, 0), "x": LAT, "y": LON, "z": 20.0}
+    sent |= fields
     return dialect.MAVLink_mission_item_int_message(
         1, 1, 1, sent["frame"], sent["command"], 0, 1, *sent["params"], sent["x"], sent["y"], sent["z"]
     )
@@ -65,9 +66,10 @@ def test_places_of_float_items_lose_what_32_bit_floats_lose(lat: float, lon: flo
 
 
 def test_far_east_a_float_item_can_be_a_metre_off() -> None:
-    """Beyond 128 degrees a 32 bit float has steps of 1.5e-5 degrees; a place between two is off by half."""
-    item = stored(as_float(-35.363261, 149.165245))
-    assert 50 < abs(item.lon_e7 - 1491652450) < 80
+    """Beyond 128 degrees a float has steps of 1.5e-5 degrees, and of 128 once multiplied by 1e7."""
+    meant = range(1491652000, 1491653000, 10)
+    off = [abs(stored(as_float(-35.363261, lon / 1e7)).lon_e7 - lon) for lon in meant]
+    assert 70 < max(off) <= 76 + 64
 
 
 @pytest.mark.parametrize(

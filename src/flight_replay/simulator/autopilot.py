@@ -47,6 +47,7 @@ class Autopilot:
         self.parameters = parameters or Parameters(self.faults.personality.parameters)
         self.channels: list[Channel] = []
         self._unix_s = unix_s
+        self._long_texts = 0
         self.parameters.changed.append(self._parameter_changed)
         self.store = MissionStore(lambda: self.local.home_item, self._mission_counted)
         self.happenings = Happenings(self)
@@ -115,8 +116,14 @@ class Autopilot:
     # talking
 
     def say(self, severity: int, text: str) -> None:
-        """A STATUSTEXT to every station; long ones are cut, as ArduPilot's are over MAVLink 1."""
-        self.broadcast(dialect.MAVLink_statustext_message(severity, text.encode()[:_TEXT_LENGTH]))
+        """A STATUSTEXT to every station; a long one comes in chunks under a common number."""
+        data = text.encode()
+        if len(data) > _TEXT_LENGTH:
+            self._long_texts = self._long_texts % 65535 + 1
+        number = self._long_texts if len(data) > _TEXT_LENGTH else 0
+        for chunk, begin in enumerate(range(0, len(data), _TEXT_LENGTH)):
+            part = data[begin : begin + _TEXT_LENGTH]
+            self.broadcast(dialect.MAVLink_statustext_message(severity, part, number, chunk))
 
     def warn_once(self, text: str) -> None:
         """A warning that is spoken once a boot."""

@@ -38,6 +38,7 @@ class ModelFlight:
         self._copter = self._made((0.0, 0.0, 0.0), radians(autopilot.start.heading_deg))
         self._attitude_before = self._copter.attitude_rad
         self._goal_m: Metres | None = None
+        self._is_stuck = False
 
     def _made(self, position_m: Metres, yaw_rad: float, velocity_m_s: Metres = (0.0, 0.0, 0.0)) -> Copter:
         limits = Limits.from_parameters(self._autopilot.parameters)
@@ -94,7 +95,7 @@ class ModelFlight:
     def taking_off(self) -> bool:
         """Whether a take-off was ordered and is not done."""
         phase = self._copter.phase
-        return isinstance(phase, TakeOff) and not phase.done
+        return self._is_stuck or (isinstance(phase, TakeOff) and not phase.done)
 
     @property
     def target_m(self) -> Metres | None:
@@ -138,6 +139,7 @@ class ModelFlight:
             north_m, east_m, _ = self._copter.position_m
             self._copter = self._made((north_m, east_m, 0.0), self._copter.attitude_rad[2])
         self._copter.disarm()
+        self._is_stuck = False
 
     def move_home(self, position_m: Metres) -> None:
         """Home is another place, level with the ground; what was under way begins anew."""
@@ -167,7 +169,10 @@ class ModelFlight:
         """Climb straight up, to a height above home."""
         north_m, east_m, _ = self._copter.position_m
         self._goal_m = (north_m, east_m, up_m)
-        self._copter.takeoff(up_m)
+        if self._autopilot.faults.climbs:
+            self._copter.takeoff(up_m)
+        else:
+            self._is_stuck = True
 
     def goto(self, position_m: Metres) -> None:
         """Fly to a place given around the EKF's origin."""
