@@ -326,3 +326,17 @@ def test_a_clock_that_stands_still_does_not_hold_the_wait() -> None:
     with pytest.raises(PhaseTimeoutError, match="not ready to arm within 20 s"):
         flight.fly()
     assert flight.wall_s < 70
+
+
+def test_a_listener_that_fails_does_not_keep_the_vehicle_in_the_air() -> None:
+    """A closed pipe (``flight-replay | head``) ends the program, but first the flight."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    plan = Plan(mission=route(vehicle.points))
+
+    def listener(event: Event) -> None:
+        if vehicle.mode == "AUTO" or "RTL" in vehicle.asked:
+            raise BrokenPipeError
+
+    with pytest.raises(BrokenPipeError):
+        fly(vehicle, vehicle.clock, plan, listener)
+    assert vehicle.mode == "RTL"

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 import numpy as np
 
 from flight_replay.errors import VehicleError
-from flight_replay.events import Listener, Phase, PhaseStarted, VehicleState, ignore
+from flight_replay.events import Event, Listener, Phase, PhaseStarted, VehicleState, ignore
 from flight_replay.mission import FIRST_SEQ
 from flight_replay.supervisor.contract import Clock, Vehicle
 from flight_replay.supervisor.phases import arm, change_mode, take_off, verify_mission, wait_ready
@@ -58,8 +58,19 @@ def _homecoming(watch: Watch) -> Iterator[None]:
             _send_home(watch, watch.deadlines.return_wall_s)
         raise VehicleError(turn.problem) from turn
     except BaseException:
+        watch.emit = _deaf(watch.emit)
         _send_home(watch, watch.deadlines.return_wall_s)
         raise
+
+
+def _deaf(listener: Listener) -> Listener:
+    """The listener, whose own failure (a pipe that closed, say) must not keep the vehicle in the air."""
+
+    def emit(event: Event) -> None:
+        with suppress(Exception):
+            listener(event)
+
+    return emit
 
 
 def _send_home(watch: Watch, limit_wall_s: float) -> bool:

@@ -78,6 +78,7 @@ def arm(watch: Watch) -> None:
     watch.forget_reason()
     pace, repeat = Pace(watch), Repeat(watch)
     deadline = Deadline(watch, watch.deadlines.arm_s)
+    pace.due()  # The phase's start was told just now.
     while not watch.armed:
         reason = _refusal(watch, Request.ARM)
         if deadline.passed:

@@ -27,7 +27,12 @@ from flight_replay.vehicle.link import Link
 from flight_replay.vehicle.names import mode_number
 from flight_replay.vehicle.on_board import OnBoard
 from flight_replay.vehicle.opening import opened
-from flight_replay.vehicle.parameters import limits_as_parameters, parameters_set, read_parameters
+from flight_replay.vehicle.parameters import (
+    limits_as_parameters,
+    parameters_set,
+    read_parameters,
+    write_parameter,
+)
 from flight_replay.vehicle.port import LinkPort
 from flight_replay.vehicle.sightings import Sighting, Sightings
 from flight_replay.vehicle.streams import Streams
@@ -35,18 +40,19 @@ from flight_replay.vehicle.telemetry import Telemetry
 
 CONNECT_LIMIT_S = 30.0
 _TELL_S = 1.0
+_SPEEDUP = "SIM_SPEEDUP"
 
 
 class ConnectedVehicle:
     """A vehicle on an open link; fulfils ``supervisor.Vehicle``.
 
-    ``identity`` says what it is, ``drone`` is DroneKit's view of it.
+    ``identity`` says what it is, ``drone`` is DroneKit's view of it, ``link`` carries every frame.
     """
 
     def __init__(self, link: Link, sighting: Sighting) -> None:
         """Talk to the vehicle that was sighted on a link that runs."""
         self.drone: Any = dronekit_vehicle(link, sighting.system, sighting.component)
-        self._link = link
+        self.link = link
         self._port = LinkPort(link, self.drone, sighting.system, sighting.component)
         self._commands = Commands(self._port)
         self._telemetry = Telemetry(sighting.system, sighting.component, self.drone, self._commands)
@@ -127,6 +133,27 @@ class ConnectedVehicle:
         """Set parameters, in the vehicle's own units, for as long as the context lasts."""
         return parameters_set(self._port, wanted)
 
+    def run_at(self, speedup: float) -> None:
+        """Make a simulated vehicle's clock run ``speedup`` times as fast as ours, if it does not yet.
+
+        ArduCopter 3.3 cannot be told any more: there the option that it was started with stands.
+
+        Raises:
+            VehicleError: It does not take the speed.
+        """
+        if self.parameters([_SPEEDUP]).get(_SPEEDUP, speedup) != speedup:
+            write_parameter(self._port, _SPEEDUP, speedup)
+        self.link.speedup = speedup
+
+    def set_known_parameters(self, wanted: Mapping[str, float]) -> None:
+        """Set those of the parameters that the vehicle has, for good, in its own units.
+
+        Raises:
+            VehicleError: It does not take one of them.
+        """
+        for name in read_parameters(self._port, wanted):
+            write_parameter(self._port, name, wanted[name])
+
     def limits_as_parameters(self, limits: Mapping[str, float]) -> dict[str, float]:
         """Parameters in the vehicle's naming scheme for fields of ``simulator.limits.Limits``, SI units."""
         return limits_as_parameters(self._port, limits)
@@ -166,5 +193,7 @@ def connect(  # noqa: PLR0913
             listener(Notice(f"vehicle {other.system} is on this link too and is left alone", warning=True))
         yield ConnectedVehicle(link, sighting)
     finally:
-        listener(PhaseStarted(Phase.CLOSE))
-        link.close()
+        try:
+            listener(PhaseStarted(Phase.CLOSE))
+        finally:
+            link.close()
