@@ -12,14 +12,14 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geodesy import Floats, surface_xyz_m
-from flight_replay.tlog.columns import Table
-
-Flags = NDArray[np.bool_]
+from flight_replay.geodesy import Floats, distance_m
+from flight_replay.tlog.clock import Clock
+from flight_replay.tlog.columns import Fixes, Positions
+from flight_replay.tlog.crc import Flags, Index
 
 
 class Verdict(IntEnum):
-    """What is held against a position; empty ones are no positions at all."""
+    """What is held against a position; an empty one is no position at all."""
 
     NONE = 0
     EMPTY = 1
@@ -37,88 +37,99 @@ REASONS = {
 }
 
 _HAIR_E7 = 200_000  # 0.02 degrees, 2.2 km: positions without a fix were seen 0.01 degrees from 0, 0
+_QUARTER_TURN_E7 = 900_000_000
+_HALF_TURN_E7 = 1_800_000_000
+_TOLD_S = 10.0  # how long a receiver's last word holds
 _FASTEST_M_S = 60.0  # multicopters beyond this are built for records, and report their speed
 _VELOCITY_FACTOR = 1.5  # between two records a vehicle may have been faster than at either
 _SLACK_M = 20.0  # estimators correct themselves by metres at once
-_TOLD_S = 10.0  # how long a receiver's last word holds
-_LOOK_BACK = 8  # runs of positions that a run may follow
+_SLACK_E7 = 1_700  # less than that in both directions together: 1e-7 degrees are 11.2 mm at most
+_LOOK_BACK = 8  # how many runs of positions before it a run may follow
 
 
-def judge(positions: Table, fixes: Table, time_s: Floats, section: NDArray[np.int32]) -> NDArray[np.int8]:
-    """The verdict on each position (n,) of one vehicle, in order of time."""
+def judge(positions: Positions, fixes: Fixes, clock: Clock) -> NDArray[np.int8]:
+    """The verdict on each position (n,) of one vehicle, in the order of the log."""
+    lat, lon = positions.lat_e7, positions.lon_e7
     verdict = np.zeros(len(positions), np.int8)
-    lat, lon = positions["lat_e7"], positions["lon_e7"]
-    near_zero = (np.abs(lat) <= _HAIR_E7) & (np.abs(lon) <= _HAIR_E7)
-    outside = (lat > 900_000_000) | (lat < -900_000_000) | (lon > 1_800_000_000) | (lon < -1_800_000_000)
-    verdict[outside] = Verdict.OUTSIDE
-    verdict[near_zero] = Verdict.NEAR_ZERO
-    verdict[_without_fix(positions, fixes, time_s)] = Verdict.NO_FIX
-    verdict[(lat == 0) & (lon == 0)] = Verdict.EMPTY
-    left = np.flatnonzero(verdict == Verdict.NONE)
-    verdict[left[_beyond_jumps(positions[left], time_s[left], section[left])]] = Verdict.JUMP
+    verdict[_beyond(lat, _QUARTER_TURN_E7) | _beyond(lon, _HALF_TURN_E7)] = Verdict.OUTSIDE
+    verdict[~_beyond(lat, _HAIR_E7) & ~_beyond(lon, _HAIR_E7)] = Verdict.NEAR_ZERO
+    verdict[_without_fix(positions, fixes, clock)] = Verdict.NO_FIX
+    verdict[positions.is_empty] = Verdict.EMPTY
+    left = clock.order[verdict[clock.order] == Verdict.NONE]
+    verdict[left[_wrong_side_of_jumps(positions.select(left), clock.time_s[left], clock.section[left])]] = (
+        Verdict.JUMP
+    )
     return verdict
 
 
-def _without_fix(positions: Table, fixes: Table, time_s: Floats) -> Flags:
+def _beyond(value: NDArray[np.int32], limit: int) -> Flags:
+    """Where an angle is more than ``limit`` from 0; the lowest integer has no absolute value."""
+    return (value > limit) | (value < -limit)
+
+
+def _without_fix(positions: Positions, fixes: Fixes, clock: Clock) -> Flags:
     """Where the receiver's last word before the position was less than a 3D fix.
 
-    A word holds until an equal one; else for a while only after the position that follows it.
+    The last word of a row of such words holds until the next one, but no longer than a while by
+    the clock of the position that follows it: some logs tell of the receiver only once.
     """
-    if fixes["is_3d"].all():
+    lost = ~fixes.is_3d
+    begins = np.flatnonzero(lost & ~np.concatenate([[False], lost[:-1]]))
+    if not len(begins):
         return np.zeros(len(positions), np.bool_)
-    words = np.searchsorted(fixes["offset"], positions["offset"]) - 1
-    following = np.minimum(words + 1, len(fixes) - 1)
-    is_lost = (words >= 0) & ~fixes["is_3d"][words]
-    in_order = np.argsort(positions["offset"], kind="stable")
-    spoken = np.searchsorted(positions["offset"][in_order], fixes["offset"])
-    spoken_s = np.append(time_s[in_order], np.inf)[spoken]
-    return is_lost & (
-        ~fixes["is_3d"][following] & (following > words) | (time_s - spoken_s[words] <= _TOLD_S)
-    )
+    lasts = np.flatnonzero(lost & ~np.concatenate([lost[1:], [False]]))
+    following = np.searchsorted(positions.offset, np.append(fixes.offset, np.iinfo(np.int64).max))
+    time_s = np.maximum.accumulate(clock.time_s)
+    told_s = np.append(time_s, np.inf)[following[lasts]] + _TOLD_S
+    ends = np.minimum(following[lasts + 1], np.searchsorted(time_s, told_s, "right"))
+    steps = np.zeros(len(positions) + 1, np.int32)
+    np.add.at(steps, following[begins], 1)
+    np.add.at(steps, np.maximum(ends, following[lasts]), -1)
+    return np.cumsum(steps[:-1]) > 0
 
 
-def _beyond_jumps(positions: Table, time_s: Floats, section: NDArray[np.int32]) -> Flags:
-    """The positions on the wrong side of impossible jumps.
+def _wrong_side_of_jumps(positions: Positions, time_s: Floats, section: NDArray[np.int32]) -> Flags:
+    """Which positions (n,), in order of time, lie on the wrong side of an impossible jump.
 
     Jumps cut each section into runs. Of all chains of runs that can follow each other, the one with
     most positions is believed: an outlier is left out, and so is a false start before a jump.
     """
     wrong = np.zeros(len(positions), np.bool_)
-    if len(positions) < 2:
-        return wrong
-    xyz = surface_xyz_m(positions["lat_e7"] / 1e7, positions["lon_e7"] / 1e7)
-    speed = np.sqrt(sum(positions[name].astype(float) ** 2 for name in _VELOCITY)) / 100
-    moves = _Moves(xyz, time_s, speed)
-    index = np.arange(len(positions))
-    cuts = ~moves.possible(index[:-1], index[1:]) & (section[1:] == section[:-1])
-    for jumped in np.unique(section[1:][cuts]):
+    step_e7 = [np.abs(np.diff(column.astype(np.int64))) for column in (positions.lat_e7, positions.lon_e7)]
+    far = np.flatnonzero((step_e7[0] + step_e7[1] > _SLACK_E7) & (section[1:] == section[:-1]))
+    moves = _Moves(positions, time_s)
+    cuts = far[~moves.possible(far, far + 1)] + 1
+    for jumped in np.unique(section[cuts]):
         begin, end = np.searchsorted(section, [jumped, jumped + 1])
-        firsts = np.concatenate([[begin], np.flatnonzero(cuts[begin : end - 1]) + begin + 1])
+        firsts = np.concatenate([[begin], cuts[(cuts > begin) & (cuts < end)]])
         lasts = np.append(firsts[1:], end) - 1
         for run in _disbelieved(moves, firsts, lasts):
             wrong[firsts[run] : lasts[run] + 1] = True
     return wrong
 
 
-_VELOCITY = ("north_cm_s", "east_cm_s", "down_cm_s")
-
-
 class _Moves:
-    """Which moves between positions are possible: ``xyz`` (n, 3), times and reported speeds (n,)."""
+    """Which moves between the positions of a vehicle are possible."""
 
-    def __init__(self, xyz: Floats, time_s: Floats, speed_m_s: Floats) -> None:
-        self._xyz, self._time_s, self._speed_m_s = xyz, time_s, speed_m_s
+    def __init__(self, positions: Positions, time_s: Floats) -> None:
+        self._positions, self._time_s = positions, time_s
 
-    def possible(self, start: NDArray[np.intp], end: NDArray[np.intp]) -> Flags:
-        """Whether the vehicle can have moved from one position to the other."""
-        apart_m = np.linalg.norm(self._xyz[end] - self._xyz[start], axis=-1)
-        reported_m_s = np.maximum(self._speed_m_s[start], self._speed_m_s[end])
-        fastest_m_s = np.maximum(_VELOCITY_FACTOR * reported_m_s, _FASTEST_M_S)
+    def possible(self, start: Index, end: Index) -> Flags:
+        """Whether the vehicle can have moved from position ``start`` to ``end``, both (m,)."""
+        lat, lon = self._positions.lat_e7, self._positions.lon_e7
+        apart_m = distance_m(lat[start] / 1e7, lon[start] / 1e7, lat[end] / 1e7, lon[end] / 1e7)
+        fastest_m_s = np.maximum(np.maximum(self._reported_m_s(start), self._reported_m_s(end)), _FASTEST_M_S)
         return np.asarray(apart_m <= _SLACK_M + fastest_m_s * (self._time_s[end] - self._time_s[start]))
 
+    def _reported_m_s(self, index: Index) -> Floats:
+        """The most that a vehicle which reports these velocities is trusted with."""
+        columns = self._positions.north_cm_s, self._positions.east_cm_s, self._positions.down_cm_s
+        squares = sum(column[index].astype(float) ** 2 for column in columns)
+        return np.asarray(_VELOCITY_FACTOR * np.sqrt(squares) / 100)
 
-def _disbelieved(moves: _Moves, firsts: NDArray[np.intp], lasts: NDArray[np.intp]) -> set[int]:
-    """The runs that are not in the heaviest chain.
+
+def _disbelieved(moves: _Moves, firsts: Index, lasts: Index) -> set[int]:
+    """The runs, from ``firsts`` to ``lasts`` (m,), that are not in the heaviest chain.
 
     Looks back at the last few runs and at the end of the heaviest chain so far, so that time does
     not grow with the square of the number of runs.

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.errors import LogError
+from flight_replay.geodesy import Floats
 from flight_replay.tlog import source
 from flight_replay.tlog.believable import REASONS, Verdict, judge
-from flight_replay.tlog.clock import Clock, read_clock
-from flight_replay.tlog.columns import Records, Table
+from flight_replay.tlog.clock import read_clock
+from flight_replay.tlog.columns import AnyColumns, Heartbeats, Positions, Records
 from flight_replay.tlog.scan import scan
 from flight_replay.track import Armed, Track
 
@@ -90,7 +91,7 @@ def read_log(
         records, length = scan(opened, progress)
         name, head = opened.name, opened.head
     found = sorted(
-        (_read_vehicle(records, int(key)) for key in np.unique(records.positions["vehicle"])),
+        (_read_vehicle(records, int(key)) for key in np.unique(records.positions.vehicle)),
         key=lambda each: -each.count.fixes,
     )
     if not found:
@@ -109,11 +110,12 @@ def read_log(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
-    """One vehicle's usable positions in order of time, with their clock."""
+    """One vehicle's usable positions in order of time, with their time and section."""
 
     key: int
-    positions: Table
-    clock: Clock
+    positions: Positions
+    time_s: Floats
+    section: NDArray[np.int32]
     empty: int
     rejected: dict[str, int]
 
@@ -126,23 +128,22 @@ def _read_vehicle(records: Records, key: int) -> _Found:
     """Judge the positions of the vehicle ``key`` (system id * 256 + component id)."""
     positions = _of(records.positions, key)
     clock = read_clock(positions)
-    positions = positions[clock.order]
-    verdict = judge(positions, _of(records.fixes, key), clock.time_s, clock.section)
+    verdict = judge(positions, _of(records.fixes, key), clock)
     counts = np.bincount(verdict, minlength=len(Verdict))
-    usable = verdict == Verdict.NONE
+    usable = clock.order[verdict[clock.order] == Verdict.NONE]
     return _Found(
         key,
-        positions[usable],
-        Clock(clock.order[usable], clock.time_s[usable], clock.section[usable]),
+        positions.select(usable),
+        clock.time_s[usable],
+        clock.section[usable],
         records.empty.get(key, 0),
         {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]},
     )
 
 
-def _of(table: Table, key: int) -> Table:
-    """The rows of one vehicle."""
-    own = table["vehicle"] == key
-    return table if own.all() else table[own]
+def _of(columns: AnyColumns, key: int) -> AnyColumns:
+    """The records of one vehicle."""
+    return columns.select(columns.vehicle == key)
 
 
 def _choose(name: str, found: list[_Found], wanted: VehicleId | None) -> _Found:
@@ -173,16 +174,16 @@ def _track(records: Records, found: _Found) -> Track:
     """A vehicle's fixes in SI units."""
     positions = found.positions
     return Track(
-        time_s=found.clock.time_s,
-        lat_deg=positions["lat_e7"] / 1e7,
-        lon_deg=positions["lon_e7"] / 1e7,
-        alt_m=positions["alt_mm"] / 1e3,
-        amsl_m=positions["amsl_mm"] / 1e3,
-        north_m_s=positions["north_cm_s"] / 1e2,
-        east_m_s=positions["east_cm_s"] / 1e2,
-        up_m_s=-positions["down_cm_s"].astype(float) / 1e2,
-        section=found.clock.section,
-        armed=_armed(positions, _autopilot(_of(records.heartbeats, found.key)), found.clock.section),
+        time_s=found.time_s,
+        lat_deg=positions.lat_e7 / 1e7,
+        lon_deg=positions.lon_e7 / 1e7,
+        alt_m=positions.alt_mm / 1e3,
+        amsl_m=positions.amsl_mm / 1e3,
+        north_m_s=positions.north_cm_s / 1e2,
+        east_m_s=positions.east_cm_s / 1e2,
+        up_m_s=positions.down_cm_s / -1e2,
+        section=found.section,
+        armed=_armed(positions, _autopilot(_of(records.heartbeats, found.key)), found.section),
     )
 
 
@@ -193,21 +194,20 @@ _ARDUPILOT = 3  # MAV_AUTOPILOT_ARDUPILOTMEGA
 _NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
 
 
-def _autopilot(heartbeats: Table) -> Table:
-    """The heartbeats that an autopilot sent; ArduPilot's own where there are any, for others may be made up."""
-    kept = heartbeats[
-        (heartbeats["autopilot"] != _NO_AUTOPILOT) & ~np.isin(heartbeats["type"], _NO_VEHICLE_TYPES)
-    ]
-    own = kept["autopilot"] == _ARDUPILOT
-    return kept[own] if own.any() else kept
+def _autopilot(heartbeats: Heartbeats) -> Heartbeats:
+    """The heartbeats that an autopilot sent; ArduPilot's own where there are any: others may be made up."""
+    is_vehicle = ~np.isin(heartbeats.type, _NO_VEHICLE_TYPES)
+    kept = heartbeats.select((heartbeats.autopilot != _NO_AUTOPILOT) & is_vehicle)
+    own = kept.autopilot == _ARDUPILOT
+    return kept.select(own) if own.any() else kept
 
 
-def _armed(positions: Table, heartbeats: Table, section: NDArray[np.int32]) -> NDArray[np.int8]:
+def _armed(positions: Positions, heartbeats: Heartbeats, section: NDArray[np.int32]) -> NDArray[np.int8]:
     """Whether the motors were armed at any time since the fix before, shape (n,), by the heartbeats.
 
     So a flight lasts from the first fix after they were reported armed to the first after disarmed.
     """
-    told = np.append(heartbeats["armed"].astype(np.int8), np.int8(Armed.UNKNOWN))
-    armed = told[np.searchsorted(heartbeats["offset"], positions["offset"]) - 1]
+    told = np.append(heartbeats.armed.astype(np.int8), np.int8(Armed.UNKNOWN))
+    armed = told[np.searchsorted(heartbeats.offset, positions.offset) - 1]
     armed[1:] = np.where(section[1:] == section[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
-    return armed
+    return np.asarray(armed)

@@ -1,4 +1,4 @@
-"""Reads a log block by block, on all cores where the log is a plain file, in memory that does not grow with it."""
+"""Reads a log block by block, in memory that does not grow with it, and a plain file on several cores."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ import numpy as np
 
 from flight_replay.tlog import messages
 from flight_replay.tlog.columns import Records, decode, joined
-from flight_replay.tlog.crc import Bytes
-from flight_replay.tlog.frames import find_records
+from flight_replay.tlog.frames import Window, find_records
 from flight_replay.tlog.source import Source, Stream
 
 if TYPE_CHECKING:
@@ -22,30 +21,30 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 BLOCK_LENGTH = 4 << 20
-_WANTED = (messages.GLOBAL_POSITION_INT, messages.HEARTBEAT, messages.GPS_RAW_INT)
-_MARGIN = messages.LONGEST_FRAME + 16  # what a header and a frame may need behind a block
+_WANTED = np.array([messages.GLOBAL_POSITION_INT, messages.HEARTBEAT, messages.GPS_RAW_INT], np.uint8)
 _LEAD = 1024  # what is looked at before a block to guess where the walk enters it
-_STAMP_ROOM = 8
+_FIRST_SEEN = 8  # where the look begins, a stamp behind the first byte that is there
+_MARGIN = messages.LONGEST_FRAME + 16  # what headers and frames may need behind a block
 _MOST_THREADS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
-    """A block's records, and where the walk entered it and left it, offsets into the log."""
+class Part:
+    """A block's records, and where the walk enters the block and goes on behind it, offsets into the log."""
 
     records: Records
-    entered: int
-    left: int
+    enter: int
+    leave: int
 
 
 def scan(
     source: Source, progress: Progress | None = None, block_length: int = BLOCK_LENGTH
 ) -> tuple[Records, int]:
-    """All records of a log, and its length in bytes (of what was packed, where it was)."""
-    if source.descriptor is not None:
-        parts = _parts_of_file(source.descriptor, source.size, block_length)
-    else:
+    """All records of a log, and its length in bytes, unpacked."""
+    if source.descriptor is None:
         parts = _parts_of_stream(source.stream, block_length)
+    else:
+        parts = _parts_of_file(source.descriptor, source.size, block_length)
     records, length = [], 0
     for part, length in parts:
         records.append(part.records)
@@ -54,77 +53,106 @@ def scan(
     return joined(records), length
 
 
-def _read_block(block: Bytes, lead: int, offset: int, stop: int, end: int, entered: int | None) -> _Part:
-    """Walk the log's bytes from ``offset`` to ``stop``, of which ``block`` holds ``lead`` more in front.
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """Bytes ``offset`` to ``stop`` of a log, with what is in front and behind; the data ends at ``end``."""
 
-    Without knowing where the walk enters (``entered``), it is taken to visit the block's first
-    byte, which is nearly always enough for it to be right by ``offset``.
+    window: Window
+    offset: int
+    stop: int
+    end: int
+
+    @property
+    def base(self) -> int:
+        """Where in the log the window begins."""
+        return self.offset - _LEAD
+
+    def guess(self) -> int:
+        """Where the walk probably enters, taking it to have come through the lead's beginning."""
+        return find_records(self.window, _FIRST_SEEN, _LEAD, self.end - self.base, _WANTED[:0])[1] + self.base
+
+    def read(self, enter: int) -> Part:
+        """The records that a walk finds which enters the block at ``enter``."""
+        stop = max(self.stop, enter) - self.base
+        frames, leave = find_records(self.window, enter - self.base, stop, self.end - self.base, _WANTED)
+        return Part(decode(self.window.data, self.base, frames), enter, leave + self.base)
+
+
+def _parts_of_file(descriptor: int, size: int, block_length: int) -> Iterator[tuple[Part, int]]:
+    """The parts of a plain file, and where each ends.
+
+    Blocks are read ahead on a guess of where the walk enters; where it was wrong, once more.
     """
-    base = offset - lead
-    if entered is None:
-        _, guess = find_records(block, _STAMP_ROOM, lead, end - base, ())
-    else:
-        guess = entered - base
-    groups, left = find_records(block, guess, max(stop - base, guess), end - base, _WANTED)
-    return _Part(decode(block, base, groups), guess + base, left + base)
+    spare: list[Window] = []
+
+    def part(offset: int, enter: int | None) -> Part:
+        window = spare.pop() if spare else Window(_LEAD + block_length + _MARGIN)
+        block = _load(window, descriptor, offset, min(offset + block_length, size))
+        found = block.read(block.guess() if enter is None else enter)
+        spare.append(window)
+        return found
+
+    enter = 0
+    for offset, guessed in _ahead(part, range(0, size, block_length)):
+        found = guessed if guessed.enter == enter else part(offset, enter)
+        enter = found.leave
+        yield found, min(offset + block_length, size)
 
 
-def _parts_of_file(descriptor: int, size: int, block_length: int) -> Iterator[tuple[_Part, int]]:
-    """The parts of a plain file, read ahead by several threads: numpy works beside Python."""
-    offsets = range(0, size, block_length)
-
-    def part(offset: int, entered: int | None) -> _Part:
-        block = np.zeros(_LEAD + block_length + _MARGIN, np.uint8)
-        missing = max(_LEAD - offset, 0)  # the first block has nothing in front
-        got = os.preadv(descriptor, [memoryview(block)[missing:]], offset - _LEAD + missing)
-        end = min(offset - _LEAD + missing + got, size)
-        return _read_block(block, _LEAD, offset, min(offset + block_length, end), end, entered)
-
-    enters = 0
-    for offset, found in _ahead(part, offsets):
-        checked = found if found.entered == enters else part(offset, enters)
-        enters = checked.left
-        yield checked, min(offset + block_length, size)
+def _load(window: Window, descriptor: int, offset: int, stop: int) -> _Block:
+    """Read a block with its surroundings; before the beginning and behind the end there are zeros."""
+    missing = max(_LEAD - offset, 0)
+    window.data[:missing] = 0
+    begin = offset - _LEAD + missing
+    got = os.preadv(descriptor, [window.data[missing:].data], begin)
+    window.data[missing + got :] = 0
+    return _Block(window, offset, max(min(stop, begin + got), offset), begin + got)
 
 
-def _ahead(part: Callable[[int, int | None], _Part], offsets: range) -> Iterator[tuple[int, _Part]]:
-    """The parts in order, each worked on before it is asked for."""
+def _ahead(part: Callable[[int, int | None], Part], offsets: range) -> Iterator[tuple[int, Part]]:
+    """The parts in order, several being worked on at a time: numpy lets threads run side by side."""
     threads = min(_MOST_THREADS, os.cpu_count() or 1, len(offsets))
     if threads == 1:
         yield from ((offset, part(offset, None)) for offset in offsets)
         return
-    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - small logs go without its start-up time
+    from concurrent.futures import ThreadPoolExecutor  # small logs go without its start-up time
 
     with ThreadPoolExecutor(threads) as pool:
-        waiting: deque[tuple[int, Future[_Part]]] = deque()
+        waiting: deque[tuple[int, Future[Part]]] = deque()
         for offset in offsets:
             waiting.append((offset, pool.submit(part, offset, None)))
-            if len(waiting) > threads + 1:
+            if len(waiting) > 2 * threads:
                 done, future = waiting.popleft()
                 yield done, future.result()
         for done, future in waiting:
             yield done, future.result()
 
 
-def _parts_of_stream(stream: Stream, block_length: int) -> Iterator[tuple[_Part, int]]:
-    """The parts of bytes that come in order, each block keeping what the next one looks back at."""
-    block = np.zeros(_LEAD + block_length + _MARGIN, np.uint8)
-    held, offset, enters = _LEAD, 0, 0
+def _parts_of_stream(stream: Stream, block_length: int) -> Iterator[tuple[Part, int]]:
+    """The parts of bytes that come in order, and where each ends."""
+    window = Window(_LEAD + block_length + _MARGIN)
+    held, offset, enter = _LEAD, 0, 0
     while True:
-        ended = False
-        while held < len(block) and not ended:
-            data = stream.read(len(block) - held)
-            block[held : held + len(data)] = np.frombuffer(data, np.uint8)
-            held += len(data)
-            ended = not data
-        block[held:] = 0
+        held, ended = _fill(window, stream, held)
         end = offset + held - _LEAD
         stop = end if ended else offset + block_length
-        found = _read_block(block, _LEAD, offset, stop, end, enters)
-        enters = found.left
-        yield found, min(stop, end)
+        found = _Block(window, offset, stop, end).read(enter)
+        enter = found.leave
+        yield found, stop
         if ended:
             return
-        block[: held - block_length] = block[block_length:held].copy()
+        window.data[: held - block_length] = window.data[block_length:held].copy()
         held -= block_length
         offset += block_length
+
+
+def _fill(window: Window, stream: Stream, held: int) -> tuple[int, bool]:
+    """Read behind the ``held`` bytes until the window is full or the stream ends."""
+    while held < len(window.data):
+        data = stream.read(len(window.data) - held)
+        if not data:
+            window.data[held:] = 0
+            return held, True
+        window.data[held : held + len(data)] = np.frombuffer(data, np.uint8)
+        held += len(data)
+    return held, False

@@ -21,7 +21,9 @@ _HEAD_LENGTH = 512
 class Stream(Protocol):
     """Bytes in order; ``read`` returns at most ``size`` of them, and none at the end only."""
 
-    def read(self, size: int) -> bytes: ...
+    def read(self, size: int) -> bytes:
+        """The next bytes."""
+        ...
 
 
 class Source:
@@ -98,7 +100,7 @@ def opened(path: Path | str) -> Iterator[Source]:
         yield Source("standard input", sys.stdin.buffer)
         return
     try:
-        file = Path(path).open("rb", buffering=0)
+        file = Path(path).open("rb", buffering=0)  # noqa: SIM115 - closed below, apart from what opening raises
     except IsADirectoryError:
         raise LogError(f"{path} is a directory; name a log file in it") from None
     except FileNotFoundError:
