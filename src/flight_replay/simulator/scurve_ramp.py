@@ -49,7 +49,10 @@ def ramp(  # noqa: PLR0913
             _accel_for_speed(jerk, rise, top_speed - speed),
             _accel_for_length(jerk, rise, speed, length),
         )
-        return Ramp(jerk, rise, max(0.0, peak / jerk - rise), 0.0)
+        if peak < jerk * rise:
+            # ArduPilot looks for a full ramp where only a smaller one fits, and then makes none.
+            return Ramp(0.0, rise, 0.0, 0.0)
+        return Ramp(jerk, rise, peak / jerk - rise, 0.0)
     return Ramp(jerk, rise, accel / jerk - rise, _hold(accel, grow, speed, top_speed, length))
 
 

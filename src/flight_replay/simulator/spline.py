@@ -17,6 +17,9 @@ _ACROSS_SHARE = 0.5
 _ALONG_SHARE = 0.5
 _LONGEST_TANGENTS = 4.0
 _NOWHERE = (0.0, 0.0, 0.0)
+_FOREVER_S = 1e6
+# ArduCopter's main loop runs at 400 Hz (SCHED_LOOP_RATE).
+_ARDUPILOT_STEP_S = 0.0025
 
 Coefficients = tuple[Vector, Vector, Vector, Vector]
 
@@ -38,9 +41,9 @@ def hermite(origin: Vector, destination: Vector, leaving: Vector, arriving: Vect
 
 
 class _Place:
-    """Where on a curve: position, unit tangent, its length (m per unit of t), and the speed allowed there.
+    """Where on a curve: position, unit tangent, and the speed and acceleration allowed along it.
 
-    ``bend`` is the second derivative's length at rest, where the tangent is 0.
+    ``rate`` and ``bend`` are the ground covered per unit of t, m, and how that grows with t.
     """
 
     __slots__ = ("accel", "bend", "position", "rate", "speed_max", "unit")
@@ -57,23 +60,31 @@ class _Place:
         vu = u1 + t * (2.0 * u2 + 3.0 * t * u3)
         an, ae, au = 2.0 * n2 + 6.0 * t * n3, 2.0 * e2 + 6.0 * t * e3, 2.0 * u2 + 6.0 * t * u3
         self.rate = rate = sqrt(vn * vn + ve * ve + vu * vu)
-        self.bend = 0.0
         if rate > 0:
             vn, ve, vu = vn / rate, ve / rate, vu / rate
         else:
-            if not (an or ae or au):
-                an, ae, au = 6.0 * n3, 6.0 * e3, 6.0 * u3
-            self.bend = hypot(an, ae, au)
-            vn, ve, vu = an / self.bend, ae / self.bend, au / self.bend
+            vn, ve, vu = _direction(an, ae, au) or _direction(n3, e3, u3) or _NOWHERE
         self.unit = (vn, ve, vu)
+        self.bend = along = an * vn + ae * ve + au * vu
         self.accel = _ALONG_SHARE * limits.accel_along(vn, ve, vu)
         self.speed_max = limits.speed_along(vn, ve, vu)
-        along = an * vn + ae * ve + au * vu
         an, ae, au = an - along * vn, ae - along * ve, au - along * vu
         across = sqrt(an * an + ae * ae + au * au)
         if across > 0 and rate > 0:
             allowed = _ACROSS_SHARE * limits.accel_along(an, ae, au)
             self.speed_max = min(self.speed_max, rate * sqrt(allowed / across))
+
+    def time_for(self, distance: float) -> float:
+        """How much of t a distance takes from here, by the rate and its growth."""
+        square = self.rate * self.rate + 2.0 * self.bend * distance
+        mean = 0.5 * (self.rate + sqrt(square)) if square > 0 else 0.5 * self.rate
+        return distance / mean if mean > 0 else 0.0
+
+
+def _direction(n: float, e: float, u: float) -> Vector | None:
+    """Unit vector along a vector; None without one."""
+    length = hypot(n, e, u)
+    return (n / length, e / length, u / length) if length > 0 else None
 
 
 class Spline:
@@ -108,7 +119,7 @@ class Spline:
         self._coefficients = hermite(origin, destination, leaving, arriving)
         self._place = _Place(self._coefficients, 0.0, limits)
         self.destination_speed = assumed_speed
-        self.origin_speed = min(self._place.speed_max, self._braking_speed(self._place))
+        self.origin_speed = self._next_speed(self._place, 0.0, _FOREVER_S, 0.0)
         self.destination_speed = 0.0
         if any(arriving):
             self.destination_speed = _Place(self._coefficients, 1.0, limits).speed_max
@@ -121,30 +132,34 @@ class Spline:
         """End not faster than ``speed`` (SplineCurve::set_destination_speed_max)."""
         self.destination_speed = min(self.destination_speed, speed)
 
-    def _braking_speed(self, place: _Place) -> float:
-        """Speed from which the destination's is reached in time, over the straight distance to it."""
+    def _next_speed(self, place: _Place, speed: float, dt: float, ahead: float) -> float:
+        """Speed after a step from ``speed``: towards what curve and limits allow ``ahead`` m after a place.
+
+        The destination's speed must still be reached over the straight distance to it.
+        """
         n, e, u = place.position
         dn, de, du = self._destination
-        distance = hypot(dn - n, de - e, du - u)
-        return sqrt(2.0 * place.accel * distance + self.destination_speed**2)
+        distance = max(0.0, hypot(dn - n, de - e, du - u) - ahead)
+        braking = sqrt(2.0 * place.accel * distance + self.destination_speed**2)
+        return clamp(min(place.speed_max, braking), speed - place.accel * dt, speed + place.accel * dt)
 
     def advance(self, dt: float, speed: float) -> tuple[Vector, Vector]:
         """Target position and velocity ``dt`` seconds on; ``speed`` is that of the step before.
 
-        Source: SplineCurve::advance_target_along_track. There the speed is limited where the step
-        began; here where it ends, so that longer steps than ArduPilot's brake no later.
+        Source: SplineCurve::advance_target_along_track, which moves on with the speed from before
+        each of its shorter steps.
         """
         if self.finished:
             return self._destination, _NOWHERE
         place = self._place
-        distance = speed * dt
-        self.time += distance / place.rate if place.rate > 0 else sqrt(2.0 * distance / place.bend)
+        soon = self._next_speed(place, speed, dt, speed * dt)
+        distance = 0.5 * ((speed + soon) * dt + (speed - soon) * _ARDUPILOT_STEP_S)
+        self.time += place.time_for(distance)
         if self.time >= 1.0:
-            self.unused_s = (self.time - 1.0) * place.rate / speed
+            self.unused_s = (self.time - 1.0) * place.rate / speed if speed > 0 else 0.0
             self.time = 1.0
             self.finished = True
         self._place = place = _Place(self._coefficients, self.time, self._limits)
-        allowed = min(place.speed_max, self._braking_speed(place))
-        speed = clamp(allowed, speed - place.accel * dt, speed + place.accel * dt)
+        speed = self._next_speed(place, speed, dt, 0.0)
         n, e, u = place.unit
         return place.position, (n * speed, e * speed, u * speed)

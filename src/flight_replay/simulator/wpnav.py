@@ -24,6 +24,9 @@ _AHEAD_SHARE = 0.05
 # starts fast or slow, by 0.2 s on a leg from rest; the model takes the mean.
 _NOISE_M_S = 0.005
 _NOISE_MATTERS = 0.02
+# The target of a spline never quite rests: its 32-bit curve ends some 0.01 mm off the destination.
+# A straight leg from there is planned from that speed, which makes it slower than one from rest.
+_SPLINE_REST_M_S = 0.002
 
 
 def _mean_clamped(mean: float, deviation: float) -> float:
@@ -128,8 +131,7 @@ class WaypointNavigation:
             self._leg = SCurve(_minus(destination, self._origin), self._path_limits)
             if after_spline:
                 speed = hypot(control.vn, control.ve, control.vu)
-                if speed > 0:
-                    self._leg.limit_origin_speed(speed)
+                self._leg.limit_origin_speed(max(speed, _SPLINE_REST_M_S))
         self._spline = None
         self._next = SCurve()
         self.fast = self.reached = False
