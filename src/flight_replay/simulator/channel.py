@@ -170,4 +170,5 @@ def _as_mavlink1(message: Message) -> Message:
     from pymavlink.dialects.v10 import ardupilotmega as version1
 
     kind = version1.mavlink_map[message.get_msgId()]
-    return kind(*[getattr(message, field) for field in kind.fieldnames])
+    # pymavlink keeps the bytes of text fields beside their decoded form, and packs only bytes.
+    return kind(*[getattr(message, f"_{field}_raw", getattr(message, field)) for field in kind.fieldnames])
