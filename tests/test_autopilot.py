@@ -1,4 +1,4 @@
-"""The autopilot: arming, modes, take-off, missions, coming home; in vehicle time."""
+"""The autopilot on the ground and in the air: arming, take-off, modes; in vehicle time."""
 
 from __future__ import annotations
 
@@ -11,30 +11,17 @@ from sim_station import (
     GUIDED,
     LAND,
     LOITER,
-    MISSION_START,
     READY_S,
     RTL,
     TAKEOFF,
-    act,
-    place,
     sim,
-    takeoff,
 )
 
 from flight_replay.simulator.faults import Faults
 from flight_replay.simulator.mavlink import dialect
 from flight_replay.simulator.modes import Mode
-from flight_replay.simulator.place import Start
 
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
-SQUARE = [place(40, 0), place(40, 40), place(0, 40)]
-
-
-def reached(station):  # type: ignore[no-untyped-def]
-    return [message.seq for message in station.of("MISSION_ITEM_REACHED")]
-
-
-# arming
 
 
 def test_it_is_not_armable_at_once_and_says_why() -> None:
@@ -90,7 +77,8 @@ def test_the_prearm_bit_tells_when_arming_would_pass() -> None:
 )
 def test_parameters_keep_it_from_arming(parameter: str, value: float, reason: str) -> None:
     """What ArduCopter checks before arming is checked, and named; without checks it arms anyway."""
-    _, station = sim(**{parameter: value})
+    _, station = sim()
+    station.autopilot.parameters.assign(parameter, value)
     station.run(READY_S)
     station.mode(GUIDED)
     assert station.command(ARM, 1) == FAILED
@@ -251,205 +239,3 @@ def test_the_other_modes_hold_the_place(mode: Mode) -> None:
     stopped = autopilot.flight.position_m
     station.run(10)
     assert math.dist(stopped, autopilot.flight.position_m) < 0.2
-
-
-# missions
-
-
-def test_auto_from_the_ground_needs_a_takeoff_item() -> None:
-    """Armed on the ground, a mission without a take-off is refused with ArduCopter's words."""
-    _, station = sim()
-    station.run(READY_S)
-    station.upload(SQUARE)
-    station.mode(GUIDED)
-    station.command(ARM, 1)
-    assert station.mode(AUTO) == FAILED
-    assert "Auto: Missing Takeoff Cmd" in station.texts
-    assert station.texts[-1] == "Mode change to AUTO failed: init failed"
-
-
-def test_auto_in_the_air_needs_a_mission() -> None:
-    """Without items, AUTO is refused in flight."""
-    autopilot, station = sim()
-    station.fly()
-    assert station.mode(AUTO) == FAILED
-    assert autopilot.mode == Mode.GUIDED
-
-
-def test_a_mission_is_flown_item_by_item() -> None:
-    """Each item is announced, reached and counted; after the last the copter stays, still in AUTO."""
-    autopilot, station = sim()
-    station.fly()
-    station.upload(SQUARE)
-    assert station.mode(AUTO) == ACCEPTED
-    assert station.run(120, lambda: 3 in reached(station))
-    assert reached(station) == [1, 2, 3]
-    for text in ("Mission: 1 WP", "Reached command #1", "Mission: 3 WP", "Reached command #3"):
-        assert text in station.texts
-    station.run(5)
-    station.channel.request(dialect.MAVLINK_MSG_ID_MISSION_CURRENT)
-    current = station.last("MISSION_CURRENT")
-    assert (current.seq, current.total, current.mission_state, current.mission_mode) == (3, 3, 5, 1)
-    assert autopilot.mode == Mode.AUTO
-    north_m, east_m, up_m = autopilot.flight.position_m
-    assert math.dist((north_m, east_m, up_m), (0, 40, 20)) < 1
-
-
-def test_do_items_take_the_place_of_the_item_before_in_the_report() -> None:
-    """A DO item is done at once, and of one instant only the last item is reported, as ArduCopter does."""
-    _, station = sim()
-    station.fly()
-    station.upload([place(30, 0), act(178, 1, 3, -1), place(30, 30)])
-    station.mode(AUTO)
-    assert station.run(120, lambda: 3 in reached(station))
-    assert reached(station) == [2, 3]
-    assert station.texts.index("Mission: 2 ChangeSpeed") < station.texts.index("Mission: 3 WP")
-
-
-def test_a_whole_mission_from_takeoff_to_landing() -> None:
-    """MISSION_START lifts off by itself; RTL as an item lands and disarms, and the mission is reset."""
-    autopilot, station = sim(AUTO_OPTIONS=1)
-    station.run(READY_S)
-    station.upload([takeoff(15), place(30, 0), act(20)])
-    station.mode(AUTO)
-    assert station.command(ARM, 1) == ACCEPTED
-    station.run(3)
-    assert autopilot.flight.landed
-    assert station.command(MISSION_START) == ACCEPTED
-    assert station.run(200, lambda: not autopilot.armed)
-    assert {1, 2} <= set(reached(station))
-    assert math.dist(autopilot.flight.position_m, (0, 0, 0)) < 0.5
-    assert autopilot.mission.seq == 0
-
-
-def test_a_mission_goes_on_where_it_was_left() -> None:
-    """MIS_RESTART 0 resumes, 1 begins anew."""
-    autopilot, station = sim()
-    station.fly()
-    station.upload(SQUARE)
-    station.mode(AUTO)
-    station.run(60, lambda: autopilot.mission.seq == 2)
-    station.mode(LOITER)
-    station.run(3)
-    station.mode(AUTO)
-    station.run(1)
-    assert autopilot.mission.seq == 2
-    autopilot.parameters.assign("MIS_RESTART", 1)
-    station.mode(LOITER)
-    station.mode(AUTO)
-    station.run(1)
-    assert autopilot.mission.seq == 1
-
-
-def test_a_station_chooses_the_current_item() -> None:
-    """MISSION_SET_CURRENT and DO_SET_MISSION_CURRENT jump, before and during the flight."""
-    autopilot, station = sim()
-    station.fly()
-    station.upload(SQUARE)
-    station.send(dialect.MAVLink_mission_set_current_message(1, 1, 2))
-    assert station.last("MISSION_CURRENT").seq == 2
-    station.mode(AUTO)
-    station.run(1)
-    assert autopilot.mission.seq == 2
-    assert station.command(224, 3) == ACCEPTED
-    station.run(1)
-    assert autopilot.mission.seq == 3
-    assert station.command(224, 9) == DENIED
-
-
-def test_a_running_mission_is_not_cleared() -> None:
-    """MISSION_CLEAR_ALL fails while the mission is flown, and works otherwise."""
-    autopilot, station = sim()
-    station.fly()
-    station.upload(SQUARE)
-    station.mode(AUTO)
-    station.run(1)
-    station.send(dialect.MAVLink_mission_clear_all_message(1, 1))
-    assert station.last("MISSION_ACK").type == dialect.MAV_MISSION_ERROR
-    station.mode(LOITER)
-    station.send(dialect.MAVLink_mission_clear_all_message(1, 1))
-    assert station.last("MISSION_ACK").type == dialect.MAV_MISSION_ACCEPTED
-    assert len(autopilot.store) == 0
-
-
-def test_a_mission_changed_in_flight_is_flown_as_changed() -> None:
-    """New items near the current one restart its leg, with a text; farther ones are just flown later."""
-    autopilot, station = sim()
-    station.fly()
-    station.upload([*SQUARE, place(0, 0), place(-40, 0)])
-    station.mode(AUTO)
-    station.run(1)
-    for seq, moved, restarts in ((5, place(-20, 0), False), (1, place(25, 0), True)):
-        station.forget()
-        station.send(dialect.MAVLink_mission_write_partial_list_message(1, 1, seq, seq))
-        command, frame, params, x, y, z = moved
-        station.send(
-            dialect.MAVLink_mission_item_int_message(1, 1, seq, frame, command, 0, 1, *params, x, y, z)
-        )
-        station.run(1)
-        assert ("Auto mission changed, restarted command" in station.texts) == restarts
-    assert station.run(200, lambda: 5 in reached(station))
-    assert math.dist(autopilot.flight.position_m, (-20, 0, 20)) < 3
-
-
-# coming home
-
-
-def test_rtl_climbs_returns_waits_and_lands() -> None:
-    """From below RTL_ALT the copter climbs to it first, then flies home, lands and disarms there."""
-    autopilot, station = sim(RTL_ALT=2500)
-    station.fly(10)
-    autopilot.flight.goto((40.0, 0.0, 10.0))
-    station.run(20)
-    assert station.command(dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH) == ACCEPTED
-    highest = 0.0
-    while autopilot.armed:
-        station.run(1)
-        highest = max(highest, autopilot.above_home_m)
-        assert autopilot.time_s < 200
-    assert highest == pytest.approx(25, abs=0.5)
-    assert math.dist(autopilot.flight.position_m, (0, 0, 0)) < 0.5
-    assert autopilot.mode == Mode.RTL
-
-
-def test_land_comes_down_here() -> None:
-    """LAND descends where it is and disarms."""
-    autopilot, station = sim()
-    station.fly(15)
-    autopilot.flight.goto((30.0, 10.0, 15.0))
-    station.run(20)
-    assert station.command(dialect.MAV_CMD_NAV_LAND) == ACCEPTED
-    assert station.run(60, lambda: not autopilot.armed)
-    assert math.dist(autopilot.flight.position_m, (30, 10, 0)) < 1
-
-
-def test_home_is_where_it_was_armed() -> None:
-    """After landing elsewhere, arming moves home there: heights and RTL count from it."""
-    autopilot, station = sim()
-    station.fly(10)
-    autopilot.flight.goto((50.0, 20.0, 10.0))
-    station.run(20)
-    station.mode(LAND)
-    station.run(60, lambda: not autopilot.armed)
-    station.fly(10)
-    assert autopilot.home is not None
-    assert math.dist(autopilot.home.position_m, (50, 20, 0)) < 1
-    autopilot.flight.goto((80.0, 20.0, 10.0))
-    station.run(15)
-    station.mode(RTL)
-    assert station.run(100, lambda: not autopilot.armed)
-    assert math.dist(autopilot.flight.position_m, (50, 20, 0)) < 1
-
-
-@pytest.mark.parametrize(
-    "start", [Start(-89.0, 179.9999, 10, 0), Start(64.1, -180.0, 0, 0), Start(0, 0.0, 5, 0)]
-)
-def test_it_flies_anywhere_on_earth(start: Start) -> None:
-    """Near a pole, on the antimeridian and at zero degrees, a mission comes out where it should."""
-    autopilot, station = sim(start=start)
-    station.fly(10)
-    there = start.place_of((60.0, 60.0, 0.0))
-    station.upload([(16, 3, (0.0, 0.0, 0.0, 0.0), there.lat_e7, there.lon_e7, 10.0)])
-    station.mode(AUTO)
-    assert station.run(60, lambda: reached(station) == [1])
-    assert math.dist(autopilot.flight.position_m, (60, 60, 10)) < 2.5

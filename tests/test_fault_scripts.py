@@ -36,7 +36,7 @@ def test_the_pilot_takes_over() -> None:
     assert autopilot.mode == Mode.LOITER
     station.mode(AUTO)
     station.run(10)
-    assert autopilot.mode == Mode.AUTO
+    assert autopilot.mode.value == AUTO
 
 
 def test_the_vehicle_decides_for_itself() -> None:
