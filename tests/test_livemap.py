@@ -283,6 +283,7 @@ def test_a_page_follows_the_flight_and_closing_it_harms_nothing() -> None:
         live.listener(state(5, 7, 101.0))
         deadline_s = time.monotonic() + 10
         while len(source(session.document, "trail")["east"]) < 2 and time.monotonic() < deadline_s:
+            time.sleep(0.05)
             session.pull()
         assert source(session.document, "copter")["east"] == [pytest.approx(7, abs=1e-3)]
         session.close()
