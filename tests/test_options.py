@@ -13,7 +13,7 @@ def test_defaults_are_the_design_s() -> None:
     assert (options.tlog, options.connect, options.sim) == (None, None, "auto")
     assert (options.route, options.spacing_m, options.max_points) == ("spacing", 3.0, 100)
     assert (options.altitude_m, options.speed_m_s, options.duration_s) == (30.0, None, 60.0)
-    assert (options.takeoff_altitude_m, options.max_distance_m, options.speedup) == (30.0, 1000.0, 1.0)
+    assert (options.takeoff_altitude_m, options.max_distance_m, options.speedup) == (30.0, 1000.0, None)
 
 
 @pytest.mark.parametrize(

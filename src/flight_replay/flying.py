@@ -4,17 +4,27 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from flight_replay.consent import ask_consent
 from flight_replay.console import Console
-from flight_replay.events import Finished, Listener
+from flight_replay.errors import VehicleError
+from flight_replay.events import Finished, Listener, Notice
 from flight_replay.options import Options
 from flight_replay.outcome import Outcome, compare_flight
 from flight_replay.route import Route
 from flight_replay.supervisor import FlightRecord, Plan
 from flight_replay.supervisor import fly as supervise
-from flight_replay.track import Track
+
+if TYPE_CHECKING:
+    from flight_replay.vehicle import ConnectedVehicle
+
+_POSITION_S = 120.0
+_SPEEDUP = "SIM_SPEEDUP"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +37,7 @@ class Flown:
     outcome: Outcome
 
 
-class WallClock:
+class _WallClock:
     """Times silences, whatever the vehicle's clock does."""
 
     def monotonic_s(self) -> float:
@@ -41,36 +51,98 @@ def fly(options: Options, route: Route, console: Console, listener: Listener) ->
     Raises:
         FlightReplayError: Nothing flew, or the flight ended before the mission began.
     """
-    from flight_replay import vehicle
-
     with ExitStack() as stack:
-        recorder = None
-        connection = options.connect or stack.enter_context(_simulator(options, route.covered))
-        connected = stack.enter_context(
-            vehicle.connect(
-                connection, baud=options.baud, listener=listener, speedup=options.speedup, recorder=recorder
-            )
-        )
+        connection = options.connect or stack.enter_context(_simulator(options, route, listener))
+        connected = stack.enter_context(_connected(connection, options, listener))
+        _set_pace(connected, options.speedup)
+        _check(options, route, connected, console, listener)
+        if options.connect:
+            _keep_mission(connected, connection, options.baud, listener)
         connected.upload(route.mission, listener)
-        plan = Plan(
-            mission=route.mission,
-            duration_s=options.duration_s,
-            takeoff_altitude_m=options.takeoff_altitude_m,
-            land=options.land,
-        )
-        record = supervise(connected, WallClock(), plan, listener)
+        record = supervise(connected, _WallClock(), _plan(options, route), listener)
         identity = connected.identity
     listener(Finished(record.ended))
     return Flown(identity.name, identity.simulated, record, compare_flight(route, record))
 
 
-@contextmanager
-def _simulator(options: Options, recorded: Track) -> Iterator[str]:
-    """A simulator that starts where the recording did; its connection string."""
-    from flight_replay.simulator import launch
-    from flight_replay.simulator.place import Start
+def _plan(options: Options, route: Route) -> Plan:
+    return Plan(
+        mission=route.mission,
+        duration_s=options.duration_s,
+        takeoff_altitude_m=options.takeoff_altitude_m,
+        land=options.land,
+    )
 
-    ground_m = float(recorded.amsl_m[0] - recorded.alt_m[0])
-    start = Start(float(recorded.lat_deg[0]), float(recorded.lon_deg[0]), ground_m)
-    with launch.run(start, speedup=options.speedup) as running:
-        yield running.connection
+
+def _simulator(options: Options, route: Route, listener: Listener) -> AbstractContextManager[str]:
+    """A simulator that starts where the recording did, on the ground below its first fix."""
+    from flight_replay.simulator.place import Start
+    from flight_replay.sitl import simulator
+
+    first = route.covered.select(slice(0, 1))
+    ground_m = float(first.amsl_m[0] - first.alt_m[0])
+    start = Start(float(first.lat_deg[0]), float(first.lon_deg[0]), ground_m)
+    return simulator(options.sim, options.sitl, start, speedup=options.speedup or 1.0, listener=listener)
+
+
+@contextmanager
+def _connected(connection: str, options: Options, listener: Listener) -> Iterator[ConnectedVehicle]:
+    """The vehicle behind a connection string, recorded and watched as the options say."""
+    from flight_replay import vehicle
+    from flight_replay.gcs import ground_stations
+    from flight_replay.record import Recorder
+
+    with ExitStack() as stack:
+        recorder = stack.enter_context(Recorder(options.record)) if options.record else None
+        connected = stack.enter_context(
+            vehicle.connect(
+                connection,
+                baud=options.baud,
+                listener=listener,
+                speedup=options.speedup or 1.0,
+                recorder=recorder,
+            )
+        )
+        stack.enter_context(ground_stations(connected.link, options.gcs))
+        yield connected
+
+
+def _set_pace(connected: ConnectedVehicle, speedup: float | None) -> None:
+    """Run a simulated vehicle as fast as asked, or keep pace with it; a real one has its own."""
+    if connected.identity.simulated:
+        connected.run_at(speedup or connected.parameters([_SPEEDUP]).get(_SPEEDUP, 1.0))
+    elif speedup not in (None, 1.0):
+        raise VehicleError(f"{connected.identity.name} is real and flies no faster: leave out --speedup")
+
+
+def _check(
+    options: Options, route: Route, connected: ConnectedVehicle, console: Console, listener: Listener
+) -> None:
+    """Refuse what must not be flown, and ask before a real vehicle is."""
+    from flight_replay import safety
+
+    briefing = safety.check(
+        connected.identity,
+        route.mission,
+        connected.wait_position(_POSITION_S, listener),
+        takeoff_altitude_m=options.takeoff_altitude_m,
+        max_distance_m=options.max_distance_m,
+    )
+    if connected.identity.simulated:
+        return
+    if options.limits == "recorded":
+        raise VehicleError(f"{connected.identity.name} is real: --limits recorded is for simulated vehicles")
+    for line in briefing.lines:
+        console.say(line)
+    if not options.yes:
+        ask_consent(console)
+
+
+def _keep_mission(connected: ConnectedVehicle, connection: str, baud: int, listener: Listener) -> None:
+    """Save what is on board before it is overwritten, and say how to get it back."""
+    from flight_replay.restore import keep_mission, restoring_line
+
+    path = keep_mission(connected, Path.cwd(), datetime.now())
+    if path is not None:
+        line = restoring_line(path, connection, baud)
+        listener(Notice(f"The mission that was on board is kept in {path}; to put it back: {line}"))

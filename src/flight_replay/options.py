@@ -48,7 +48,7 @@ class Options:
     baud: int
     sim: Literal["auto", "sitl", "builtin"]
     sitl: Path | None
-    speedup: float
+    speedup: float | None
     dry_run: bool
     json: bool
     save: tuple[Path, ...]
@@ -246,8 +246,7 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
         "--speedup",
         metavar="X",
         type=option_types.positive,
-        default=1.0,
-        help="how many times faster than life the simulator runs (default: 1)",
+        help="how many times faster than life a simulator runs (default: 1; with --connect, as it is)",
     )
 
 
