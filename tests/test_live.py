@@ -112,15 +112,25 @@ def test_trouble_stays_until_it_is_over() -> None:
 
 
 def test_at_the_end_no_step_is_under_way() -> None:
-    """Every step that was begun is ticked."""
+    """Every step that was begun is ticked, and what changed all the time is gone."""
     events: list[Event] = [
         *FLIGHT,
         PhaseStarted(Phase.RETURN),
         ReturnCommanded(True),
         PhaseStarted(Phase.CLOSE),
     ]
-    steps = shown(*events, Finished("duration"))[0]
+    steps, waypoint = shown(*events, Finished("duration"))
     assert steps.count("✔") == 8
+    assert waypoint.startswith("Waypoint")
+
+
+def test_take_off_tells_how_high_it_goes() -> None:
+    """While climbing, the altitude stands beside its target; later it stands alone."""
+    low = VehicleState(1.0, 47.0, 8.0, 3.21, (0.0, 0.0, 1.0), None, "GUIDED", armed=True)
+    assert shown(PhaseStarted(Phase.TAKEOFF), Climbing(3.2, 28.5, 30.0), low)[1].startswith(
+        "Altitude 3.2 of 30 m"
+    )
+    assert shown(Climbing(3.2, 28.5, 30.0), PhaseStarted(Phase.MISSION), low)[1].startswith("Altitude 3.2 m ")
 
 
 def test_a_terminal_without_unicode_gets_ascii_marks() -> None:
@@ -177,6 +187,16 @@ def test_notices_scroll_by_above_the_display() -> None:
     assert "question?" in written
     assert " Autopilot: Mission: 22 WP" not in written
     assert " Autopilot: Mission: 22 WP" in run_live(True, events)
+
+
+def test_the_result_stands_below_the_display() -> None:
+    """What is said after the end comes after the last drawing of the steps."""
+    stream = Terminal()
+    with LiveConsole(stream) as console:
+        console.listener(PhaseStarted(Phase.CLOSE))
+        console.listener(Finished("duration"))
+        console.say("Reached 22 of 100 waypoints")
+    assert stream.getvalue().rindex("Reached 22") > stream.getvalue().rindex("Close")
 
 
 def test_no_color_is_honoured_by_the_display(monkeypatch: pytest.MonkeyPatch) -> None:

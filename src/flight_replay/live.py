@@ -15,7 +15,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from flight_replay.events import Event, Heading, Notice, Phase, PhaseStarted, Progress, VehicleState
+from flight_replay.events import Event, Finished, Heading, Notice, Phase, PhaseStarted, Progress, VehicleState
 from flight_replay.status import Status
 from flight_replay.wording import WARNING_SEVERITY, sentence, went_wrong
 
@@ -67,6 +67,8 @@ class LiveConsole:
         line = sentence(event) if self._scrolls(event) else None
         if line is not None:
             self._rich.print(Text(line, style="yellow" if went_wrong(event) else ""))
+        if isinstance(event, Finished):
+            self._live.stop()  # What is said from now on stands below the display.
 
     def _scrolls(self, event: Event) -> bool:
         minor = isinstance(event, PhaseStarted | Progress)
@@ -100,19 +102,26 @@ class Display:
             parts.append(_steps(status, _ASCII_MARKS if options.ascii_only else _MARKS))
         if status.progress is not None:
             parts.append(_work(status.progress))
-        if status.waiting and status.ended is None:
-            parts.append(_line("Waiting", status.waiting, "yellow"))
         if status.heading is not None:
             parts.append(_waypoints(status.heading))
-        if status.vehicle is not None:
-            parts.append(_readings(status.vehicle, status.speed_m_s))
-        parts += [
-            _line("Autopilot", words.text, "yellow" if words.severity <= WARNING_SEVERITY else "dim")
-            for words in status.words
-        ]
+        if status.ended is None:
+            parts += _under_way(status)
         if status.trouble:
             parts.append(_line("Warning", status.trouble, "bold yellow"))
         yield Group(*parts)
+
+
+def _under_way(status: Status) -> list[RenderableType]:
+    """What changes all the time, and says nothing any more once the replay is over."""
+    parts: list[RenderableType] = []
+    if status.waiting:
+        parts.append(_line("Waiting", status.waiting, "yellow"))
+    if status.vehicle is not None:
+        parts.append(_readings(status, status.vehicle))
+    for words in status.words:
+        style = "yellow" if words.severity <= WARNING_SEVERITY else "dim"
+        parts.append(_line("Autopilot", words.text, style))
+    return parts
 
 
 def _steps(status: Status, marks: dict[str, str]) -> Text:
@@ -151,10 +160,11 @@ def _waypoints(heading: Heading) -> RenderableType:
     return _bar("Waypoint", f"{heading.seq} of {heading.last_seq}{ahead}", heading.seq, heading.last_seq)
 
 
-def _readings(vehicle: VehicleState, speed_m_s: float) -> Text:
+def _readings(status: Status, vehicle: VehicleState) -> Text:
+    climbing = status.phase is Phase.TAKEOFF and status.target_m is not None
     pairs = {
-        "Altitude": f"{vehicle.alt_m:.1f} m",
-        "Speed": f"{speed_m_s:.1f} m/s",
+        "Altitude": f"{vehicle.alt_m:.1f} of {status.target_m:g} m" if climbing else f"{vehicle.alt_m:.1f} m",
+        "Speed": f"{status.speed_m_s:.1f} m/s",
         "Mode": vehicle.mode,
         "Battery": _battery(vehicle.battery_v, vehicle.battery_percent),
     }
