@@ -30,7 +30,7 @@ class Endpoint:
         Raises:
             SimulatorError: if one cannot be opened; those that were are closed again.
         """
-        self._autopilot = autopilot
+        self.autopilot = autopilot
         self._selector = selectors.DefaultSelector()
         self._listeners: list[Listener] = []
         self._stations: dict[LinkChannel, Connection] = {}
@@ -54,23 +54,28 @@ class Endpoint:
         """Where the links are, with real port numbers."""
         return tuple(listener.address for listener in self._listeners)
 
+    @property
+    def stations(self) -> int:
+        """How many are connected."""
+        return len(self._stations)
+
     def _welcome(self, listener: Listener) -> None:
         connection = listener.accept()
         if connection is None:
             return
         channel = LinkChannel(
-            self._autopilot,
+            self.autopilot,
             connection.write,
             lambda: connection.has_room,
             number=self._listeners.index(listener),
         )
         self._stations[channel] = connection
-        self._autopilot.channels.append(channel)
+        self.autopilot.channels.append(channel)
         self._selector.register(connection.socket, selectors.EVENT_READ, channel)
 
     def _dismiss(self, channel: LinkChannel) -> None:
         connection = self._stations.pop(channel)
-        self._autopilot.channels.remove(channel)
+        self.autopilot.channels.remove(channel)
         self._selector.unregister(connection.socket)
         connection.close()
 
@@ -82,12 +87,12 @@ class Endpoint:
             if pacer.wait_s(clock()) > 0:
                 continue
             self.step()
-            speedup = max(self._autopilot.parameters["SIM_SPEEDUP"], _SLOWEST)
+            speedup = max(self.autopilot.parameters["SIM_SPEEDUP"], _SLOWEST)
             pacer.stepped(clock(), STEP_S, speedup)
 
     def step(self) -> None:
         """Let a step of vehicle time pass, and send what is due."""
-        self._autopilot.step()
+        self.autopilot.step()
         for channel in list(self._stations):
             channel.step()
         self._flush()
@@ -114,11 +119,11 @@ class Endpoint:
 
     def _route(self, message: Message, sender: Sender, came_by: LinkChannel) -> None:
         """To the vehicle, to the other stations, or both, by target (MAVLink_routing.cpp)."""
-        own = int(self._autopilot.parameters["SYSID_THISMAV"])
+        own = int(self.autopilot.parameters["SYSID_THISMAV"])
         system = getattr(message, "target_system", 0)
         component = getattr(message, "target_component", 0)
         if system == 0 or (system == own and component in _OWN_COMPONENTS):
-            self._autopilot.handle(message, sender)
+            self.autopilot.handle(message, sender)
         if system == own:
             return
         for channel in self._stations:
