@@ -83,6 +83,11 @@ class Result:
     rtl_s: tuple[float, float]
 
 
+def stamped(time_s: float) -> float:
+    """An event's time as recordings have it: that of the position before it, at 10 Hz."""
+    return np.floor(time_s * 10.0 + 1e-6) / 10.0
+
+
 def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
     returning = truth.time_s[truth.mode == RTL]
     flown = simulate_flight(truth.mission, limits, after_s=returning[0] - truth.last_s if len(returning) else 0.0)
@@ -92,14 +97,14 @@ def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
     first = min(truth.reached_s)
     theirs = truth.position_m[auto, :2]
     late = truth.time_s[auto] - truth.reached_s[first]
-    own = flown.time_s - flown.reached_s[first]
+    own = flown.time_s - stamped(flown.reached_s[first])
     rtl_begin = returning[0] if len(returning) else float("nan")
     after = rtl_begin - truth.last_s
     return Result(
         in_order_distances(theirs, ours[own_auto]),
         in_time(late, theirs, own[own_auto], ours[own_auto]),
-        (truth.last_s - truth.auto_s, flown.auto_s[1] - flown.auto_s[0]),
-        (truth.auto_s - truth.time_s[0], flown.auto_s[0]),
+        (truth.last_s - truth.auto_s, stamped(flown.auto_s[1]) - stamped(flown.auto_s[0])),
+        (truth.auto_s - truth.time_s[0], stamped(flown.auto_s[0])),
         (truth.disarmed_s - rtl_begin, flown.time_s[-1] - flown.auto_s[1] - after),
     ), flown
 

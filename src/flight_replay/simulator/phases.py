@@ -25,6 +25,7 @@ _SETTLED_SHARE = 0.1
 # mode_rtl.cpp: RTL_ALT_MIN, RTL_MIN_CONE_SLOPE.
 _LOWEST_RETURN_M = 0.3
 _SHALLOWEST_CONE = 0.5
+_ROUNDING_M = 0.002
 # land_detector.cpp: LAND_DETECTOR_TRIGGER_SEC.
 _LANDED_AFTER_S = 1.0
 
@@ -153,7 +154,7 @@ class GoTo:
 
 
 class Landing:
-    """Descend, slowly from LAND_ALT_LOW on, until the land detector is sure; then disarm."""
+    """Descend, slowly from LAND_ALT_LOW on, until the land detector is sure; then spool down and disarm."""
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
@@ -175,8 +176,8 @@ class Landing:
         rate = sqrt_controller(low - body.u, limits.position_z_p, control.accel_z_max, body.dt)
         control.shape_climb(clamp(rate, -fastest, -slowest))
         flight.heading.update()
-        self._still_s = self._still_s + body.dt if body.on_ground else 0.0
-        self.done = self._still_s >= 2.0
+        self._still_s = self._still_s + body.dt if body.on_ground and control.throttle <= 0 else 0.0
+        self.done = self._still_s >= _LANDED_AFTER_S + limits.spool_s
 
 
 class Return:
@@ -204,7 +205,8 @@ class Return:
         up = max(limits.rtl_altitude_m, lowest)
         if limits.rtl_cone_slope >= _SHALLOWEST_CONE:
             up = min(up, max(hypot(start[0], start[1]) * limits.rtl_cone_slope, lowest))
-        return max(up, now)
+        # Altitudes are whole centimetres on board: some millimetres are always left to climb.
+        return max(up, now, start[2] + _ROUNDING_M)
 
     def step(self) -> None:
         """Fly one step of whichever part is on."""

@@ -39,7 +39,7 @@ class PositionControl:
         "_body", "_error_max", "_filter", "_fresh", "_integrator_e", "_integrator_n", "_jerk", "_jerk_z",
         "_lean_max", "_limited", "_limits", "_rate_e", "_rate_n", "_throttle_integral", "_verror_e",
         "_verror_n", "_verror_u", "accel_e", "accel_max", "accel_n", "accel_u", "accel_z_max", "dt", "e",
-        "n", "speed_down", "speed_max", "speed_up", "u", "ve", "vn", "vu",
+        "n", "speed_down", "speed_max", "throttle", "speed_up", "u", "ve", "vn", "vu",
     )  # fmt: skip
 
     def __init__(self, limits: Limits, body: Airframe) -> None:
@@ -51,7 +51,7 @@ class PositionControl:
         self.accel_max, self.accel_z_max = limits.wp_accel_m_s2, limits.wp_accel_z_m_s2
         self.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
         self._integrator_n = self._integrator_e = self._throttle_integral = 0.0
-        self._error_max = 0.0
+        self._error_max = self.throttle = 0.0
         self.limit_correction()
         self.rest_here()
 
@@ -264,4 +264,5 @@ class PositionControl:
         throttle = (
             limits.hover_throttle + self._throttle_integral + _THROTTLE_PER_M_S2 * limits.accel_z_p * error
         )
-        return clamp(throttle, 0.0, 1.0)
+        self.throttle = clamp(throttle, 0.0, 1.0)
+        return self.throttle
