@@ -22,6 +22,7 @@ from flight_replay.errors import FlightReplayError
 from flight_replay.journal import Journal
 from flight_replay.options import Options, parse
 from flight_replay.outputs import Replay
+from flight_replay.watching import mapped, together
 
 INTERRUPTED = 130
 
@@ -64,10 +65,11 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     """From log to landing; returns what went otherwise than asked, once everything is written down."""
     outputs.check(options)
     journal = Journal()
-    with outputs.watching(options, console, journal) as listener:
-        log, flights, track = planning.read(options, listener)
-        route = planning.plan(options, track, listener)
-        outputs.save_mission(options, route)
+    listener = together(console.listener, journal.listener)
+    log, flights, track = planning.read(options, listener)
+    route = planning.plan(options, track, listener)
+    outputs.save_mission(options, route)
+    with mapped(options, route, console, listener) as listener:
         flown = None if options.dry_run else flying.fly(options, route, console, listener)
     result = Replay(log, flights, route, flown)
     outputs.save_pictures(options, result, journal.entries, arguments)

@@ -16,7 +16,7 @@ from flight_replay.errors import VehicleError
 from flight_replay.events import Finished, Listener, Notice
 from flight_replay.options import Options
 from flight_replay.outcome import Outcome, compare_flight
-from flight_replay.route import Route
+from flight_replay.route import Route, home_of
 from flight_replay.supervisor import FlightRecord, Plan
 from flight_replay.supervisor import fly as supervise
 
@@ -75,13 +75,12 @@ def _plan(options: Options, route: Route) -> Plan:
 
 
 def _simulator(options: Options, route: Route, listener: Listener) -> AbstractContextManager[str]:
-    """A simulator that starts where the recording did, on the ground below its first fix."""
+    """A simulator that starts where the recording did."""
     from flight_replay.simulator.place import Start
     from flight_replay.sitl import simulator
 
-    first = route.covered.select(slice(0, 1))
-    ground_m = float(first.amsl_m[0] - first.alt_m[0])
-    start = Start(float(first.lat_deg[0]), float(first.lon_deg[0]), ground_m)
+    home = home_of(route.covered)
+    start = Start(home.lat_deg, home.lon_deg, home.alt_amsl_m)
     return simulator(options.sim, options.sitl, start, speedup=options.speedup or 1.0, listener=listener)
 
 

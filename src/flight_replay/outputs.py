@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from flight_replay import formats
 from flight_replay import summary as contract
 from flight_replay.compare import Spread
-from flight_replay.console import Console
 from flight_replay.errors import FlightReplayError
-from flight_replay.events import Event, Listener
 from flight_replay.flights import Flight
 from flight_replay.flying import Flown
-from flight_replay.journal import Entry, Journal
+from flight_replay.journal import Entry
 from flight_replay.options import Options
 from flight_replay.route import Route
 from flight_replay.tlog import Log
@@ -50,18 +47,6 @@ def check(options: Options) -> None:
     for file in (*options.save, options.plot, options.report, options.record):
         if file and not file.expanduser().parent.is_dir():
             raise FlightReplayError(f"cannot write {file}: there is no folder {file.parent}; make it first")
-
-
-@contextmanager
-def watching(options: Options, console: Console, journal: Journal) -> Iterator[Listener]:
-    """One listener for everybody who watches: console, journal, and what the options add."""
-    listeners = [console.listener, journal.listener]
-
-    def tell(event: Event) -> None:
-        for listener in listeners:
-            listener(event)
-
-    yield tell
 
 
 def save_mission(options: Options, route: Route) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from flight_replay.compare import Spread, in_order_distances, spread
 from flight_replay.decimate import MAX_POINTS, SPACING_M, spaced
 from flight_replay.geodesy import Floats
-from flight_replay.mission import Mission, MissionItem, change_speed, waypoint
+from flight_replay.mission import Home, Mission, MissionItem, change_speed, waypoint
 from flight_replay.option_types import RECORDED, Recorded
 from flight_replay.path import Path, planned_path
 from flight_replay.simulator.limits import Limits
@@ -83,8 +83,14 @@ def spaced_route(
         waypoint(float(lat), float(lon), float(height))
         for lat, lon, height in zip(places.lat_deg, places.lon_deg, heights, strict=True)
     ]
-    mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)))
+    mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)), home_of(track))
     return route_through("spacing", mission, track.select(slice(0, int(kept[-1]) + 1)))
+
+
+def home_of(track: Track) -> Home:
+    """Where a replay of the track takes off, and returns to: the ground below its first fix."""
+    ground_m = track.amsl_m[0] - track.alt_m[0]
+    return Home(float(track.lat_deg[0]), float(track.lon_deg[0]), float(ground_m))
 
 
 def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:
