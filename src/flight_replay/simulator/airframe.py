@@ -89,6 +89,10 @@ class Airframe:
         """Go by other parameters from now on."""
         self._limits = limits
 
+    def use_wind(self, wind_m_s: tuple[float, float, float]) -> None:
+        """The air moves otherwise from now on."""
+        self._wind = wind_m_s
+
     @property
     def attitude_rad(self) -> tuple[float, float, float]:
         """Roll, pitch and yaw."""

@@ -123,6 +123,10 @@ class Copter:
             if old != new and self.mission is not None:
                 self.change_speed(kind, new)
 
+    def change_wind(self, wind_m_s: Vector) -> None:
+        """Another velocity of the air, north, east, up."""
+        self._body.use_wind(wind_m_s)
+
     def change_speed(self, kind: int, speed_m_s: float) -> bool:
         """Another speed for what is under way, kinds as in DO_CHANGE_SPEED; False if nothing takes it."""
         flight = self._flight
