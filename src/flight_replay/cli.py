@@ -15,14 +15,20 @@ import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from types import FrameType
+from typing import TYPE_CHECKING
 
-from flight_replay import flying, outputs, planning
+from flight_replay import outputs, planning
 from flight_replay.console import Console, open_console, write_error
 from flight_replay.errors import FlightReplayError
 from flight_replay.journal import Journal
 from flight_replay.options import Options, parse
 from flight_replay.outputs import Replay
 from flight_replay.watching import mapped, together
+
+if TYPE_CHECKING:
+    from flight_replay.events import Listener
+    from flight_replay.flying import Flown
+    from flight_replay.route import Route
 
 INTERRUPTED = 130
 
@@ -70,11 +76,18 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     route = planning.plan(options, track, listener)
     outputs.save_mission(options, route)
     with mapped(options, route, console, listener) as listener:
-        flown = None if options.dry_run else flying.fly(options, route, console, listener)
+        flown = None if options.dry_run else _fly(options, route, console, listener)
     result = Replay(log, flights, route, flown)
     outputs.save_pictures(options, result, journal.entries, arguments)
     _say(options, result, console)
     return flown.record.problem if flown else None
+
+
+def _fly(options: Options, route: Route, console: Console, listener: Listener) -> Flown:
+    # Half of the program is only needed in the air.
+    from flight_replay import flying
+
+    return flying.fly(options, route, console, listener)
 
 
 def _say(options: Options, result: Replay, console: Console) -> None:

@@ -30,7 +30,9 @@ def spread(distances_m: ArrayLike) -> Spread | None:
     distances = np.asarray(distances_m, float)
     if not distances.size:
         return None
-    return Spread(float(distances.mean()), float(np.percentile(distances, 95)), float(distances.max()))
+    # np.percentile would import numpy.ma, a tenth of a short run's time.
+    p95 = np.interp(0.95 * (distances.size - 1), np.arange(distances.size), np.sort(distances))
+    return Spread(float(distances.mean()), float(p95), float(distances.max()))
 
 
 def in_order_distances(fixes_m: ArrayLike, path_m: ArrayLike) -> Floats:

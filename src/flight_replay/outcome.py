@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +12,10 @@ from flight_replay.geodesy import Floats
 from flight_replay.matching import in_order
 from flight_replay.path import Path
 from flight_replay.route import Route
-from flight_replay.supervisor.plan import FlightRecord
 from flight_replay.track import Track
+
+if TYPE_CHECKING:
+    from flight_replay.supervisor.plan import FlightRecord
 
 _ON_THE_SPOT_M = 0.001
 

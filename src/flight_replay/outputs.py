@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flight_replay import formats
 from flight_replay import summary as contract
-from flight_replay.compare import Spread
 from flight_replay.errors import FlightReplayError
-from flight_replay.flights import Flight
-from flight_replay.flying import Flown
-from flight_replay.journal import Entry
 from flight_replay.options import Options
-from flight_replay.route import Route
-from flight_replay.tlog import Log
+
+if TYPE_CHECKING:
+    from flight_replay.compare import Spread
+    from flight_replay.flights import Flight
+    from flight_replay.flying import Flown
+    from flight_replay.journal import Entry
+    from flight_replay.route import Route
+    from flight_replay.tlog import Log
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,8 +35,11 @@ def check(options: Options) -> None:
     Raises:
         FlightReplayError: A suffix that no format has, or a folder that is not there.
     """
-    for path in options.save:
-        formats.check_suffix(path)
+    if options.save:
+        from flight_replay import formats
+
+        for path in options.save:
+            formats.check_suffix(path)
     if options.plot:
         from flight_replay import plot
 
@@ -51,8 +55,11 @@ def check(options: Options) -> None:
 
 def save_mission(options: Options, route: Route) -> None:
     """Write the mission, and the recorded track where the format holds one."""
-    for path in options.save:
-        formats.save(path, route.mission, route.covered)
+    if options.save:
+        from flight_replay import formats
+
+        for path in options.save:
+            formats.save(path, route.mission, route.covered)
 
 
 def save_pictures(

@@ -7,15 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flight_replay.compare import Spread
-from flight_replay.flights import Flight
 from flight_replay.mission import FIRST_SEQ, MissionItem
-from flight_replay.outcome import Outcome
-from flight_replay.route import Route
-from flight_replay.supervisor.plan import FlightRecord
-from flight_replay.tlog import Log
+
+if TYPE_CHECKING:
+    from flight_replay.compare import Spread
+    from flight_replay.flights import Flight
+    from flight_replay.outcome import Outcome
+    from flight_replay.route import Route
+    from flight_replay.supervisor.plan import FlightRecord
+    from flight_replay.tlog import Log
 
 Json = Mapping[str, Any]
 
