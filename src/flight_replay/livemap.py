@@ -8,12 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import os
-import sys
 import threading
 import time
-import webbrowser
-from collections.abc import Mapping
 from types import TracebackType
 from typing import Any
 
@@ -27,7 +23,6 @@ from flight_replay.route import Route
 
 _HOST = "127.0.0.1"
 _START_S = 10.0
-_LEFT_S = 2.0
 _LAST_LOOK_S = 3 * TICK_MS / 1000
 
 
@@ -69,14 +64,6 @@ class LiveMap:
         """Whether a page is open."""
         return any(session.connection_count for session in self._bokeh.get_sessions("/"))
 
-    def wait_until_left(self) -> None:
-        """Wait until no page has been open for a moment: one that is loaded anew is gone for less."""
-        left_s = time.monotonic()
-        while time.monotonic() - left_s < _LEFT_S:
-            if self.is_watched:
-                left_s = time.monotonic()
-            time.sleep(_LAST_LOOK_S)
-
     def _serve(self) -> None:
         from bokeh.application import Application
         from bokeh.application.handlers.function import FunctionHandler
@@ -108,11 +95,3 @@ class LiveMap:
 
     def _open_page(self, document: Any) -> None:
         Page(self._data, self._shown, self._frame, self._tiles).fill(document)
-
-
-def open_in_browser(url: str, environment: Mapping[str, str] = os.environ) -> bool:
-    """Show an address in the desktop's browser; False where there is none that leaves the terminal alone."""
-    desktop = sys.platform in {"darwin", "win32"} or any(
-        environment.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
-    )
-    return desktop and webbrowser.open(url)
