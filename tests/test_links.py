@@ -10,9 +10,10 @@ import pytest
 from sim_station import GUIDED, START
 
 from flight_replay.errors import SimulatorError
+from flight_replay.simulator.addresses import Address, parse_address
 from flight_replay.simulator.autopilot import Autopilot
 from flight_replay.simulator.endpoint import Endpoint
-from flight_replay.simulator.links import Address, Listener, TcpConnection, parse_address
+from flight_replay.simulator.links import Listener, TcpConnection
 from flight_replay.simulator.mavlink import dialect
 from flight_replay.simulator.pacing import Pacer
 from flight_replay.simulator.parameters import Parameters

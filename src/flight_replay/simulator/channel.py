@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from flight_replay.simulator.flight import STEP_S
 from flight_replay.simulator.mavlink import Message, Sender, dialect
 from flight_replay.simulator.streams import GROUPS, StreamRates
 from flight_replay.simulator.telemetry import BUILDERS
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     from flight_replay.simulator.autopilot import Autopilot
     from flight_replay.simulator.parameters import Parameter
 
-# A list of parameters goes out at this pace, so that a station's buffers keep up with it.
-_PARAMETERS_PER_STEP = 20
+# A list of parameters goes out at this pace of wall time, so that a station's buffers keep up with it.
+_PARAMETERS_PER_S = 2000
 _STREAM_NAMES = {1: "RAW_SENS", 2: "EXT_STAT", 3: "RC_CHAN", 4: "RAW_CTRL", 6: "POSITION",
                  10: "EXTRA1", 11: "EXTRA2", 12: "EXTRA3"}  # fmt: skip
 _MAVLINK1_PROTOCOL = 1
@@ -110,9 +111,11 @@ class LinkChannel:
         self._send_others_heartbeats()
 
     def _send_some_parameters(self) -> None:
+        if self._next_parameter is None:
+            return
         parameters = self._autopilot.parameters
-        for _ in range(_PARAMETERS_PER_STEP if self._next_parameter is not None else 0):
-            assert self._next_parameter is not None
+        wall_s = STEP_S / max(parameters["SIM_SPEEDUP"], 1.0)
+        for _ in range(max(1, round(_PARAMETERS_PER_S * wall_s))):
             parameter = parameters.at(self._next_parameter)
             if parameter is None:
                 self._next_parameter = None

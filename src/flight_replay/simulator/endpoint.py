@@ -9,10 +9,11 @@ import selectors
 import time
 from collections.abc import Callable, Sequence
 
+from flight_replay.simulator.addresses import Address
 from flight_replay.simulator.autopilot import Autopilot
 from flight_replay.simulator.channel import LinkChannel
 from flight_replay.simulator.flight import STEP_S
-from flight_replay.simulator.links import Address, Connection, Listener
+from flight_replay.simulator.links import Connection, Listener
 from flight_replay.simulator.mavlink import Message, Sender
 from flight_replay.simulator.pacing import Pacer
 

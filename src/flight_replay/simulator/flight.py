@@ -7,7 +7,7 @@ and ``_shift_m`` lies between the two.
 
 from __future__ import annotations
 
-from math import pi, radians
+from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from flight_replay.simulator.copter import STEP_S, Copter
@@ -17,7 +17,7 @@ from flight_replay.simulator.phases import TakeOff
 from flight_replay.simulator.place import Metres
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flight_replay.simulator.auto import LocalItem
     from flight_replay.simulator.auto_run import MissionRun
@@ -26,6 +26,14 @@ if TYPE_CHECKING:
 __all__ = ["STEP_S", "ModelFlight"]
 
 _HAS_TARGET = frozenset({Mode.AUTO, Mode.GUIDED, Mode.RTL})
+
+
+def wind_m_s(parameters: Mapping[str, float]) -> Metres:
+    """The air's velocity, north, east and up; SIM_WIND_DIR is where it comes from (SIM_Aircraft.cpp)."""
+    speed = parameters["SIM_WIND_SPD"]
+    direction, rise = radians(parameters["SIM_WIND_DIR"]), radians(parameters["SIM_WIND_DIR_Z"])
+    level = -speed * cos(rise)
+    return level * cos(direction), level * sin(direction), speed * sin(rise)
 
 
 class ModelFlight:
@@ -41,8 +49,15 @@ class ModelFlight:
         self._is_stuck = False
 
     def _made(self, position_m: Metres, yaw_rad: float, velocity_m_s: Metres = (0.0, 0.0, 0.0)) -> Copter:
-        limits = Limits.from_parameters(self._autopilot.parameters)
-        return Copter(limits, position_m=position_m, yaw_rad=yaw_rad, velocity_m_s=velocity_m_s)
+        parameters = self._autopilot.parameters
+        return Copter(
+            Limits.from_parameters(parameters),
+            position_m=position_m,
+            yaw_rad=yaw_rad,
+            velocity_m_s=velocity_m_s,
+            wind_m_s=wind_m_s(parameters),
+            home_amsl_m=self._autopilot.start.alt_amsl_m,
+        )
 
     # state
 
@@ -118,6 +133,7 @@ class ModelFlight:
         if self._new_limits:
             self._new_limits = False
             self._copter.change_limits(Limits.from_parameters(self._autopilot.parameters))
+            self._copter.change_wind(wind_m_s(self._autopilot.parameters))
         self._attitude_before = self._copter.attitude_rad
         self._copter.step()
 

@@ -8,10 +8,10 @@ import time
 from dataclasses import dataclass, field
 
 from flight_replay.errors import SimulatorError
+from flight_replay.simulator.addresses import parse_address
 from flight_replay.simulator.autopilot import Autopilot
 from flight_replay.simulator.endpoint import Endpoint
 from flight_replay.simulator.faults import Faults
-from flight_replay.simulator.links import parse_address
 from flight_replay.simulator.parameters import Parameters
 from flight_replay.simulator.place import Start
 

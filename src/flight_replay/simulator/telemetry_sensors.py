@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from flight_replay.simulator.flight import wind_m_s
 from flight_replay.simulator.mavlink import Message, dialect
 
 if TYPE_CHECKING:
@@ -124,7 +125,12 @@ def _vibration(autopilot: Autopilot) -> Message:
 
 
 def _wind(autopilot: Autopilot) -> Message | None:
-    return dialect.MAVLink_wind_message(-180.0, 0.0, 0.0) if autopilot.sensors.position_ok else None
+    """Where the wind comes from, its speed, and its speed downwards."""
+    if not autopilot.sensors.position_ok:
+        return None
+    north, east, up = wind_m_s(autopilot.parameters)
+    direction_deg = math.degrees(math.atan2(-east, -north))
+    return dialect.MAVLink_wind_message(direction_deg, math.hypot(north, east, up), -up)
 
 
 SENSORS: dict[int, Callable[[Any], Message | None]] = {

@@ -1,0 +1,40 @@
+"""Connection strings, as MAVLink tools write them.
+
+``tcp:HOST:PORT`` and ``tcpin:`` listen, ``udp:`` and ``udpout:`` send to an address, ``udpin:``
+waits for a first datagram.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flight_replay.errors import SimulatorError
+
+_TRANSPORTS = {"tcp": "tcp", "tcpin": "tcp", "udp": "udpout", "udpout": "udpout", "udpin": "udpin"}
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """Where a link begins: ``kind`` is "tcp", "udpout" or "udpin"."""
+
+    kind: str
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"{self.kind}:{self.host}:{self.port}"
+
+
+def parse_address(text: str) -> Address:
+    """A connection string as an address.
+
+    Raises:
+        SimulatorError: if it is not ``tcp:``, ``udp:``, ``udpin:`` or ``udpout:``, a host and a port.
+    """
+    transport, _, rest = text.partition(":")
+    host, _, port = rest.rpartition(":")
+    if transport not in _TRANSPORTS or not host or not port.isdigit() or int(port) > 65535:
+        raise SimulatorError(
+            f"'{text}' is no place to listen; give tcp:127.0.0.1:5760 or udp:127.0.0.1:14550"
+        )
+    return Address(_TRANSPORTS[transport], host.strip("[]"), int(port))
