@@ -88,8 +88,8 @@ def test_a_flight_is_told_in_a_few_lines(width: int) -> None:
 
 def test_work_under_way_is_a_bar_with_its_amount() -> None:
     """Bytes are told in megabytes, other things by their number; finished work leaves the display."""
-    (reading,) = shown(Progress("Reading", 12_300_000, 272_000_000, "bytes"))
-    assert reading.startswith("Reading ━")
+    (reading,) = shown(Progress("log", 12_300_000, 272_000_000, "bytes"))
+    assert reading.startswith("Log ━")
     assert reading.endswith("12.3 of 272.0 MB")
     (upload,) = shown(Progress("Uploading", 40, 100, "items"))
     assert upload.endswith("40 of 100 items")

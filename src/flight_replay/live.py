@@ -142,7 +142,7 @@ def _work(progress: Progress) -> RenderableType:
         amount = f"{done / _BYTES_PER_MB:.1f} of {total / _BYTES_PER_MB:.1f} MB"
     else:
         amount = f"{done} of {total} {unit}".rstrip()
-    return _bar(progress.what, amount, done, total)
+    return _bar(progress.what[:1].upper() + progress.what[1:], amount, done, total)
 
 
 def _bar(label: str, amount: str, done: int, total: int) -> RenderableType:

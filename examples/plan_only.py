@@ -1,0 +1,22 @@
+"""Plan a mission from a log and save it; nothing flies.
+
+python examples/plan_only.py [LOG.tlog [MISSION.waypoints]]
+"""
+
+import sys
+
+from flight_replay import formats
+from flight_replay.flights import find_flights
+from flight_replay.route import spaced_route
+from flight_replay.sample import sample_log
+from flight_replay.tlog import read_log
+
+log = read_log(sys.argv[1] if len(sys.argv) > 1 else sample_log())
+for flight in find_flights(log.track):
+    print(f"flight {flight.number}: {flight.fixes} fixes, {flight.length_m:.0f} m")
+
+route = spaced_route(log.track, altitude_m=20.0)
+print(f"{len(route.mission.places)} waypoints, {route.path.length_m:.0f} m")
+print(f"at most {route.planned_error.max:.2f} m from the recorded fixes that they cover")
+
+formats.save(sys.argv[2] if len(sys.argv) > 2 else "mission.waypoints", route.mission, route.covered)

@@ -1,0 +1,61 @@
+"""examples/: each runs as it stands and says what it promises."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flight_replay import formats
+from flight_replay.sample import sample_log
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def run(name: str, folder: Path, *arguments: str) -> str:
+    """What an example prints; warnings are errors."""
+    command = [sys.executable, "-W", "error", str(EXAMPLES / name), *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=100, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_plan_only_saves_a_mission(tmp_path: Path) -> None:
+    """The sample flight becomes 100 waypoints 20 m above home in a file that loads."""
+    assert "100 waypoints" in run("plan_only.py", tmp_path)
+    mission = formats.load_mission(tmp_path / "mission.waypoints")
+    assert len(mission.places) == 100
+    assert {item.alt_m for _, item in mission.places} == {20.0}
+
+
+def test_replay_builtin_flies(tmp_path: Path) -> None:
+    """Half a minute of the mission is flown, within a metre of the recording."""
+    said = run("replay_builtin.py", tmp_path)
+    assert "waypoint 5 at" in said
+    assert "ended by: duration" in said
+    found = re.search(r"from the recorded fixes: mean ([\d.]+) m", said)
+    assert found is not None
+    assert float(found[1]) < 1
+
+
+def test_compare_flights_measures_half_a_metre(tmp_path: Path) -> None:
+    """The sample flight, moved by half a metre, is half a metre off in time and at most that in space."""
+    said = run("compare_flights.py", tmp_path)
+    assert re.search(r"in time: mean 0\.50 m, p95 0\.50 m, max 0\.50 m", said)
+    again = run("compare_flights.py", tmp_path, str(sample_log()), str(sample_log()))
+    assert "in space: mean 0.00 m" in again
+    assert "in time: mean 0.00 m, p95 0.00 m, max 0.00 m" in again
+
+
+def test_many_logs_are_planned_in_parallel(tmp_path: Path) -> None:
+    """Every log has its line, a bad one too."""
+    pytest.importorskip("dask.bag")
+    (tmp_path / "empty.tlog").touch()
+    said = run("many_logs_dask.py", tmp_path, str(sample_log()), "empty.tlog", str(sample_log()))
+    lines = said.splitlines()
+    assert [line.split(":")[0] for line in lines] == ["flight.tlog", "empty.tlog", "flight.tlog"]
+    assert "100 waypoints" in lines[0]
+    assert "waypoints" not in lines[1]
