@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from flight_replay.tlog import messages
 from flight_replay.tlog.crc import Bytes, Flags, Index, rows_at
-from flight_replay.tlog.frames import Candidates
+from flight_replay.tlog.frames import Frames
 
 AnyColumns = TypeVar("AnyColumns", bound="Columns")
 
@@ -91,33 +91,22 @@ _ARMED_FLAG = 128  # MAV_MODE_FLAG_SAFETY_ARMED
 _FIX_TYPE_3D = 3  # GPS_FIX_TYPE_3D_FIX
 
 
-def decode(data: Bytes, offset: int, frames: Candidates) -> Records:
+def decode(data: Bytes, offset: int, frames: Frames) -> Records:
     """Columns of checked frames in bytes that begin ``offset`` bytes into the log.
 
     Of what says nothing new, only the ends of each run are kept, so that memory stays constant
     for logs that hold no position but many of the other records.
     """
-    positions = _positions(data, offset, _of_message(data, frames, messages.GLOBAL_POSITION_INT))
+    positions, empty = _positions(data, offset, _of_message(data, frames, messages.GLOBAL_POSITION_INT))
     heartbeats = _heartbeats(data, offset, _of_message(data, frames, messages.HEARTBEAT))
     fixes = _fixes(data, offset, _of_message(data, frames, messages.GPS_RAW_INT))
     state = (heartbeats.autopilot.astype(np.int32) << 8 | heartbeats.type) << 1 | heartbeats.armed
-    kept, empty = _without_empty_runs(positions)
     return Records(
-        kept,
+        positions,
         heartbeats.select(_run_ends(heartbeats.vehicle, state)),
         fixes.select(_run_ends(fixes.vehicle, fixes.is_3d)),
         empty,
     )
-
-
-def _without_empty_runs(positions: Positions) -> tuple[Positions, dict[int, int]]:
-    """The positions but for the inner ones of runs of empty ones, and the number of empty ones by vehicle."""
-    empty = positions.is_empty
-    if not empty.any():
-        return positions, {}
-    vehicles, counts = np.unique(positions.vehicle[empty], return_counts=True)
-    kept = ~empty | _run_ends(positions.vehicle, np.where(empty, _falls(positions.time_ms), -1))
-    return positions.select(kept), dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
 
 
 def joined(parts: Sequence[Records]) -> Records:
@@ -148,6 +137,10 @@ class _Payloads:
     length: NDArray[np.uint8]
     vehicle: NDArray[np.uint16]
 
+    def select(self, keep: Index) -> _Payloads:
+        """The frames that an index array picks."""
+        return _Payloads(self.start[keep], self.payload[keep], self.length[keep], self.vehicle[keep])
+
     def byte(self, data: Bytes, at: int) -> NDArray[np.uint8]:
         """One byte of each payload, zero where it was left off, shape (n,)."""
         values = data.take(self.payload + at)
@@ -162,7 +155,7 @@ class _Payloads:
         return rows
 
 
-def _of_message(data: Bytes, frames: Candidates, message: int) -> _Payloads:
+def _of_message(data: Bytes, frames: Frames, message: int) -> _Payloads:
     """The frames of one message. Behind the start mark, MAVLink 2 has two bytes of flags more than 1."""
     own = np.flatnonzero(frames.message == message)
     start, is_mavlink1 = frames.start.take(own), frames.is_mavlink1.take(own)
@@ -175,12 +168,25 @@ def _of_message(data: Bytes, frames: Candidates, message: int) -> _Payloads:
     )
 
 
-def _positions(data: Bytes, offset: int, payloads: _Payloads) -> Positions:
-    """Decode GLOBAL_POSITION_INT: seven columns of four bytes, the last two of two numbers each."""
+def _positions(data: Bytes, offset: int, payloads: _Payloads) -> tuple[Positions, dict[int, int]]:
+    """Decode GLOBAL_POSITION_INT: seven columns of four bytes, the last two of two numbers each.
+
+    Also counts the empty positions by vehicle, and leaves out what runs of them have between their ends.
+    """
     rows = payloads.rows(data, 28)
     number, half = rows.view("<i4"), rows.view("<i2")
+    is_empty = (number[:, 1] | number[:, 2]) == 0
+    empty: dict[int, int] = {}
+    if is_empty.any():
+        vehicles, counts = np.unique(payloads.vehicle[is_empty], return_counts=True)
+        empty = dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
+        told = _run_ends(payloads.vehicle, np.where(is_empty, _falls(number[:, 0].view("<u4")), -1))
+        kept = np.flatnonzero(told | ~is_empty)
+        payloads = payloads.select(kept)
+        rows = payloads.rows(data, 28)
+        number, half = rows.view("<i4"), rows.view("<i2")
     stamps = rows_at(data, payloads.start - _STAMP_LENGTH, _STAMP_LENGTH)
-    return Positions(
+    positions = Positions(
         offset=payloads.start + offset,
         vehicle=payloads.vehicle,
         stamp_us=stamps.view(">i8")[:, 0].astype(np.int64),
@@ -193,6 +199,7 @@ def _positions(data: Bytes, offset: int, payloads: _Payloads) -> Positions:
         east_cm_s=half[:, 11].copy(),
         down_cm_s=half[:, 12].copy(),
     )
+    return positions, empty
 
 
 def _heartbeats(data: Bytes, offset: int, payloads: _Payloads) -> Heartbeats:

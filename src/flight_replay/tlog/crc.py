@@ -31,7 +31,8 @@ def _pair_table() -> Words:
     """What two bytes (65536,), the first one low, add to an empty checksum."""
     pairs = np.arange(1 << 16, dtype=np.uint16)
     first = _OF_BYTE.take(pairs & 255)
-    return np.bitwise_xor(first >> 8, _OF_BYTE.take((first ^ (pairs >> 8)) & 255))
+    second = _OF_BYTE.take((first ^ (pairs >> 8)) & 255)
+    return np.asarray((first >> 8) ^ second, np.uint16)
 
 
 _OF_BYTE = _byte_table()

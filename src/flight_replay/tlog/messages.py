@@ -83,6 +83,8 @@ def _mavlink1_frame_lengths() -> NDArray[np.int32]:
     return lengths.ravel()
 
 
+MAVLINK1_MARK, MAVLINK2_MARK = 0xFE, 0xFD
+SIGNED = 1  # the one incompatibility flag that there is
 MAVLINK1_OVERHEAD = 8
 MAVLINK2_OVERHEAD = 12
 SIGNATURE_LENGTH = 13

@@ -12,7 +12,7 @@ import numpy as np
 
 from flight_replay.tlog import messages
 from flight_replay.tlog.columns import Records, decode, joined
-from flight_replay.tlog.frames import Window, find_records
+from flight_replay.tlog.frames import Span, Window, find_records
 from flight_replay.tlog.source import Source, Stream
 
 if TYPE_CHECKING:
@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 BLOCK_LENGTH = 4 << 20
-_WANTED = np.array([messages.GLOBAL_POSITION_INT, messages.HEARTBEAT, messages.GPS_RAW_INT], np.uint8)
+_NOTHING = np.zeros(256, np.bool_)
+_WANTED = _NOTHING.copy()
+_WANTED[[messages.GLOBAL_POSITION_INT, messages.HEARTBEAT, messages.GPS_RAW_INT]] = True
 _LEAD = 1024  # what is looked at before a block to guess where the walk enters it
 _FIRST_SEEN = 8  # where the look begins, a stamp behind the first byte that is there
 _MARGIN = messages.LONGEST_FRAME + 16  # what headers and frames may need behind a block
@@ -69,12 +71,13 @@ class _Block:
 
     def guess(self) -> int:
         """Where the walk probably enters, taking it to have come through the lead's beginning."""
-        return find_records(self.window, _FIRST_SEEN, _LEAD, self.end - self.base, _WANTED[:0])[1] + self.base
+        lead = Span(_FIRST_SEEN, _LEAD, self.end - self.base)
+        return find_records(self.window, lead, _NOTHING)[1] + self.base
 
     def read(self, enter: int) -> Part:
         """The records that a walk finds which enters the block at ``enter``."""
-        stop = max(self.stop, enter) - self.base
-        frames, leave = find_records(self.window, enter - self.base, stop, self.end - self.base, _WANTED)
+        span = Span(enter - self.base, max(self.stop, enter) - self.base, self.end - self.base)
+        frames, leave = find_records(self.window, span, _WANTED)
         return Part(decode(self.window.data, self.base, frames), enter, leave + self.base)
 
 

@@ -1,0 +1,66 @@
+"""Which right frames the walk over every byte never comes to, because they lie in another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from flight_replay.tlog import messages
+from flight_replay.tlog.crc import Bytes, Index, is_right
+
+
+def find_hidden(
+    data: Bytes, starts: Index, ends: Index, suspects: list[int], stop: int
+) -> tuple[set[int], int]:
+    """Which of the suspects are hidden, and where the walk goes on behind ``stop``.
+
+    What can hide a frame is a right one that begins before it and ends behind it, and what can
+    hide that, and so on; a walk over all of these alone visits the same of them as the walk over
+    every byte.
+
+    Args:
+        data: Bytes.
+        starts: Start marks in them, shape (n,), ascending.
+        ends: Where the frames that begin there would end, shape (n,).
+        suspects: Starts of right frames.
+        stop: Where the walk ends, unless a frame reaches over it.
+    """
+    over: dict[int, int] = {}
+    frontier: Iterable[int] = {*suspects, stop}
+    while frontier:
+        found = dict(_frames_over(data, starts, ends, list(frontier)))
+        frontier = found.keys() - over.keys()
+        over |= found
+    hidden, walked = set(), 0
+    for place in sorted({*suspects, *over}) if over else []:
+        if place < walked:
+            hidden.add(place)
+        else:
+            walked = over.get(place, walked)
+    return hidden, max(walked, stop)
+
+
+def _frames_over(data: Bytes, starts: Index, ends: Index, places: list[int]) -> Iterator[tuple[int, int]]:
+    """Start and end of each right frame that begins before one of the places and ends behind it."""
+    lasts = np.searchsorted(starts, places).tolist()
+    firsts = np.searchsorted(starts, np.array(places) - messages.LONGEST_FRAME).tolist()
+    for place, first, last in zip(places, firsts, lasts, strict=True):
+        for back in np.flatnonzero(ends[first:last] > place).tolist():
+            start = int(starts[first + back])
+            if is_right_at(data, start):
+                yield start, int(ends[first + back])
+
+
+def header_length(mavlink1: bool) -> int:
+    """Bytes between the start mark and the payload."""
+    return 5 if mavlink1 else 9
+
+
+def is_right_at(data: Bytes, start: int) -> bool:
+    """Whether the CRC of the frame that begins there is right, whichever message it is."""
+    frame = data[start : start + messages.LONGEST_FRAME].tobytes()
+    mavlink1 = frame[0] == messages.MAVLINK1_MARK
+    message = frame[5] if mavlink1 else frame[7] | frame[8] << 8
+    behind = 1 + header_length(mavlink1) + frame[1] + 2
+    return is_right(frame[1:behind], int(messages.EXTRAS[message]))
