@@ -151,6 +151,15 @@ def test_a_page_that_comes_late_shows_what_has_been_flown(data: LiveData) -> Non
     assert {root.name for root in document.roots} == {"map", "readings", "space", "time"}
 
 
+def test_a_page_opened_after_the_flight_raises_no_alarm_when_the_server_goes(data: LiveData) -> None:
+    """A page of a flight that goes on does tell a lost connection."""
+    _, during = open_page(data)
+    data.listener(Finished("duration"))
+    _, after = open_page(data)
+    assert during.config.notify_connection_status
+    assert not after.config.notify_connection_status
+
+
 def test_a_quiet_moment_sends_nothing(data: LiveData) -> None:
     """A tick without news changes nothing in the document."""
     data.listener(state(0, 0, 100.0))

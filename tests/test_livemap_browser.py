@@ -159,6 +159,25 @@ def test_a_finished_flight_is_shown_and_fits_a_phone(browser: Any) -> None:
 
 
 @pytest.mark.usefixtures("no_tiles")
+def test_the_page_outlives_the_program(browser: Any) -> None:
+    """After the flight the page stays as it was, without an alarm that the program is gone."""
+    with LiveMap(replay()[0]) as live:
+        show(browser, live.url)
+        live.listener(state(5, 100.0))
+        live.listener(Finished("duration"))
+        wait_for(browser, "return Bokeh.documents[0].get_model_by_name('readings').text.includes('ended')")
+    time.sleep(0.5)
+    assert (
+        browser.execute_script("return Bokeh.documents[0].get_model_by_name('copter').data.east.length") == 1
+    )
+    alarms = browser.execute_script(
+        "const all = [...document.querySelectorAll('*')];"
+        "return all.filter(e => e.shadowRoot?.textContent.includes('was lost')).length"
+    )
+    assert alarms == 0
+
+
+@pytest.mark.usefixtures("no_tiles")
 def test_closing_the_page_harms_nothing(browser: Any) -> None:
     """The map notices, goes on taking events, and can be opened again."""
     with LiveMap(replay()[0]) as live:

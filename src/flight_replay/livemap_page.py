@@ -9,7 +9,7 @@ from importlib.resources import files
 from typing import Any
 
 from bokeh.document import Document
-from bokeh.models import ColumnDataSource
+from bokeh.models import ColumnDataSource, CustomJS
 from bokeh.models.widgets import Div
 from jinja2 import Template
 
@@ -23,6 +23,8 @@ from flight_replay.tiles import tile_source
 TICK_MS = 100
 """Between updates; what happens shows on the page at most this, and the browser's own time, later."""
 MOST_POINTS = 20_000
+# Once the flight has ended, the server's going away is what comes next and needs no alarm.
+_CALM = "Object.assign(cb_obj.document.config, {reconnect_session: false, notify_connection_status: false})"
 _CELL = "display:inline-block;min-width:7.5em;margin:0 14px 6px 0"
 
 
@@ -37,6 +39,7 @@ class Page:
         self._target = ColumnDataSource({"east": [], "north": [], "seq": []}, name="target")
         self._errors = ColumnDataSource({"time": [], "space": [], "late": []}, name="errors")
         self._readings = Div(name="readings", sizing_mode="stretch_width")
+        self._readings.js_on_change("tags", CustomJS(code=_CALM))
         self._map = map_chart(shown)
         self._draw_vehicle()
 
@@ -50,6 +53,8 @@ class Page:
         document.add_root(self._error_chart("space", "distance in space from the recorded path"))
         document.add_root(self._error_chart("time", "distance in time from the recorded position"))
         self.tick()
+        if self._readings.tags:
+            document.config.update(reconnect_session=False, notify_connection_status=False)
         document.add_periodic_callback(self.tick, TICK_MS)
 
     def tick(self) -> None:
@@ -62,6 +67,8 @@ class Page:
         text = readings_html(self._data.status, self._data.points(self._next - 1)[:1] if self._next else [])
         if text != self._readings.text:
             self._readings.text = text
+        if self._data.status.ended is not None and not self._readings.tags:
+            self._readings.tags = ["ended"]
         if self._tiles.is_set():
             self._tiles = threading.Event()
             self._map.add_tile(tile_source(self._frame), level="image")
