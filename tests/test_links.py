@@ -87,6 +87,7 @@ def heard(endpoint: Endpoint, client: Client, kind: str) -> object:
 def test_connection_strings_are_those_of_mavlink_tools(text: str, address: Address) -> None:
     """Each form names a kind of link, a host and a port."""
     assert parse_address(text) == address
+    assert parse_address(str(address)) == address
 
 
 @pytest.mark.parametrize("text", ["5760", "tcp:5760", "tcp::5760", "http:a:1", "tcp:a:b", "udp:a:70000", ""])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from sim_station import sim
 
+from flight_replay.simulator.faults import COPTER_4_7, Faults
+from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.mavlink import dialect
 from flight_replay.simulator.parameters import Parameters
 
@@ -88,3 +90,16 @@ def test_setting_is_heard_by_every_station() -> None:
     station.send(dialect.MAVLink_param_request_read_message(1, 1, b"NO_SUCH", -1))
     assert station.heard == []
     assert autopilot.parameters["RTL_ALT"] == 2000
+
+
+def test_copter_4_7_has_other_names_in_other_units() -> None:
+    """Speeds are WP_SPD in m/s; the flight goes by them, and the old names are unknown to stations."""
+    autopilot, station = sim(Faults(personality=COPTER_4_7))
+    station.send(dialect.MAVLink_param_request_read_message(1, 1, b"WPNAV_SPEED", -1))
+    assert station.of("PARAM_VALUE") == []
+    station.send(dialect.MAVLink_param_set_message(1, 1, b"WP_SPD", 7.5, 9))
+    assert station.last("PARAM_VALUE").param_value == 7.5
+    assert autopilot.parameters["WPNAV_SPEED"] == 750
+    assert Limits.from_parameters(autopilot.parameters).wp_speed_m_s == 7.5
+    assert station.command(520, 1) == 0
+    assert station.last("AUTOPILOT_VERSION").flight_sw_version >> 16 == 0x0407

@@ -183,6 +183,19 @@ def test_home_is_latitude_longitude_altitude_heading(text: str, start: Start) ->
     assert cli.home(text) == start
 
 
+def test_southern_homes_need_no_equals_sign(monkeypatch: pytest.MonkeyPatch) -> None:
+    """--home -35.4,149.2 is a place, though it begins like an option."""
+    asked: list[Settings] = []
+
+    def opened(settings: Settings) -> None:
+        asked.append(settings)
+        raise SimulatorError("enough")
+
+    monkeypatch.setattr("flight_replay.simulator.settings.open_endpoint", opened)
+    assert cli.main(["--home", "-35.4,149.2,580,10", "--speedup", "5"]) == 1
+    assert asked == [Settings(Start(-35.4, 149.2, 580.0, 10.0), (cli.DEFAULT_LISTEN,), {"SIM_SPEEDUP": 5.0})]
+
+
 @pytest.mark.parametrize(
     "arguments",
     [["--home", "91,0"], ["--home", "0"], ["--home", "a,b"], ["--home", "1,2,3,4,5"], ["--home", "1,2,nan"],

@@ -22,7 +22,8 @@ class Address:
     port: int
 
     def __str__(self) -> str:
-        return f"{self.kind}:{self.host}:{self.port}"
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{self.kind}:{host}:{self.port}"
 
 
 def parse_address(text: str) -> Address:

@@ -44,7 +44,7 @@ class Autopilot:
         unix_s: float = 0.0,
     ) -> None:
         self.faults = faults or Faults()
-        self.parameters = parameters or Parameters(self.faults.personality.parameters)
+        self.parameters = parameters or self.faults.personality.table()
         self.channels: list[Channel] = []
         self._unix_s = unix_s
         self._long_texts = 0

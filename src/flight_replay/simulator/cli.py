@@ -76,6 +76,15 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _joined(argv: Sequence[str]) -> list[str]:
+    """``--home`` and its value as one word: argparse takes -35.4,149.2 for an option of its own."""
+    words = list(argv)
+    while "--home" in words[:-1]:
+        at = words.index("--home")
+        words[at : at + 2] = [f"--home={words[at + 1]}"]
+    return words
+
+
 class _Signals:
     """Remembers the signal that asked for the end."""
 
@@ -98,7 +107,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         1 if it cannot start, told in one line; 128 and the signal's number when stopped by one.
     """
-    options = _parser().parse_args(argv)
+    options = _parser().parse_args(_joined(sys.argv[1:] if argv is None else argv))
     # Not before the options are known to be good: these import the MAVLink dialect.
     from flight_replay.simulator.settings import Settings, open_endpoint
 

@@ -88,8 +88,8 @@ class Endpoint:
             if pacer.wait_s(clock()) > 0:
                 continue
             self.step()
-            speedup = max(self.autopilot.parameters["SIM_SPEEDUP"], _SLOWEST)
-            pacer.stepped(clock(), STEP_S, speedup)
+            speedup = self.autopilot.parameters["SIM_SPEEDUP"]
+            pacer.stepped(clock(), STEP_S, max(speedup, _SLOWEST) if speedup > 0 else 1.0)
 
     def step(self) -> None:
         """Let a step of vehicle time pass, and send what is due."""

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from flight_replay.simulator.mission_store import CAPACITY
+from flight_replay.simulator.parameters import Parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +69,12 @@ class Personality:
     capabilities: int = _CAPABILITIES
     parameters: Mapping[str, float] = field(default_factory=dict)
     """Defaults that differ from those of 4.6."""
+    renamed_parameters: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    """New names and factors to new units, by 4.6 name."""
+
+    def table(self, values: Mapping[str, float] | None = None) -> Parameters:
+        """The parameters of this vehicle, some changed; KeyError for names that it does not have."""
+        return Parameters({**self.parameters, **(values or {})}, self.renamed_parameters)
 
     @property
     def banner(self) -> str:
@@ -84,6 +91,27 @@ COPTER_3_3 = Personality(
     arming_takes_s=2.5,
     capabilities=1 | 2 | 128 | 256,
     parameters={"FS_GCS_ENABLE": 1, "WPNAV_SPEED": 500, "WPNAV_ACCEL": 100},
+)
+
+COPTER_4_7 = Personality(
+    version=(4, 7, 0),
+    renamed_parameters={
+        "WPNAV_SPEED": ("WP_SPD", 0.01),
+        "WPNAV_SPEED_UP": ("WP_SPD_UP", 0.01),
+        "WPNAV_SPEED_DN": ("WP_SPD_DN", 0.01),
+        "WPNAV_ACCEL": ("WP_ACC", 0.01),
+        "WPNAV_ACCEL_C": ("WP_ACC_CNR", 0.01),
+        "WPNAV_ACCEL_Z": ("WP_ACC_Z", 0.01),
+        "WPNAV_JERK": ("WP_JERK", 1.0),
+        "WPNAV_RADIUS": ("WP_RADIUS_M", 0.01),
+        "RTL_ALT": ("RTL_ALT_M", 0.01),
+        "RTL_ALT_FINAL": ("RTL_ALT_FINAL_M", 0.01),
+        "RTL_CLIMB_MIN": ("RTL_CLIMB_MIN_M", 0.01),
+        "RTL_SPEED": ("RTL_SPEED_MS", 0.01),
+        "LAND_SPEED": ("LAND_SPD_MS", 0.01),
+        "LAND_SPEED_HIGH": ("LAND_SPD_HIGH_MS", 0.01),
+        "LAND_ALT_LOW": ("LAND_ALT_LOW_M", 0.01),
+    },
 )
 
 

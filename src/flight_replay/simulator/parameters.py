@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 
 _KIND_OF_NAME = {"int8": 2, "int16": 4, "int32": 6, "real32": 9}
+_REAL = 9
 _INTEGER_LIMITS = {2: (-(2**7), 2**7 - 1), 4: (-(2**15), 2**15 - 1), 6: (-(2**31), 2**31 - 1)}
 
 
@@ -40,19 +41,41 @@ def as_kind(value: float, kind: int) -> float:
 class Parameters(Mapping[str, float]):
     """Values by name, in the autopilot's order; ``changed`` hears each new value once."""
 
-    def __init__(self, values: Mapping[str, float] | None = None) -> None:
+    def __init__(
+        self,
+        values: Mapping[str, float] | None = None,
+        renamed: Mapping[str, tuple[str, float]] | None = None,
+    ) -> None:
+        """ArduCopter 4.6's table with some values changed.
+
+        Args:
+            values: new values, by the names that this table has.
+            renamed: for a newer firmware, new names and factors to the new unit, by 4.6 name. The 4.6
+                names can still be read here, in 4.6's units, but stations do not see them.
+
+        Raises:
+            KeyError: for a name that is not in the table.
+        """
+        self._renamed = dict(renamed or {})
         self.changed: list[Callable[[Parameter], None]] = []
         self._parameters: dict[str, Parameter] = {}
         with files("flight_replay.simulator").joinpath("parameters.csv").open(encoding="ascii") as lines:
             for index, row in enumerate(csv.DictReader(lines)):
-                kind = _KIND_OF_NAME[row["type"]]
-                value = as_kind(float(row["value"]), kind)
-                self._parameters[row["name"]] = Parameter(row["name"], kind, index, value)
+                self._add(index, row["name"], _KIND_OF_NAME[row["type"]], float(row["value"]))
         self._order = list(self._parameters)
         for name, value in (values or {}).items():
             self.assign(name, value)
 
+    def _add(self, index: int, name: str, kind: int, value: float) -> None:
+        if name in self._renamed:
+            name, factor = self._renamed[name]
+            kind, value = _REAL, value * factor
+        self._parameters[name] = Parameter(name, kind, index, as_kind(value, kind))
+
     def __getitem__(self, name: str) -> float:
+        if name in self._renamed:
+            name, factor = self._renamed[name]
+            return self._parameters[name].value / factor
         return self._parameters[name].value
 
     def __iter__(self) -> Iterator[str]:

@@ -12,7 +12,6 @@ from flight_replay.simulator.addresses import parse_address
 from flight_replay.simulator.autopilot import Autopilot
 from flight_replay.simulator.endpoint import Endpoint
 from flight_replay.simulator.faults import Faults
-from flight_replay.simulator.parameters import Parameters
 from flight_replay.simulator.place import Start
 
 
@@ -43,8 +42,9 @@ def open_endpoint(settings: Settings) -> Endpoint:
     Raises:
         SimulatorError: if a parameter is unknown or a link cannot be opened.
     """
+    personality = settings.faults.personality
     try:
-        parameters = Parameters({**settings.faults.personality.parameters, **settings.parameters})
+        parameters = personality.table(settings.parameters)
     except KeyError as error:
         raise SimulatorError(
             f"the built-in copter has no parameter {error.args[0]}; check its name"
