@@ -11,6 +11,7 @@ ours: in space in order, in time since the first waypoint was reached.
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 from dataclasses import dataclass
@@ -42,6 +43,7 @@ class Recording:
 
     @property
     def last_s(self) -> float:
+        """When the last item was reached."""
         return max(self.reached_s.values())
 
 
@@ -85,12 +87,14 @@ class Result:
 
 def stamped(time_s: float) -> float:
     """An event's time as recordings have it: that of the position before it, at 10 Hz."""
-    return np.floor(time_s * 10.0 + 1e-6) / 10.0
+    return math.floor(time_s * 10.0 + 1e-6) / 10.0
 
 
 def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
     returning = truth.time_s[truth.mode == RTL]
-    flown = simulate_flight(truth.mission, limits, after_s=returning[0] - truth.last_s if len(returning) else 0.0)
+    flown = simulate_flight(
+        truth.mission, limits, after_s=returning[0] - truth.last_s if len(returning) else 0.0
+    )
     ours = flown.north_east_m
     auto = (truth.time_s >= truth.auto_s) & (truth.time_s <= truth.last_s)
     own_auto = (flown.time_s >= flown.auto_s[0]) & (flown.time_s <= flown.auto_s[1] + 1.0)

@@ -1,50 +1,19 @@
 """The airframe that ArduPilot's SITL flies: what lean and throttle do to it, in still or moving air.
 
-Sources: libraries/SITL/SIM_Frame.cpp and SIM_Motor.cpp (default frame "+", 3 kg: drag, thrust),
-AC_AttitudeControl.cpp (input_thrust_vector_heading, input_shaping_angle: how the lean follows the
-wish) and AP_MotorsMulticopter.cpp (the throttle filter). Leans are kept as the horizontal part of
-the thrust over its vertical part, north and east; positions are metres north, east and up of home.
+Sources: AC_AttitudeControl.cpp (input_thrust_vector_heading, input_shaping_angle: how the lean
+follows the wish) and AP_MotorsMulticopter.cpp (the throttle filter); forces are in ``air``.
+Leans are kept as the horizontal part of the thrust over its vertical part, north and east;
+positions are metres north, east and up of home.
 """
 
 from __future__ import annotations
 
-from math import atan, atan2, cos, exp, hypot, pi, sin, sqrt, tan
+from math import atan, atan2, cos, exp, hypot, pi, sin
 
+from flight_replay.simulator.air import Air
 from flight_replay.simulator.control import clamp, sqrt_controller, step_towards
 from flight_replay.simulator.limits import GRAVITY_M_S2, Limits
-
-# SIM_Frame.h's default model: at the reference altitude, drag balances 45 degrees of lean at
-# 15.08 m/s. A part of it, linear in speed, is the momentum that the rotors give to their air.
-_MASS_KG = 3.0
-_DISC_AREA_M2 = 0.385
-_MOMENTUM_DRAG = 0.2
-_REFERENCE_SPEED_M_S = 15.08
-_REFERENCE_LEAN = pi / 4
-_REFERENCE_AMSL_M = 593.0
-_HOVER_FORCE_N = _MASS_KG * GRAVITY_M_S2
-# Speed of the air below the rotors in hover: twice power (12.09 V, 29.3 A) over force.
-_OUTFLOW_M_S = 2.0 * 12.09 * 29.3 / _HOVER_FORCE_N
-
-
-def air_density_kg_m3(amsl_m: float) -> float:
-    """Density of the international standard atmosphere."""
-    return 1.225 * float((1.0 - 2.25577e-5 * amsl_m) ** 4.25588)
-
-
-def _drag_coefficients(amsl_m: float) -> tuple[float, float]:
-    """Linear drag, 1/s, and square drag, 1/m, at an altitude (SIM_Frame.cpp: Frame::init)."""
-    reference = air_density_kg_m3(_REFERENCE_AMSL_M)
-    momentum_n = (
-        cos(_REFERENCE_LEAN) ** 2
-        * _MOMENTUM_DRAG
-        * _REFERENCE_SPEED_M_S
-        * sqrt(_HOVER_FORCE_N / cos(_REFERENCE_LEAN) * reference * _DISC_AREA_M2)
-    )
-    square = (_HOVER_FORCE_N * tan(_REFERENCE_LEAN) - momentum_n) / (_MASS_KG * _REFERENCE_SPEED_M_S**2)
-    density = air_density_kg_m3(amsl_m)
-    linear = _MOMENTUM_DRAG * sqrt(density * _DISC_AREA_M2 * _HOVER_FORCE_N) / _MASS_KG
-    return linear, square * density / reference
-
+from flight_replay.simulator.path_limits import Vector
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
 _THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
@@ -56,18 +25,17 @@ class Airframe:
     """Position, velocity, lean and heading; ``step`` moves them on."""
 
     __slots__ = (
-        "_keep_lean", "_keep_throttle", "_limits", "_linear_drag", "_square_drag", "_target_e", "_target_n", "_target_rate_e",
-        "_target_rate_n", "_wind", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n", "on_ground",
+        "_air", "_keep_lean", "_keep_throttle", "_limits", "_target_e", "_target_n", "_target_rate_e",
+        "_target_rate_n", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n", "on_ground",
         "throttle", "u", "ve", "vn", "vu", "yaw",
     )  # fmt: skip
 
     def __init__(
         self,
         limits: Limits,
-        position_m: tuple[float, float, float],
+        position_m: Vector,
         yaw_rad: float,
-        wind_m_s: tuple[float, float, float],
-        home_amsl_m: float,
+        air: Air,
         dt: float,
     ) -> None:
         self.n, self.e, self.u = position_m
@@ -80,8 +48,7 @@ class Airframe:
         self.accel_u = 0.0
         self.dt = dt
         self._limits = limits
-        self._wind = wind_m_s
-        self._linear_drag, self._square_drag = _drag_coefficients(home_amsl_m)
+        self._air = air
         self._keep_throttle = exp(-dt / _THROTTLE_FILTER_S)
         self._keep_lean = exp(-dt / _LEAN_LAG_S)
 
@@ -89,9 +56,9 @@ class Airframe:
         """Go by other parameters from now on."""
         self._limits = limits
 
-    def use_wind(self, wind_m_s: tuple[float, float, float]) -> None:
+    def use_wind(self, wind_m_s: Vector) -> None:
         """The air moves otherwise from now on."""
-        self._wind = wind_m_s
+        self._air.wind_m_s = wind_m_s
 
     @property
     def attitude_rad(self) -> tuple[float, float, float]:
@@ -112,8 +79,12 @@ class Airframe:
         dt = self.dt
         self._lean_towards(accel_n / GRAVITY_M_S2, accel_e / GRAVITY_M_S2)
         self.throttle = throttle + (self.throttle - throttle) * self._keep_throttle
-        an, ae, self.accel_u = self._acceleration()
         vn, ve, vu = self.vn, self.ve, self.vu
+        # The throttle is divided by the cosine of the lean (AC_AttitudeControl::get_throttle_boosted).
+        lift = GRAVITY_M_S2 * self.throttle / self._limits.hover_throttle
+        an, ae, self.accel_u = self._air.acceleration(
+            (vn, ve, vu), (self.lean_n, self.lean_e), self.yaw, lift
+        )
         self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + self.accel_u * dt
         self.n += 0.5 * dt * (vn + self.vn)
         self.e += 0.5 * dt * (ve + self.ve)
@@ -149,37 +120,6 @@ class Airframe:
         if limits.lean_accel_rad_s2 <= 0:
             return wanted
         return step_towards(wanted, rate, limits.lean_accel_rad_s2 * self.dt)
-
-    def _acceleration(self) -> tuple[float, float, float]:
-        """Thrust, gravity and drag, which is linear, plus square along each body axis.
-
-        The throttle is divided by the cosine of the lean (get_throttle_boosted), and air that
-        comes from above lessens the thrust (Motor::calc_thrust).
-        """
-        wn, we, wu = self._wind
-        n, e, u = self.vn - wn, self.ve - we, self.vu - wu
-        tu = 1.0 / sqrt(1.0 + self.lean_n * self.lean_n + self.lean_e * self.lean_e)
-        tn, te = self.lean_n * tu, self.lean_e * tu
-        up = n * tn + e * te + u * tu
-        thrust = GRAVITY_M_S2 * self.throttle / (self._limits.hover_throttle * tu)
-        if up > 0:
-            thrust = max(0.0, thrust - GRAVITY_M_S2 * (up / _OUTFLOW_M_S) ** 2)
-        linear, square = self._linear_drag * sqrt(thrust / GRAVITY_M_S2), self._square_drag
-        n, e, u = n - up * tn, e - up * te, u - up * tu
-        hn, he = cos(self.yaw), sin(self.yaw)
-        tilt = hn * tn + he * te
-        xn, xe, xu = hn - tilt * tn, he - tilt * te, -tilt * tu
-        ahead = (n * xn + e * xe + u * xu) / (xn * xn + xe * xe + xu * xu)
-        size = sqrt(xn * xn + xe * xe + xu * xu)
-        yn, ye, yu = n - ahead * xn, e - ahead * xe, u - ahead * xu
-        side = square * sqrt(yn * yn + ye * ye + yu * yu) + linear
-        front = (square * abs(ahead) * size + linear) * ahead
-        along = thrust - (square * abs(up) + linear) * up
-        return (
-            along * tn - front * xn - side * yn,
-            along * te - front * xe - side * ye,
-            along * tu - front * xu - side * yu - GRAVITY_M_S2,
-        )
 
     def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
         """Turn the heading with ArduCopter's limits of yaw rate and acceleration."""

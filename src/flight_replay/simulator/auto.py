@@ -1,13 +1,10 @@
-"""A mission as AUTO runs it: which item is flown, when it is reached, what follows.
+"""A mission as AUTO is given it: its items in ArduPilot's metres around home.
 
-Sources: AP_Mission.cpp (update, advance_current_nav_cmd: the first DO item of a group starts with
-the navigation item after it) and ArduCopter/mode_auto.cpp (do_nav_wp, set_next_wp, do_spline_wp,
-get_spline_from_cmd, the verify functions). Places are metres north, east and up of home.
+Places are metres north, east and up of home; AUTO itself is in ``auto_run``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from flight_replay.mission import FIRST_SEQ, Command, Frame, Mission
@@ -79,8 +76,3 @@ def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) ->
             )
         )
     return tuple(items)
-
-
-def next_navigation(items: Sequence[LocalItem], seq: int) -> LocalItem | None:
-    """The first navigation item from sequence number ``seq`` on."""
-    return next((item for item in items[seq - FIRST_SEQ :] if item.is_navigation), None)

@@ -39,11 +39,12 @@ def stopping_distance(speed: float, p: float, decel: float) -> float:
     return distance if speed > 0 else -distance
 
 
-def kinematic_limit(n: float, e: float, u: float, level: float, up: float, down: float) -> float:
-    """Largest length along direction (n, e, u) within horizontal and vertical limits.
+def kinematic_limit(direction: tuple[float, float, float], level: float, up: float, down: float) -> float:
+    """Largest length along a direction, north, east, up, within horizontal and vertical limits.
 
     Source: kinematic_limit in control.cpp; 0 without a direction.
     """
+    n, e, u = direction
     flat = hypot(n, e)
     length = hypot(flat, u)
     if length == 0 or level == 0 or up == 0 or down == 0:
@@ -60,26 +61,17 @@ def step_towards(target: float, value: float, step: float) -> float:
     return value + (step if change > step else -step if change < -step else change)
 
 
-def shape_velocity(  # noqa: PLR0913
-    error: float, ahead: float, accel: float, accel_max: float, jerk: float, dt: float, *, total: bool = False
-) -> float:
+def shape_velocity(error: float, accel: float, accel_max: float, jerk: float, dt: float) -> float:
     """Next acceleration that removes a velocity ``error`` within ``accel_max`` and ``jerk``.
 
-    Source: shape_vel_accel in control.cpp, with equal limits both ways. ``ahead`` is the
-    acceleration fed forward; ``total`` limits the sum as well.
+    Source: shape_vel_accel in control.cpp, with equal limits both ways and nothing fed forward.
     """
-    target = clamp(sqrt_controller(error, jerk / accel_max, jerk, dt), -accel_max, accel_max) + ahead
-    if total:
-        target = clamp(target, -accel_max, accel_max)
+    target = clamp(sqrt_controller(error, jerk / accel_max, jerk, dt), -accel_max, accel_max)
     return step_towards(target, accel, jerk * dt)
 
 
-def shape_position(  # noqa: PLR0913
-    error: float,
-    speed: float,
-    accel: float,
-    limits: tuple[float, float, float, float],
-    dt: float,
+def shape_position(
+    error: float, speed: float, accel: float, limits: tuple[float, float, float, float], dt: float
 ) -> float:
     """Next acceleration that removes a position ``error`` and then rests.
 
@@ -88,8 +80,7 @@ def shape_position(  # noqa: PLR0913
     """
     speed_min, speed_max, accel_max, jerk = limits
     wanted = sqrt_controller(error, 0.5 * jerk / accel_max, 0.5 * accel_max, dt)
-    wanted = clamp(wanted, speed_min, speed_max)
-    return shape_velocity(wanted - speed, 0.0, accel, accel_max, jerk, dt)
+    return shape_velocity(clamp(wanted, speed_min, speed_max) - speed, accel, accel_max, jerk, dt)
 
 
 def shape_stop(

@@ -9,15 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from flight_replay.mission import FIRST_SEQ
+from flight_replay.simulator.air import Air
 from flight_replay.simulator.airframe import Airframe
 from flight_replay.simulator.auto import LocalItem
 from flight_replay.simulator.auto_run import MissionRun
 from flight_replay.simulator.drift import Drift
 from flight_replay.simulator.heading import Heading
+from flight_replay.simulator.landing import Landing
 from flight_replay.simulator.limits import Limits
-from flight_replay.simulator.phases import Flight, GoTo, Hold, Landing, Phase, Return, Standing, TakeOff
+from flight_replay.simulator.path_limits import Vector
+from flight_replay.simulator.phases import Flight, GoTo, Hold, Phase, Standing
 from flight_replay.simulator.position_control import PositionControl
-from flight_replay.simulator.scurve import Vector
+from flight_replay.simulator.returning import Return
+from flight_replay.simulator.takeoff import TakeOff
 from flight_replay.simulator.wpnav import WaypointNavigation
 
 STEP_S = 0.02
@@ -51,7 +55,7 @@ class Copter:
         self.limits = limits
         self.step_s = step_s
         self.steps = 0
-        self._body = body = Airframe(limits, position_m, yaw_rad, wind_m_s, home_amsl_m, step_s)
+        self._body = body = Airframe(limits, position_m, yaw_rad, Air(wind_m_s, home_amsl_m), step_s)
         body.vn, body.ve, body.vu = velocity_m_s
         control = PositionControl(limits, body)
         self._flight = Flight(
@@ -147,6 +151,7 @@ class Copter:
         """Start the motors at idle."""
         self.motors = True
         self._armed_step = self.steps
+        self._flight.heading.armed_rad = self._body.yaw
 
     def disarm(self) -> None:
         """Stop the motors."""
@@ -201,5 +206,5 @@ class Copter:
         """Move ``step_s`` on."""
         self._phase.step()
         self.steps += 1
-        if self._phase.done and isinstance(self._phase, Landing | Return):
+        if self._phase.done and isinstance(self._phase, Landing | Return | MissionRun):
             self.disarm()

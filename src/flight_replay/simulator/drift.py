@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import hypot
 
+from flight_replay.simulator.path_limits import Vector
 from flight_replay.simulator.phases import Flight
-from flight_replay.simulator.scurve import Vector
 
 
 class Drift:

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from flight_replay.simulator.copter import STEP_S, Copter
 from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.modes import Mode
-from flight_replay.simulator.phases import TakeOff
 from flight_replay.simulator.place import Metres
+from flight_replay.simulator.takeoff import TakeOff
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -34,7 +34,7 @@ class Heading:
     def __init__(self, limits: Limits, body: Airframe, control: PositionControl) -> None:
         self._limits, self._body, self._control = limits, body, control
         self.look = Look.HOLD
-        self.wanted_rad = body.yaw
+        self.wanted_rad = self.armed_rad = body.yaw
         self._left_rad = 0.0
         self._turn_rate = 0.0
 
@@ -45,6 +45,8 @@ class Heading:
     def hold(self) -> None:
         """Keep the present heading."""
         self.look = Look.HOLD
+        self._left_rad = 0.0
+        self.wanted_rad = self._body.yaw
 
     def use_default(self, *, returning: bool = False) -> None:
         """Look where WP_YAW_BEHAVIOR says (AutoYaw::default_mode)."""
@@ -69,6 +71,24 @@ class Heading:
         slew = self._limits.yaw_slew_rad_s
         self._turn_rate = min(slew, rate_rad_s) if rate_rad_s > 0 else slew
         self.look = Look.FIXED
+
+    def face(self, place_m: tuple[float, float]) -> None:
+        """Look at a place, north and east of home, and turn one step (ROI, circles)."""
+        self.look = Look.HOLD
+        body = self._body
+        self.wanted_rad = atan2(place_m[1] - body.e, place_m[0] - body.n)
+        self.update()
+
+    def face_as_armed(self) -> None:
+        """Look where the vehicle looked when it was armed (RESETTOARMEDYAW)."""
+        self.look = Look.HOLD
+        self._left_rad = 0.0
+        self.wanted_rad = self.armed_rad
+
+    @property
+    def holds_when_returning(self) -> bool:
+        """Whether RTL leaves the heading alone (AutoYaw::default_mode)."""
+        return self._limits.wp_yaw_behavior in (_NEVER, _NEXT_WAYPOINT_EXCEPT_RTL)
 
     @property
     def reached(self) -> bool:

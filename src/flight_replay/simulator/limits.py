@@ -8,17 +8,19 @@ renamed and rescaled (``WP_SPD`` in m/s).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 
+from flight_replay.simulator.parameter_names import PARAMETERS
+
+__all__ = ["GRAVITY_M_S2", "MIN_RADIUS_M", "MIN_SPEED_M_S", "PARAMETERS", "Limits"]
+
 GRAVITY_M_S2 = 9.80665
-_CENTI = 0.01
-_MILLI = 0.001
-_CENTI_DEG = pi / 18000.0
 _DEG = pi / 180.0
 # AC_WPNav.cpp: WPNAV_WP_SPEED_MIN and WPNAV_WP_RADIUS_MIN.
 MIN_SPEED_M_S = 0.2
 MIN_RADIUS_M = 0.05
+_DEFAULT_ACCEL_M_S2 = 2.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +35,7 @@ class Limits:
     wp_speed_up_m_s: float = 2.5
     wp_speed_down_m_s: float = 1.5
     wp_accel_z_m_s2: float = 1.0
-    wp_yaw_behavior: int = 2
+    wp_yaw_behavior: float = 2.0
     rtl_altitude_m: float = 15.0
     rtl_altitude_final_m: float = 0.0
     rtl_climb_min_m: float = 0.0
@@ -74,22 +76,22 @@ class Limits:
         Args:
             parameters: ArduPilot names to values in ArduPilot's units, of any version from 3.3 to 4.7.
         """
-        values = {}
+        limits = cls()
         for name, (field, scale) in PARAMETERS.items():
             if name in parameters:
-                values[field] = float(parameters[name]) * scale
-        limits = cls(**{f.name: values.get(f.name, f.default) for f in fields(cls)})
+                limits = replace(limits, **{field: float(parameters[name]) * scale})
         return limits._made_flyable()
 
     def _made_flyable(self) -> Limits:
         """Values that ArduCopter replaces when it starts to navigate (AC_WPNav::wp_and_spline_init)."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        values["wp_speed_m_s"] = max(self.wp_speed_m_s, MIN_SPEED_M_S)
-        values["wp_radius_m"] = max(self.wp_radius_m, MIN_RADIUS_M)
-        values["wp_accel_m_s2"] = self.wp_accel_m_s2 if self.wp_accel_m_s2 > 0 else 2.5
-        values["wp_jerk_m_s3"] = self.wp_jerk_m_s3 if self.wp_jerk_m_s3 > 0 else values["wp_accel_m_s2"]
-        values["wp_yaw_behavior"] = int(self.wp_yaw_behavior)
-        return Limits(**values)
+        accel = self.wp_accel_m_s2 if self.wp_accel_m_s2 > 0 else _DEFAULT_ACCEL_M_S2
+        return replace(
+            self,
+            wp_speed_m_s=max(self.wp_speed_m_s, MIN_SPEED_M_S),
+            wp_radius_m=max(self.wp_radius_m, MIN_RADIUS_M),
+            wp_accel_m_s2=accel,
+            wp_jerk_m_s3=self.wp_jerk_m_s3 if self.wp_jerk_m_s3 > 0 else accel,
+        )
 
     @property
     def corner_accel_m_s2(self) -> float:
@@ -123,65 +125,3 @@ class Limits:
     def correction_jerk_z_m_s3(self) -> float:
         """Jerk of shaped vertical targets (AC_PosControl::set_max_speed_accel_z, 20 Hz throttle filter)."""
         return min(self.shaping_jerk_z_m_s3, min(GRAVITY_M_S2, self.wp_accel_z_m_s2) * 8.0 * pi)
-
-
-PARAMETERS: dict[str, tuple[str, float]] = {
-    # Names and units up to 4.6, then 4.7's; a table holds one or the other.
-    "WPNAV_SPEED": ("wp_speed_m_s", _CENTI),
-    "WPNAV_ACCEL": ("wp_accel_m_s2", _CENTI),
-    "WPNAV_ACCEL_C": ("wp_accel_corner_m_s2", _CENTI),
-    "WPNAV_JERK": ("wp_jerk_m_s3", 1.0),
-    "WPNAV_RADIUS": ("wp_radius_m", _CENTI),
-    "WPNAV_SPEED_UP": ("wp_speed_up_m_s", _CENTI),
-    "WPNAV_SPEED_DN": ("wp_speed_down_m_s", _CENTI),
-    "WPNAV_ACCEL_Z": ("wp_accel_z_m_s2", _CENTI),
-    "WP_YAW_BEHAVIOR": ("wp_yaw_behavior", 1.0),
-    "RTL_ALT": ("rtl_altitude_m", _CENTI),
-    "RTL_ALT_FINAL": ("rtl_altitude_final_m", _CENTI),
-    "RTL_CLIMB_MIN": ("rtl_climb_min_m", _CENTI),
-    "RTL_CONE_SLOPE": ("rtl_cone_slope", 1.0),
-    "RTL_SPEED": ("rtl_speed_m_s", _CENTI),
-    "RTL_LOIT_TIME": ("rtl_loiter_s", _MILLI),
-    "LAND_SPEED": ("land_speed_m_s", _CENTI),
-    "LAND_SPEED_HIGH": ("land_speed_high_m_s", _CENTI),
-    "LAND_ALT_LOW": ("land_altitude_low_m", _CENTI),
-    "PSC_POSXY_P": ("position_p", 1.0),
-    "PSC_VELXY_P": ("velocity_p", 1.0),
-    "PSC_VELXY_I": ("velocity_i", 1.0),
-    "PSC_VELXY_D": ("velocity_d", 1.0),
-    "PSC_JERK_XY": ("shaping_jerk_m_s3", 1.0),
-    "PSC_POSZ_P": ("position_z_p", 1.0),
-    "PSC_VELZ_P": ("velocity_z_p", 1.0),
-    "PSC_ACCZ_P": ("accel_z_p", 1.0),
-    "PSC_ACCZ_I": ("accel_z_i", 1.0),
-    "PSC_JERK_Z": ("shaping_jerk_z_m_s3", 1.0),
-    "ANGLE_MAX": ("lean_angle_rad", _CENTI_DEG),
-    "ATC_INPUT_TC": ("attitude_input_s", 1.0),
-    "ATC_ACCEL_R_MAX": ("lean_accel_rad_s2", _CENTI_DEG),
-    "ATC_RATE_R_MAX": ("lean_rate_rad_s", _DEG),
-    "ATC_ACCEL_Y_MAX": ("yaw_accel_rad_s2", _CENTI_DEG),
-    "ATC_SLEW_YAW": ("yaw_slew_rad_s", _CENTI_DEG),
-    "MOT_THST_HOVER": ("hover_throttle", 1.0),
-    "MOT_SPOOL_TIME": ("spool_s", 1.0),
-    "TKOFF_SLEW_TIME": ("takeoff_slew_s", 1.0),
-    "TKOFF_THR_MAX": ("takeoff_throttle_max", 1.0),
-    "CIRCLE_RADIUS": ("circle_radius_m", _CENTI),
-    "CIRCLE_RATE": ("circle_rate_rad_s", _DEG),
-    "WP_SPD": ("wp_speed_m_s", 1.0),
-    "WP_ACC": ("wp_accel_m_s2", 1.0),
-    "WP_ACC_CNR": ("wp_accel_corner_m_s2", 1.0),
-    "WP_JERK": ("wp_jerk_m_s3", 1.0),
-    "WP_RADIUS_M": ("wp_radius_m", 1.0),
-    "WP_SPD_UP": ("wp_speed_up_m_s", 1.0),
-    "WP_SPD_DN": ("wp_speed_down_m_s", 1.0),
-    "WP_ACC_Z": ("wp_accel_z_m_s2", 1.0),
-    "RTL_ALT_M": ("rtl_altitude_m", 1.0),
-    "RTL_ALT_FINAL_M": ("rtl_altitude_final_m", 1.0),
-    "RTL_CLIMB_MIN_M": ("rtl_climb_min_m", 1.0),
-    "RTL_SPEED_MS": ("rtl_speed_m_s", 1.0),
-    "LAND_SPD_MS": ("land_speed_m_s", 1.0),
-    "LAND_SPD_HIGH_MS": ("land_speed_high_m_s", 1.0),
-    "LAND_ALT_LOW_M": ("land_altitude_low_m", 1.0),
-    "CIRCLE_RADIUS_M": ("circle_radius_m", 1.0),
-}
-"""ArduPilot parameter names to the field that they set and its SI units per unit of theirs."""

@@ -14,7 +14,7 @@ from flight_replay.simulator.auto import LocalItem, local_items
 from flight_replay.simulator.copter import STEP_S, Copter
 from flight_replay.simulator.flat import FlatFrame
 from flight_replay.simulator.limits import Limits
-from flight_replay.simulator.scurve import Vector
+from flight_replay.simulator.path_limits import Vector
 
 # Longer than any battery lasts: a mission that does not end by then never will.
 _LONGEST_S = 36_000.0
@@ -81,7 +81,8 @@ class _Recorder:
         """What was recorded, in ground metres."""
         columns = np.array(self.rows).T
         ground = frame.to_metres(*_flat(frame).to_degrees(columns[1:3].T))
-        return Trajectory(columns[0], ground[:, 0], ground[:, 1], *columns[3:], reached_s, auto_s)
+        up, vn, ve, vu = columns[3:]
+        return Trajectory(columns[0], ground[:, 0], ground[:, 1], up, vn, ve, vu, reached_s, auto_s)
 
 
 def home_frame(mission: Mission) -> LocalFrame:

@@ -13,6 +13,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi, sqrt
+from typing import NamedTuple
+
+
+class Kinematics(NamedTuple):
+    """Snap m/s⁴, jerk m/s³ and acceleration m/s² that a ramp must keep to."""
+
+    snap: float
+    jerk: float
+    accel: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +37,9 @@ class Ramp:
 NO_RAMP = Ramp(0.0, 0.0, 0.0, 0.0)
 
 
-def ramp(  # noqa: PLR0913
-    snap: float, jerk: float, speed: float, accel: float, top_speed: float, length: float
-) -> Ramp:
+def ramp(limits: Kinematics, speed: float, top_speed: float, length: float) -> Ramp:
     """The quickest ramp from ``speed`` towards ``top_speed`` within ``length`` and the limits."""
+    snap, jerk, accel = limits
     if speed >= top_speed or min(snap, jerk, accel, top_speed, length) <= 0:
         return NO_RAMP
     rise = jerk * pi / (2.0 * snap)
@@ -41,7 +49,16 @@ def ramp(  # noqa: PLR0913
         (length + 4.0 * speed * rise) / (4.0 * rise * rise),
     )
     if accel_fit < jerk * rise:
-        return _short_ramp(snap, rise, speed, accel, accel_fit, top_speed, length)
+        if speed > 0:
+            # ArduPilot keeps the rise and lowers the jerk when it starts from a speed.
+            return _small_ramp(accel_fit / rise, rise, speed, top_speed, length)
+        rise = min(
+            rise,
+            (length * pi / (8.0 * snap)) ** 0.25,
+            (top_speed * pi / (4.0 * snap)) ** (1.0 / 3.0),
+            sqrt(accel * pi / (2.0 * snap)),
+        )
+        return _small_ramp(2.0 * snap * rise / pi, rise, speed, top_speed, length)
     grow = accel / jerk + rise
     if top_speed - speed < accel * grow or length < (2.0 * speed + accel * grow) * grow:
         peak = min(
@@ -56,22 +73,9 @@ def ramp(  # noqa: PLR0913
     return Ramp(jerk, rise, accel / jerk - rise, _hold(accel, grow, speed, top_speed, length))
 
 
-def _short_ramp(  # noqa: PLR0913
-    snap: float, rise: float, speed: float, accel: float, accel_fit: float, top_speed: float, length: float
-) -> Ramp:
-    """A ramp too small to reach the full jerk: from rest it is quicker, else its jerk is lower."""
-    if speed == 0:
-        rise = min(
-            rise,
-            (length * pi / (8.0 * snap)) ** 0.25,
-            (top_speed * pi / (4.0 * snap)) ** (1.0 / 3.0),
-            sqrt(accel * pi / (2.0 * snap)),
-        )
-        jerk = 2.0 * snap * rise / pi
-        accel = jerk * rise
-    else:
-        accel = accel_fit
-        jerk = accel / rise
+def _small_ramp(jerk: float, rise: float, speed: float, top_speed: float, length: float) -> Ramp:
+    """A ramp without constant jerk."""
+    accel = jerk * rise
     if top_speed <= speed + 2.0 * accel * rise or length <= 4.0 * rise * (speed + accel * rise):
         return Ramp(jerk, rise, 0.0, 0.0)
     return Ramp(jerk, rise, 0.0, _hold(accel, 2.0 * rise, speed, top_speed, length))
@@ -97,7 +101,7 @@ def _accel_for_length(jerk: float, rise: float, speed: float, length: float) -> 
     In the growing time r this is J r³ - J rise r² + 2 v0 r = length, solved by Newton's method
     from above, where the cubic is convex and rising.
     """
-    grow = rise + (length / jerk) ** (1.0 / 3.0)
+    grow: float = rise + (length / jerk) ** (1.0 / 3.0)
     for _ in range(50):
         value = ((jerk * grow - jerk * rise) * grow + 2.0 * speed) * grow - length
         slope = (3.0 * jerk * grow - 2.0 * jerk * rise) * grow + 2.0 * speed

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from flight_replay.simulator.scurve_ramp import Ramp
+from flight_replay.simulator.scurve_ramp import Kinematics, Ramp, ramp
 
 Segment = tuple[float, float, float, float, float, float, float]
 """End time s, and acceleration, speed, position there; then j, b and w / b of the segment."""
@@ -19,6 +19,9 @@ State = tuple[float, float, float]
 
 GROWING, CONSTANT, FALLING = 1, 0, -1
 SEGMENTS_IN_RAMP = 7
+
+START, ACCEL_MAX, ACCEL_END, CHANGE_END, CRUISE, END = 0, 4, 7, 14, 15, 22
+"""Indices of the segments that end the parts of a leg."""
 
 
 def state_within(before: Segment, segment: Segment, s: float) -> State:
@@ -55,27 +58,55 @@ def following(before: Segment, duration: float, jerk: float, kind: int) -> Segme
     return (before[0] + duration, accel, speed, position, *shape)
 
 
-def ramp_segments(before: Segment, ramp: Ramp, *, gain: bool) -> list[Segment]:
-    """The seven segments after ``before`` in which ``ramp`` gains or loses speed; they end unaccelerated."""
-    first = ramp.jerk if gain else -ramp.jerk
+def ramp_segments(before: Segment, shape: Ramp, *, gain: bool) -> list[Segment]:
+    """The seven segments after ``before`` in which ``shape`` gains or loses speed; they end unaccelerated."""
+    first = shape.jerk if gain else -shape.jerk
     parts = [
-        (ramp.rise_s, first, GROWING),
-        (ramp.hold_jerk_s, first, CONSTANT),
-        (ramp.rise_s, first, FALLING),
-        (ramp.hold_accel_s, 0.0, CONSTANT),
-        (ramp.rise_s, -first, GROWING),
-        (ramp.hold_jerk_s, -first, CONSTANT),
-        (ramp.rise_s, -first, FALLING),
+        (shape.rise_s, first, GROWING),
+        (shape.hold_jerk_s, first, CONSTANT),
+        (shape.rise_s, first, FALLING),
+        (shape.hold_accel_s, 0.0, CONSTANT),
+        (shape.rise_s, -first, GROWING),
+        (shape.hold_jerk_s, -first, CONSTANT),
+        (shape.rise_s, -first, FALLING),
     ]
     segments = []
     for duration, jerk, kind in parts:
         before = following(before, duration, jerk, kind)
         segments.append(before)
-    t, _, speed, position, *shape = before
-    segments[-1] = (t, 0.0, max(0.0, speed), position, shape[0], shape[1], shape[2])
+    t, _, speed, position, jerk, beta, part = before
+    segments[-1] = (t, 0.0, max(0.0, speed), position, jerk, beta, part)
     return segments
 
 
 def shifted(segments: list[Segment], time_s: float, position_m: float) -> list[Segment]:
     """The same segments, later and farther."""
     return [(t + time_s, a, v, p + position_m, j, b, w) for t, a, v, p, j, b, w in segments]
+
+
+def from_speed(limits: Kinematics, speed: float, top_speed: float, length: float) -> list[Segment]:
+    """A leg from ``speed`` to rest (SCurve::add_segments, SCurve::set_origin_speed_max)."""
+    half = 0.5 * length
+    first: Segment = (0.0, 0.0, speed, 0.0, 0.0, 0.0, 0.0)
+    gain = [first, *ramp_segments(first, ramp(limits, speed, top_speed, half), gain=True)]
+    # A ramp longer than half the leg starts before the leg does.
+    early = min(0.0, half - gain[-1][3])
+    if early < 0:
+        gain = shifted(gain, early / gain[-1][2], early)
+    return with_stop(limits, gain, length)
+
+
+def with_stop(limits: Kinematics, gain: list[Segment], length: float) -> list[Segment]:
+    """A leg of ``length`` that begins with the segments that gain speed, and ends at rest."""
+    level = still(gain[-1])
+    loss = ramp_segments(level, ramp(limits, 0.0, level[2], 0.5 * length), gain=False)
+    return cruising(gain + [level] * (SEGMENTS_IN_RAMP + 1) + loss, length)
+
+
+def cruising(segments: list[Segment], length: float) -> list[Segment]:
+    """The same leg, its constant speed lasting until it ends at ``length``."""
+    spare = max(0.0, length - segments[END][3])
+    speed = segments[CRUISE][2]
+    if speed <= 0:
+        return segments
+    return segments[:CRUISE] + shifted(segments[CRUISE:], spare / speed, spare)

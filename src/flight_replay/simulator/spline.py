@@ -8,9 +8,10 @@ across the track and by half of it along the track, with a stop or the next leg'
 from __future__ import annotations
 
 from math import hypot, sqrt
+from typing import NamedTuple
 
 from flight_replay.simulator.control import clamp
-from flight_replay.simulator.scurve import PathLimits, Vector
+from flight_replay.simulator.path_limits import PathLimits, Vector, minus
 
 # SplineCurve.cpp: LATERAL_ACCEL_SCALER, TANGENTIAL_ACCEL_SCALER and SPLINE_FACTOR.
 _ACROSS_SHARE = 0.5
@@ -24,17 +25,26 @@ _ARDUPILOT_STEP_S = 0.0025
 Coefficients = tuple[Vector, Vector, Vector, Vector]
 
 
-def hermite(origin: Vector, destination: Vector, leaving: Vector, arriving: Vector) -> Coefficients:
+class Ends(NamedTuple):
+    """Where a curve begins and ends, and its tangents there."""
+
+    origin: Vector
+    destination: Vector
+    leaving: Vector
+    arriving: Vector
+
+
+def hermite(ends: Ends) -> Coefficients:
     """Coefficients of 1, t, t², t³ of the curve; tangents too long for the chord are scaled down.
 
     Source: SplineCurve::set_origin_and_destination: together at most four times the chord.
     """
-    chord = hypot(*(b - a for a, b in zip(origin, destination, strict=True)))
-    tangents = hypot(*leaving) + hypot(*arriving)
+    chord = hypot(*minus(ends.destination, ends.origin))
+    tangents = hypot(*ends.leaving) + hypot(*ends.arriving)
     scale = _LONGEST_TANGENTS * chord / tangents if tangents > _LONGEST_TANGENTS * chord else 1.0
     rows = []
-    for a, b, m, k in zip(origin, destination, leaving, arriving, strict=True):
-        m, k = m * scale, k * scale  # noqa: PLW2901
+    for a, b, leaving, arriving in zip(*ends, strict=True):
+        m, k = leaving * scale, arriving * scale
         rows.append((a, m, 3.0 * (b - a) - 2.0 * m - k, 2.0 * (a - b) + m + k))
     n, e, u = rows
     return ((n[0], e[0], u[0]), (n[1], e[1], u[1]), (n[2], e[2], u[2]), (n[3], e[3], u[3]))
@@ -46,7 +56,7 @@ class _Place:
     ``rate`` and ``bend`` are the ground covered per unit of t, m, and how that grows with t.
     """
 
-    __slots__ = ("accel", "bend", "position", "rate", "speed_max", "unit")
+    __slots__ = ("accel", "bend", "jerk", "position", "rate", "speed_max", "unit")
 
     def __init__(self, coefficients: Coefficients, t: float, limits: PathLimits) -> None:
         (n0, e0, u0), (n1, e1, u1), (n2, e2, u2), (n3, e3, u3) = coefficients
@@ -63,22 +73,24 @@ class _Place:
         if rate > 0:
             vn, ve, vu = vn / rate, ve / rate, vu / rate
         else:
+            # At rest the second derivative points the way, or where there is none, the third.
+            self.jerk = 6.0 * hypot(n3, e3, u3)
             vn, ve, vu = _direction(an, ae, au) or _direction(n3, e3, u3) or _NOWHERE
         self.unit = (vn, ve, vu)
         self.bend = along = an * vn + ae * ve + au * vu
-        self.accel = _ALONG_SHARE * limits.accel_along(vn, ve, vu)
-        self.speed_max = limits.speed_along(vn, ve, vu)
+        self.accel = _ALONG_SHARE * limits.accel_along(self.unit)
+        self.speed_max = limits.speed_along(self.unit)
         an, ae, au = an - along * vn, ae - along * ve, au - along * vu
         across = sqrt(an * an + ae * ae + au * au)
         if across > 0 and rate > 0:
-            allowed = _ACROSS_SHARE * limits.accel_along(an, ae, au)
+            allowed = _ACROSS_SHARE * limits.accel_along((an, ae, au))
             self.speed_max = min(self.speed_max, rate * sqrt(allowed / across))
 
     def time_for(self, distance: float) -> float:
         """How much of t a distance takes from here, by the rate and its growth."""
         square = self.rate * self.rate + 2.0 * self.bend * distance
         mean = 0.5 * (self.rate + sqrt(square)) if square > 0 else 0.5 * self.rate
-        return distance / mean if mean > 0 else 0.0
+        return distance / mean if mean > 0 else (6.0 * distance / self.jerk) ** (1.0 / 3.0)
 
 
 def _direction(n: float, e: float, u: float) -> Vector | None:
@@ -88,7 +100,7 @@ def _direction(n: float, e: float, u: float) -> Vector | None:
 
 
 class Spline:
-    """Motion along one spline leg, from ``origin`` to ``destination`` with the tangents given there.
+    """Motion along one spline leg.
 
     ``assumed_speed`` is what the look ahead from the origin takes for the destination's speed
     before that is known: ArduPilot leaves the value of the spline planned before (m/s).
@@ -99,29 +111,21 @@ class Spline:
         "arriving", "destination_speed", "finished", "origin_speed", "time", "unused_s",
     )  # fmt: skip
 
-    def __init__(  # noqa: PLR0913
-        self,
-        origin: Vector,
-        destination: Vector,
-        leaving: Vector,
-        arriving: Vector,
-        limits: PathLimits,
-        assumed_speed: float = 0.0,
-    ) -> None:
-        self._destination = destination
+    def __init__(self, ends: Ends, limits: PathLimits, assumed_speed: float = 0.0) -> None:
+        self._destination = ends.destination
         self._limits = limits
         self.time = self.unused_s = 0.0
-        self.finished = origin == destination
-        self.arriving = _NOWHERE if self.finished else arriving
+        self.finished = ends.origin == ends.destination
+        self.arriving = _NOWHERE if self.finished else ends.arriving
         self.origin_speed = self.destination_speed = 0.0
         if self.finished:
             return
-        self._coefficients = hermite(origin, destination, leaving, arriving)
+        self._coefficients = hermite(ends)
         self._place = _Place(self._coefficients, 0.0, limits)
         self.destination_speed = assumed_speed
         self.origin_speed = self._next_speed(self._place, 0.0, _FOREVER_S, 0.0)
         self.destination_speed = 0.0
-        if any(arriving):
+        if any(ends.arriving):
             self.destination_speed = _Place(self._coefficients, 1.0, limits).speed_max
 
     def change_speed(self, limits: PathLimits) -> None:
