@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from sim_station import (
     ARM,
     AUTO,
@@ -11,6 +12,7 @@ from sim_station import (
     LOITER,
     MISSION_START,
     READY_S,
+    Item,
     Station,
     act,
     place,
@@ -166,3 +168,89 @@ def test_a_mission_changed_in_flight_is_flown_as_changed() -> None:
         assert ("Auto mission changed, restarted command" in station.texts) == restarts
     assert station.run(200, lambda: 5 in reached(station))
     assert math.dist(autopilot.flight.position_m, (-20, 0, 20)) < 3
+
+
+def order_of(station: Station, count: int) -> list[str]:
+    """The items begun, as spoken."""
+    station.run(300, lambda: f"Reached command #{count}" in station.texts)
+    return [text.removeprefix("Mission: ") for text in station.texts if text.startswith("Mission: ")]
+
+
+def test_jumps_are_flown_as_often_as_they_say() -> None:
+    """DO_JUMP back to 1 twice: the items before it are flown three times."""
+    _, station = sim()
+    station.fly()
+    station.upload([place(10, 0), place(0, 0), act(177, 1, 2), place(0, 10)])
+    station.mode(AUTO)
+    assert order_of(station, 4) == [*["1 WP", "2 WP"] * 3, "4 WP"]
+
+
+def test_jumps_can_go_on_for_ever_and_lead_nowhere() -> None:
+    """-1 repeats without end; a jump onto itself is passed over, as is one that never jumps."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([place(10, 0), act(177, 2, -1), place(0, 10)])
+    station.mode(AUTO)
+    station.run(30)
+    assert autopilot.mission.seq == 1
+    station.mode(LOITER)
+    station.upload([place(10, 0), place(0, 0), act(177, 1, -1)])
+    station.mode(AUTO)
+    station.run(120)
+    assert autopilot.mode.value == AUTO
+    assert reached(station).count(1) > 3
+
+
+@pytest.mark.parametrize(
+    ("item", "seconds"),
+    [(place(0, 0, 20, command=19, hold_s=7), 7), ((93, 2, (9.0, -1.0, -1.0, -1.0), 0, 0, 0.0), 9)],
+    ids=["loiter time", "delay"],
+)
+def test_items_that_wait_wait(item: Item, seconds: float) -> None:
+    """NAV_LOITER_TIME and NAV_DELAY hold the vehicle for their seconds."""
+    autopilot, station = sim()
+    station.fly()
+    station.run(10)
+    station.upload([item, place(0, 30)])
+    station.mode(AUTO)
+    began_s = autopilot.time_s
+    assert station.run(60, lambda: autopilot.mission.seq == 2)
+    assert autopilot.time_s - began_s == pytest.approx(seconds, abs=2.5)
+
+
+def test_a_loiter_without_end_is_left_by_a_station_only() -> None:
+    """NAV_LOITER_UNLIM stays until another mode or item is chosen."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([place(20, 0, command=17), place(0, 0)])
+    station.mode(AUTO)
+    station.run(120)
+    assert autopilot.mission.seq == 1
+    assert math.dist(autopilot.flight.position_m, (20, 0, 20)) < 1
+    assert station.command(224, 2) == ACCEPTED
+    assert station.run(60, lambda: 2 in reached(station))
+
+
+def test_a_land_item_lands_there_and_ends_the_mission() -> None:
+    """NAV_LAND with a place flies there, lands and disarms."""
+    autopilot, station = sim()
+    station.fly(10)
+    station.upload([place(10, 0, 10), place(20, 5, 0, command=21)])
+    station.mode(AUTO)
+    assert station.run(120, lambda: not autopilot.armed)
+    assert math.dist(autopilot.flight.position_m, (20, 5, 0)) < 1
+
+
+def test_wind_is_felt_and_told() -> None:
+    """SIM_WIND_* leans the copter against the wind at once, and WIND says where it comes from."""
+    autopilot, station = sim()
+    station.fly()
+    autopilot.parameters.assign("SIM_WIND_DIR", 0)
+    autopilot.parameters.assign("SIM_WIND_SPD", 8)
+    station.run(20)
+    assert math.dist(autopilot.flight.position_m, (0, 0, 20)) < 2
+    roll, pitch, yaw = autopilot.flight.attitude_rad
+    assert math.degrees(roll * math.sin(yaw) + pitch * math.cos(yaw)) < -3
+    station.channel.request(dialect.MAVLINK_MSG_ID_WIND)
+    wind = station.last("WIND")
+    assert (wind.direction, wind.speed) == pytest.approx((0, 8), abs=0.01)

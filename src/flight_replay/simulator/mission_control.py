@@ -14,6 +14,7 @@ from flight_replay.simulator.mavlink import dialect
 from flight_replay.simulator.mission_items import StoredItem
 from flight_replay.simulator.mission_names import SAYS_REACHED, name_of
 from flight_replay.simulator.mission_store import is_navigation
+from flight_replay.simulator.mission_walk import MissionWalk
 from flight_replay.simulator.modes import Mode
 
 if TYPE_CHECKING:
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
 _CRITICAL, _INFO = 2, 6
 _NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
 _ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLETE
-_ABSOLUTE, _RELATIVE = 0, 3
+_ABSOLUTE = 0
+# Items from the current one on whose change restarts its leg (ModeAuto::check_for_mission_change).
+_WATCHED = 3
 _TAKES_OFF_BY_ITSELF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottle
 
 
@@ -41,6 +44,8 @@ class MissionControl:
         self._completed_told = False
         self._changes = 0
         self._items: list[LocalItem] = []
+        self._walk = MissionWalk(self._items)
+        self._next_seq = FIRST_SEQ
 
     @property
     def state(self) -> int:
@@ -101,6 +106,7 @@ class MissionControl:
         if target is None:
             return False
         if self._state == _ACTIVE and self._run is not None:
+            self.seq = 0
             self._start_at(max(seq, FIRST_SEQ))
             return True
         self.seq = target
@@ -135,62 +141,63 @@ class MissionControl:
             self._start_at(seq)
 
     def _start_at(self, seq: int) -> None:
-        vehicle = self._autopilot
-        self._changes = vehicle.store.changes
-        self._items = self.local_items()
-        self._told, self._completed_told, self.seq = 0, False, 0
+        self._changes = self._autopilot.store.changes
+        self._items = self._local_items()
+        self._walk, self._next_seq = MissionWalk(self._items), seq
+        self._told, self._completed_told = 0, False
         self._state = _ACTIVE
-        self._from = seq
-        self._run = vehicle.flight.fly_mission(self._items, seq)
+        self._run = self._autopilot.flight.fly_mission(self._items, seq)
+        self._tell_started()
 
     def _follow(self, run: MissionRun) -> None:
         vehicle = self._autopilot
         if self._changes != vehicle.store.changes and not vehicle.protocol.receiving:
             self._take_over_changes()
             return
-        last = self._tell_reached(run)
-        if last is not None:
-            vehicle.broadcast(dialect.MAVLink_mission_item_reached_message(last))
+        reached = [seq for seq, _ in run.reached[self._told :]]
+        self._told = len(run.reached)
+        for seq in reached:
+            command = self._items[seq - FIRST_SEQ].command
+            if command in SAYS_REACHED:
+                vehicle.say(_INFO, f"Reached command #{seq}")
+            if is_navigation(command):
+                self._tell_started()
+        if reached:
+            # Of one instant ArduCopter sends but the last.
+            vehicle.broadcast(dialect.MAVLink_mission_item_reached_message(reached[-1]))
         if run.completed and not self._completed_told:
             self._completed_told = True
             self._state = _COMPLETE
             if vehicle.flight.landed:
                 vehicle.disarm()
 
-    def _tell_reached(self, run: MissionRun) -> int | None:
-        """Speak of items reached and started since; ArduCopter sends but the last of one instant."""
-        last = None
-        for seq, _ in run.reached[self._told :]:
-            last = seq
-            if self._items[seq - FIRST_SEQ].command in SAYS_REACHED:
-                self._autopilot.say(_INFO, f"Reached command #{seq}")
-        self._told = len(run.reached)
-        if run.current_seq != self.seq:
-            before = self.seq if self.seq else self._from - 1
-            self.seq = run.current_seq
-            for seq in range(before + 1, self.seq + 1):
-                self._autopilot.say(_INFO, f"Mission: {seq} {name_of(self._items[seq - FIRST_SEQ].command)}")
-        return last
+    def _tell_started(self) -> None:
+        """Speak of the next item to fly, and of those that are done on the way to it."""
+        doing, item = self._walk.advance(self._next_seq)
+        for each in [*doing, item] if item else doing:
+            self._autopilot.say(_INFO, f"Mission: {each.seq} {name_of(each.command)}")
+        if item:
+            self.seq, self._next_seq = item.seq, item.seq + 1
 
     def _take_over_changes(self) -> None:
         """Somebody wrote to the mission that is flown (ModeAuto::run, check_for_mission_change)."""
         seq, before = self.seq, self._items
         self._changes = self._autopilot.store.changes
-        now = self.local_items()
-        if now[max(seq - 1, 0) : seq + 3] == before[max(seq - 1, 0) : seq + 3]:
-            self._items[:] = now
+        now = self._local_items()
+        first = max(seq - FIRST_SEQ, 0)
+        if now[first : first + _WATCHED] == before[first : first + _WATCHED]:
+            before[:] = now
         else:
-            self._start_at(seq if 0 < seq < len(self._autopilot.store) else FIRST_SEQ)
+            self._start_at(seq if 0 < seq <= len(now) else FIRST_SEQ)
             self._autopilot.say(_CRITICAL, "Auto mission changed, restarted command")
 
     # places
 
-    def local_items(self) -> list[LocalItem]:
-        """The stored mission in metres around home."""
-        vehicle = self._autopilot
+    def _local_items(self) -> list[LocalItem]:
+        items = self._autopilot.store.items[FIRST_SEQ:]
         return [
             LocalItem(seq, item.command, item.params, *self._local(item))
-            for seq, item in enumerate(vehicle.store.items[FIRST_SEQ:], FIRST_SEQ)
+            for seq, item in enumerate(items, FIRST_SEQ)
         ]
 
     def _local(self, item: StoredItem) -> tuple[tuple[float, float] | None, float | None]:
