@@ -59,7 +59,7 @@ def shown(*events: Event, width: int = 80, encoding: str = "utf-8") -> list[str]
     with console.capture() as capture:
         console.print(Display(status))
     text = RichConsole(file=io.StringIO(), width=width).render_str(capture.get())
-    return [line.rstrip().replace("\N{NO-BREAK SPACE}", " ") for line in _plain(str(text)).splitlines()]
+    return [line.rstrip() for line in _plain(str(text)).splitlines()]
 
 
 def _plain(text: str) -> str:
@@ -74,6 +74,16 @@ def test_no_line_is_wider_than_the_terminal(width: int) -> None:
     assert all(len(line) <= width for line in shown(*FLIGHT, width=width))
 
 
+def test_narrow_terminals_break_between_steps_not_within() -> None:
+    """A mark stands on the line of its step, a reading on that of its label."""
+    steps = shown(*FLIGHT, width=40)[:2]
+    assert steps == ["✔ Connect  ✔ Upload  ✔ Prepare  ✔ Arm", "✔ Takeoff  ▶ Mission  · Return  · Close"]
+    assert shown(*FLIGHT, width=40)[3:5] == [
+        "Altitude 30.0 m  Speed 5.0 m/s",
+        "Mode AUTO  Battery 12.6 V 84 %",
+    ]
+
+
 @pytest.mark.parametrize("width", [80, 120])
 def test_a_flight_is_told_in_a_few_lines(width: int) -> None:
     """Steps, progress over the waypoints, readings and the autopilot's last words."""
@@ -81,7 +91,7 @@ def test_a_flight_is_told_in_a_few_lines(width: int) -> None:
     assert steps == "✔ Connect  ✔ Upload  ✔ Prepare  ✔ Arm  ✔ Takeoff  ▶ Mission  · Return  · Close"
     assert waypoint.startswith("Waypoint ━")
     assert waypoint.endswith(" 23 of 100, 3.0 m ahead")
-    assert readings == "Altitude 30.0 m   Speed 5.0 m/s   Mode AUTO   Battery 12.6 V 84 %"
+    assert readings == "Altitude 30.0 m  Speed 5.0 m/s  Mode AUTO  Battery 12.6 V 84 %"
     assert minor == "Autopilot Mission: 22 WP"
     assert warning.startswith("Autopilot Battery 1 is getting low")
 
@@ -135,7 +145,7 @@ def test_take_off_tells_how_high_it_goes() -> None:
 
 def test_a_terminal_without_unicode_gets_ascii_marks() -> None:
     """An ASCII terminal is not sent what it cannot show."""
-    assert shown(PhaseStarted(Phase.CONNECT, "a"), encoding="ascii")[0].startswith(">Connect")
+    assert shown(PhaseStarted(Phase.CONNECT, "a"), encoding="ascii")[0].startswith("> Connect")
 
 
 def test_readings_that_are_not_known_are_left_out() -> None:

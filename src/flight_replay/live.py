@@ -30,10 +30,10 @@ _STEPS = {
     Phase.RETURN: "Return",
     Phase.CLOSE: "Close",
 }
-# A space that does not break keeps mark and step on one line; ASCII has none.
-_MARKS = {"done": "✔\N{NO-BREAK SPACE}", "now": "▶\N{NO-BREAK SPACE}", "ahead": "·\N{NO-BREAK SPACE}"}
+_MARKS = {"done": "✔", "now": "▶", "ahead": "·"}
 _ASCII_MARKS = {"done": "+", "now": ">", "ahead": "-"}
 _MARK_STYLES = {"done": "green", "now": "bold cyan", "ahead": "dim"}
+_GAP = "  "
 _BYTES_PER_MB = 1_000_000
 
 
@@ -99,41 +99,51 @@ class Display:
         status = self._status
         parts: list[RenderableType] = []
         if status.begun:
-            parts.append(_steps(status, _ASCII_MARKS if options.ascii_only else _MARKS))
+            marks = _ASCII_MARKS if options.ascii_only else _MARKS
+            parts += _rows(_steps(status, marks), options.max_width)
         if status.progress is not None:
             parts.append(_work(status.progress))
         if status.heading is not None:
             parts.append(_waypoints(status.heading))
         if status.ended is None:
-            parts += _under_way(status)
+            parts += _under_way(status, options.max_width)
         if status.trouble:
             parts.append(_line("Warning", status.trouble, "bold yellow"))
         yield Group(*parts)
 
 
-def _under_way(status: Status) -> list[RenderableType]:
+def _under_way(status: Status, width: int) -> list[RenderableType]:
     """What changes all the time, and says nothing any more once the replay is over."""
     parts: list[RenderableType] = []
     if status.waiting:
         parts.append(_line("Waiting", status.waiting, "yellow"))
     if status.vehicle is not None:
-        parts.append(_readings(status, status.vehicle))
+        parts += _rows(_readings(status, status.vehicle), width)
     for words in status.words:
         style = "yellow" if words.severity <= WARNING_SEVERITY else "dim"
         parts.append(_line("Autopilot", words.text, style))
     return parts
 
 
-def _steps(status: Status, marks: dict[str, str]) -> Text:
-    steps = Text()
+def _steps(status: Status, marks: dict[str, str]) -> list[Text]:
+    steps = []
     for phase, name in _STEPS.items():
         state = "ahead" if phase not in status.begun else "done"
         if phase is status.phase and status.ended is None:
             state = "now"
-        steps.append(f"{marks[state]}{name}", _MARK_STYLES[state])
-        steps.append("  ")
-    steps.rstrip()
+        steps.append(Text(f"{marks[state]} {name}", style=_MARK_STYLES[state]))
     return steps
+
+
+def _rows(pieces: list[Text], width: int) -> list[Text]:
+    """The pieces side by side in as few rows as the width allows, none of them broken."""
+    rows: list[Text] = []
+    for piece in pieces:
+        if rows and len(rows[-1]) + len(_GAP) + len(piece) <= width:
+            rows[-1] = Text.assemble(rows[-1], _GAP, piece)
+        else:
+            rows.append(piece)
+    return rows
 
 
 def _work(progress: Progress) -> RenderableType:
@@ -160,7 +170,7 @@ def _waypoints(heading: Heading) -> RenderableType:
     return _bar("Waypoint", f"{heading.seq} of {heading.last_seq}{ahead}", heading.seq, heading.last_seq)
 
 
-def _readings(status: Status, vehicle: VehicleState) -> Text:
+def _readings(status: Status, vehicle: VehicleState) -> list[Text]:
     climbing = status.phase is Phase.TAKEOFF and status.target_m is not None
     pairs = {
         "Altitude": f"{vehicle.alt_m:.1f} of {status.target_m:g} m" if climbing else f"{vehicle.alt_m:.1f} m",
@@ -168,8 +178,7 @@ def _readings(status: Status, vehicle: VehicleState) -> Text:
         "Mode": vehicle.mode,
         "Battery": _battery(vehicle.battery_v, vehicle.battery_percent),
     }
-    known = [(label, value) for label, value in pairs.items() if value]
-    return Text("   ").join(Text.assemble((label, "dim"), " ", value) for label, value in known)
+    return [Text.assemble((label, "dim"), " ", value) for label, value in pairs.items() if value]
 
 
 def _battery(volts: float | None, percent: float | None) -> str:
