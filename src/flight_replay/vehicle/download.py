@@ -9,7 +9,6 @@ from flight_replay.vehicle.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
 from flight_replay.vehicle.timing import RoundTrip
 
-_WINDOW = 8  # Requests under way: what a small receive buffer holds (MISSION_REQUEST_INT is 17 bytes).
 _QUIET_S = 12.0  # Without anything new this long (more than ArduPilot's 8 s for others), reading failed.
 _BUSY_S = 0.5
 
@@ -77,7 +76,7 @@ class Reader:
     def _ask(self, count: int) -> None:
         """Keep a window of requests under way, asking again for those that are overdue."""
         now_s = self._port.now_s()
-        missing = [seq for seq in range(count) if seq not in self._found][:_WINDOW]
+        missing = [seq for seq in range(count) if seq not in self._found][: self._trip.window]
         for seq in missing:
             if now_s - self._asked_s.get(seq, float("-inf")) < self._trip.again_s:
                 continue

@@ -20,9 +20,11 @@ _NOWHERE = Home(0.0, 0.0, 0.0)
 class OnBoard:
     """The vehicle's mission storage; home, its item 0, is not part of a mission here."""
 
-    def __init__(self, port: Port, *, as_int: bool, limits: UploadLimits | None = None) -> None:
+    def __init__(
+        self, port: Port, *, as_int: bool, trip: RoundTrip | None = None, limits: UploadLimits | None = None
+    ) -> None:
         self._port, self._as_int, self._limits = port, as_int, limits
-        self._trip = RoundTrip()
+        self._trip = trip or RoundTrip()
         self._sent: tuple[MissionItem, ...] | None = None
 
     def read(self) -> Mission:

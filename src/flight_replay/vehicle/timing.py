@@ -1,41 +1,54 @@
-"""How long to wait for an answer before asking again, learnt from the answers (as RFC 6298 does)."""
+"""How long to wait for an answer before asking again, and how much to have under way meanwhile.
+
+Both follow from the round-trip times of late. Their median counts: an answer that was lost and
+given again by the vehicle's own clock, a second later, would spoil a mean.
+"""
 
 from __future__ import annotations
 
-_FIRST_S = 0.5
-_SHORTEST_S = 0.06
-_LONGEST_S = 2.5
-_BACK_OFF = 1.3
+from collections import deque
+from statistics import median
+
+_FIRST_S = 1.0  # Before the first answer: more than the round trip of most radios.
+_SHORTEST_S = 0.04
+_LONGEST_S = 3.0
+_MARGIN = 1.5
+_KEPT = 15
+_PATIENT_LOSSES = 4  # So many in a row mean a dead or slower link rather than bad luck.
+_BACK_OFF = 2.0
+_LEAST_WINDOW = 2  # One message ahead shows whether a message or its answer was lost.
+_MOST_WINDOW = 24
+_PER_MESSAGE_S = 0.04  # One more message under way for each such part of the round trip.
 
 
 class RoundTrip:
-    """The round-trip time of a link, smoothed, and the wait that follows from it."""
+    """The round-trip time of a link, and what follows from it."""
 
     def __init__(self) -> None:
-        self._smooth_s: float | None = None
-        self._spread_s = 0.0
-        self._factor = 1.0
+        self._times_s: deque[float] = deque(maxlen=_KEPT)
+        self._losses = 0
 
     @property
-    def smooth_s(self) -> float:
+    def typical_s(self) -> float:
         """The round-trip time, seconds; 0 before the first answer."""
-        return self._smooth_s or 0.0
+        return median(self._times_s) if self._times_s else 0.0
 
     @property
     def again_s(self) -> float:
         """Seconds after which an unanswered request is sent again."""
-        base_s = _FIRST_S if self._smooth_s is None else self._smooth_s + 4 * self._spread_s
-        return min(max(base_s, _SHORTEST_S) * self._factor, _LONGEST_S)
+        wait_s = max(self.typical_s * _MARGIN, _SHORTEST_S) if self._times_s else _FIRST_S
+        return min(wait_s * (_BACK_OFF if self._losses > _PATIENT_LOSSES else 1.0), _LONGEST_S)
+
+    @property
+    def window(self) -> int:
+        """How many messages may be under way."""
+        return max(_LEAST_WINDOW, min(int(self.typical_s / _PER_MESSAGE_S), _MOST_WINDOW))
 
     def took(self, seconds: float) -> None:
         """A request that was sent once was answered after ``seconds``."""
-        self._factor = 1.0
-        if self._smooth_s is None:
-            self._smooth_s, self._spread_s = seconds, seconds / 2
-            return
-        self._spread_s += (abs(seconds - self._smooth_s) - self._spread_s) / 4
-        self._smooth_s += (seconds - self._smooth_s) / 8
+        self._losses = 0
+        self._times_s.append(seconds)
 
     def lost(self) -> None:
-        """A request was not answered in time: wait a little longer, in case the link is slow, not lossy."""
-        self._factor = min(self._factor * _BACK_OFF, 4.0)
+        """A request was not answered in time."""
+        self._losses += 1

@@ -19,9 +19,6 @@ from flight_replay.vehicle.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
 from flight_replay.vehicle.timing import RoundTrip
 
-_LEAST_WINDOW = 2  # Sending one ahead shows whether the item or the next request was lost.
-_MOST_WINDOW = 24
-_PER_WINDOW_S = 0.04  # One more item under way for each such part of the round trip.
 _ERRORS_ENOUGH = 4
 _BUSY_S = 1.0
 
@@ -55,7 +52,8 @@ class Upload:
 
     def _restart(self) -> None:
         """Nothing is on board yet."""
-        self._asked = -1  # The highest item asked for: the vehicle has all before it.
+        self._asked = -1  # The item asked for last: the vehicle has all before it.
+        self._most = -1
         self._next = 0  # The next item to be sent.
         self._sent_s: dict[int, float] = {}
         self._again: set[int] = set()
@@ -102,35 +100,48 @@ class Upload:
         self._sent_s[seq] = self._sent_last_s
 
     def _fill_window(self) -> None:
-        window = max(_LEAST_WINDOW, min(int(self._trip.smooth_s / _PER_WINDOW_S), _MOST_WINDOW))
         self._next = max(self._next, self._asked)
-        while self._next < min(self._asked + window, len(self._items)):
+        while self._next < min(self._asked + self._trip.window, len(self._items)):
             self._send(self._next)
             self._next += 1
 
     def _send_again(self) -> None:
-        """Nothing has moved: from the last item asked for, or the count, once more."""
+        """Nothing has moved: once more from the item asked for last, or the count.
+
+        One more item goes along than was sent before: if the vehicle took them all and only its
+        requests were lost, that is the one it waits for.
+        """
         if self._asked < 0:
             self._send_count()
             return
-        self._next = self._asked
-        self._fill_window()
+        for seq in range(self._asked, min(self._next + 1, len(self._items))):
+            self._send(seq)
+            self._next = max(self._next, seq + 1)
 
     def _take_request(self, seq: int) -> bool:
-        """Whether a request shows that the vehicle took something."""
+        """Whether a request shows that the vehicle took more than ever before."""
         if seq >= len(self._items):
             return False
-        before = seq - 1
-        if before in self._sent_s and before not in self._again and seq > self._asked:
-            self._trip.took(self._port.now_s() - self._sent_s[before])
+        self._measure(seq)
         if seq > self._asked:
             self._asked = seq
             self._fill_window()
-            return True
-        late_s = self._port.now_s() - self._sent_s.get(seq, 0.0)
-        if seq == self._asked and late_s > self._trip.smooth_s:
-            self._send_again()  # It was asked for again, after what was sent should have arrived.
-        return False
+        elif self._is_late(seq):
+            # Asked again after what was sent should have arrived, or a doubled count began anew.
+            self._asked = seq
+            self._send_again()
+        news = self._asked > self._most
+        self._most = max(self._most, self._asked)
+        return news
+
+    def _measure(self, seq: int) -> None:
+        """Learn the round-trip time from a request that an item, sent once, brought about."""
+        before = seq - 1
+        if before in self._sent_s and before not in self._again and seq > self._asked:
+            self._trip.took(self._port.now_s() - self._sent_s[before])
+
+    def _is_late(self, seq: int) -> bool:
+        return self._port.now_s() - self._sent_s.get(seq, 0.0) > self._trip.typical_s
 
     @property
     def _all_sent(self) -> bool:
@@ -149,7 +160,7 @@ class Upload:
             return self._all_sent  # Else it is the late answer to something older.
         self._refusal = MISSION_RESULTS.get(result, str(result))
         if result == dialect.MAV_MISSION_INVALID_SEQUENCE:
-            if self._port.now_s() - self._sent_s.get(self._asked, 0.0) > self._trip.smooth_s:
+            if self._is_late(self._asked):
                 self._send_again()
             return False
         if result == dialect.MAV_MISSION_DENIED:

@@ -37,10 +37,12 @@ from flight_replay.vehicle.port import LinkPort
 from flight_replay.vehicle.sightings import Sighting, Sightings
 from flight_replay.vehicle.streams import Streams
 from flight_replay.vehicle.telemetry import Telemetry
+from flight_replay.vehicle.timing import RoundTrip
 
 CONNECT_LIMIT_S = 30.0
 _TELL_S = 1.0
 _SPEEDUP = "SIM_SPEEDUP"
+_UPLOAD_SPEEDUP = 4.0
 
 
 class ConnectedVehicle:
@@ -59,8 +61,9 @@ class ConnectedVehicle:
         link.add_receiver(self._telemetry.receive)
         self._streams = Streams(self._port, self._telemetry)
         self._streams.keep()
-        self.identity: Identity = identify(self._port, sighting)
-        self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int)
+        self._trip = RoundTrip()
+        self.identity: Identity = identify(self._port, sighting, self._trip)
+        self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int, trip=self._trip)
 
     def news(self, timeout_s: float) -> Sequence[News]:
         """Everything reported since the last call, in order; waits for the first until the timeout."""
@@ -92,7 +95,17 @@ class ConnectedVehicle:
         """
         total = len(mission.items)
         listener(PhaseStarted(Phase.UPLOAD, str(len(mission.places))))
-        self._on_board.put(mission, lambda done: listener(Progress("mission items", done, total)))
+        with self._unhurried():
+            self._on_board.put(mission, lambda done: listener(Progress("mission items", done, total)))
+
+    @contextmanager
+    def _unhurried(self) -> Iterator[None]:
+        """Slow a simulator down: ArduPilot cancels an upload that is silent for 8 s of *its* time."""
+        fast = self.identity.simulated and self.link.speedup > _UPLOAD_SPEEDUP
+        there = self.parameters([_SPEEDUP]) if fast else {}
+        slowed = {name: _UPLOAD_SPEEDUP for name, now in there.items() if now > _UPLOAD_SPEEDUP}
+        with self.parameters_set(slowed):
+            yield
 
     def mission_verified(self) -> bool:
         """Whether the mission on board is, item for item, the one that was uploaded."""
