@@ -1,11 +1,15 @@
 """curves.py: what pictures of a replay show."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_replays import eight, replay
 
+from flight_replay.compare import in_order_distances
 from flight_replay.curves import MOST_POINTS, curves, ground_speed_m_s, peaks, thinned
-from flight_replay.route import spaced_route
+from flight_replay.mission import Command, Mission
+from flight_replay.route import route_through, spaced_route
 from flight_replay.track import track_from_columns
 
 
@@ -28,6 +32,16 @@ def test_everything_lies_in_one_metric_frame() -> None:
     assert np.allclose(shown.flown.north_east_m[0], [1, 0], atol=1e-3)
     assert shown.in_space is not None
     assert shown.in_space.spread.max == pytest.approx(shown.in_space.distance_m.max())
+
+
+def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:
+    """The line bends beyond the waypoints' chords, within 5 cm of the exact curve."""
+    route, _, _ = replay()
+    splines = tuple(replace(item, command=Command.SPLINE_WAYPOINT) for item in route.mission.items[::6])
+    curved = route_through("made", Mission(splines), route.covered)
+    drawn = curves(curved).planned_m
+    assert 5 * len(splines) < len(drawn) < len(curved.path.north_east_m) / 3
+    assert in_order_distances(curved.path.north_east_m, drawn).max() < 0.05
 
 
 def test_a_plan_alone_has_no_flown_curves() -> None:

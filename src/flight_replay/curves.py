@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 from flight_replay.compare import Spread, in_order_distances
 from flight_replay.geodesy import Floats
 from flight_replay.outcome import Outcome
+from flight_replay.path import path_through, stops
 from flight_replay.route import Route
 from flight_replay.supervisor.plan import FlightRecord
 from flight_replay.track import Track
 
 RECORDED, PLANNED, FLOWN = "#8c8c8c", "#0072B2", "#D55E00"
 """Line colours in every picture: Okabe and Ito's, which the colour-blind tell apart."""
+DRAWN_WITHIN_M = 0.05
+"""How far the lines that stand for a spline leg may lie from it: nobody sees that in a picture."""
 MOST_POINTS = 4000
 """No picture shows more points of a line than this."""
 
@@ -68,7 +71,7 @@ def curves(route: Route, record: FlightRecord | None = None, outcome: Outcome | 
     places = route.mission.places
     return Curves(
         recorded=_way(covered, fixes_m, recorded_s),
-        planned_m=route.path.north_east_m,
+        planned_m=path_through(stops(route.mission.items, frame), tolerance_m=DRAWN_WITHIN_M).north_east_m,
         waypoints_m=frame.to_metres(
             [item.lat_deg for _, item in places], [item.lon_deg for _, item in places]
         ),
