@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from flight_replay.tlog import messages
 from flight_replay.tlog.crc import Bytes, Flags, Index, rows_at
-from flight_replay.tlog.frames import Frames
+from flight_replay.tlog.frames import Frames, Walk
 
 AnyColumns = TypeVar("AnyColumns", bound="Columns")
 
@@ -91,22 +91,14 @@ _ARMED_FLAG = 128  # MAV_MODE_FLAG_SAFETY_ARMED
 _FIX_TYPE_3D = 3  # GPS_FIX_TYPE_3D_FIX
 
 
-def decode(data: Bytes, offset: int, frames: Frames) -> Records:
-    """Columns of checked frames in bytes that begin ``offset`` bytes into the log.
+def decode(walk: Walk, base: int) -> Records:
+    """Columns of the records that a walk finds in bytes which begin ``base`` bytes into the log.
 
     Of what says nothing new, only the ends of each run are kept, so that memory stays constant
     for logs that hold no position but many of the other records.
     """
-    positions, empty = _positions(data, offset, _of_message(data, frames, messages.GLOBAL_POSITION_INT))
-    heartbeats = _heartbeats(data, offset, _of_message(data, frames, messages.HEARTBEAT))
-    fixes = _fixes(data, offset, _of_message(data, frames, messages.GPS_RAW_INT))
-    state = (heartbeats.autopilot.astype(np.int32) << 8 | heartbeats.type) << 1 | heartbeats.armed
-    return Records(
-        positions,
-        heartbeats.select(_run_ends(heartbeats.vehicle, state)),
-        fixes.select(_run_ends(fixes.vehicle, fixes.is_3d)),
-        empty,
-    )
+    positions, empty = _positions(walk, base)
+    return Records(positions, _heartbeats(walk, base), _fixes(walk, base), empty)
 
 
 def joined(parts: Sequence[Records]) -> Records:
@@ -130,66 +122,51 @@ def _concatenated(parts: list[AnyColumns]) -> AnyColumns:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Payloads:
-    """Where frames of one message have their start, payload and ids, and their payloads' length; all (n,)."""
+    """Where frames of one message have their start, payload and ids, and their payloads' length; all (n,).
 
-    start: Index
-    payload: Index
-    length: NDArray[np.uint8]
-    vehicle: NDArray[np.uint16]
+    Behind the start mark, MAVLink 2 has two bytes of flags more than MAVLink 1.
+    """
 
-    def select(self, keep: Index) -> _Payloads:
-        """The frames that an index array picks."""
-        return _Payloads(self.start[keep], self.payload[keep], self.length[keep], self.vehicle[keep])
+    data: Bytes
+    frames: Frames
 
-    def byte(self, data: Bytes, at: int) -> NDArray[np.uint8]:
-        """One byte of each payload, zero where it was left off, shape (n,)."""
-        values = data.take(self.payload + at)
-        values[self.length <= at] = 0
-        return values
+    @property
+    def vehicle(self) -> NDArray[np.uint16]:
+        """System id * 256 + component id, shape (n,)."""
+        ids = self.frames.start + np.where(self.frames.is_mavlink1, 3, 5)
+        return rows_at(self.data, ids, 2).view(">u2")[:, 0].astype(np.uint16)
 
-    def rows(self, data: Bytes, length: int) -> Bytes:
-        """The first ``length`` bytes of each payload, zeros where they were left off, shape (n, length)."""
-        rows = rows_at(data, self.payload, length)
-        for short in np.flatnonzero(np.bincount(self.length)[:length]):
-            rows[self.length == short, short:] = 0
+    @property
+    def stamp_us(self) -> NDArray[np.int64]:
+        """The stamps before the frames, shape (n,)."""
+        stamps = rows_at(self.data, self.frames.start - _STAMP_LENGTH, _STAMP_LENGTH)
+        return stamps.view(">i8")[:, 0].astype(np.int64)
+
+    def bytes(self, first: int, behind: int) -> Bytes:
+        """Some bytes of each payload, zeros where they were left off, shape (n, behind - first)."""
+        places = self.frames.start + np.where(self.frames.is_mavlink1, 6, 10)
+        rows = rows_at(self.data, places + first, behind - first)
+        length = self.data[1:].take(self.frames.start)
+        for short in np.flatnonzero(np.bincount(length)[:behind]).tolist():
+            rows[length == short, max(short - first, 0) :] = 0
         return rows
 
 
-def _of_message(data: Bytes, frames: Frames, message: int) -> _Payloads:
-    """The frames of one message. Behind the start mark, MAVLink 2 has two bytes of flags more than 1."""
-    own = np.flatnonzero(frames.message == message)
-    start, is_mavlink1 = frames.start.take(own), frames.is_mavlink1.take(own)
-    ids = start + np.where(is_mavlink1, 3, 5)
-    return _Payloads(
-        start=start,
-        payload=start + np.where(is_mavlink1, 6, 10),
-        length=data[1:].take(start),
-        vehicle=rows_at(data, ids, 2).view(">u2")[:, 0].astype(np.uint16),
-    )
-
-
-def _positions(data: Bytes, offset: int, payloads: _Payloads) -> tuple[Positions, dict[int, int]]:
+def _positions(walk: Walk, base: int) -> tuple[Positions, dict[int, int]]:
     """Decode GLOBAL_POSITION_INT: seven columns of four bytes, the last two of two numbers each.
 
     Also counts the empty positions by vehicle, and leaves out what runs of them have between their ends.
     """
-    rows = payloads.rows(data, 28)
+    frames = walk.candidates(messages.GLOBAL_POSITION_INT)
+    frames = frames.select(walk.finds(frames))
+    frames, empty = _without_empty_runs(walk.data, frames)
+    payloads = _Payloads(walk.data, frames)
+    rows = payloads.bytes(0, 28)
     number, half = rows.view("<i4"), rows.view("<i2")
-    is_empty = (number[:, 1] | number[:, 2]) == 0
-    empty: dict[int, int] = {}
-    if is_empty.any():
-        vehicles, counts = np.unique(payloads.vehicle[is_empty], return_counts=True)
-        empty = dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
-        told = _run_ends(payloads.vehicle, np.where(is_empty, _falls(number[:, 0].view("<u4")), -1))
-        kept = np.flatnonzero(told | ~is_empty)
-        payloads = payloads.select(kept)
-        rows = payloads.rows(data, 28)
-        number, half = rows.view("<i4"), rows.view("<i2")
-    stamps = rows_at(data, payloads.start - _STAMP_LENGTH, _STAMP_LENGTH)
     positions = Positions(
-        offset=payloads.start + offset,
+        offset=frames.start + base,
         vehicle=payloads.vehicle,
-        stamp_us=stamps.view(">i8")[:, 0].astype(np.int64),
+        stamp_us=payloads.stamp_us,
         time_ms=number[:, 0].view("<u4").copy(),
         lat_e7=number[:, 1].copy(),
         lon_e7=number[:, 2].copy(),
@@ -202,24 +179,55 @@ def _positions(data: Bytes, offset: int, payloads: _Payloads) -> tuple[Positions
     return positions, empty
 
 
-def _heartbeats(data: Bytes, offset: int, payloads: _Payloads) -> Heartbeats:
-    """Decode HEARTBEAT, whose first four bytes are the mode."""
-    return Heartbeats(
-        offset=payloads.start + offset,
-        vehicle=payloads.vehicle,
-        type=payloads.byte(data, 4),
-        autopilot=payloads.byte(data, 5),
-        armed=payloads.byte(data, 6) & _ARMED_FLAG != 0,
-    )
+def _without_empty_runs(data: Bytes, frames: Frames) -> tuple[Frames, dict[int, int]]:
+    """Positions but for the inner ones of runs of empty ones, and the number of empty ones by vehicle."""
+    payloads = _Payloads(data, frames)
+    numbers = payloads.bytes(0, 12).view("<u4")
+    is_empty = (numbers[:, 1] | numbers[:, 2]) == 0
+    if not is_empty.any():
+        return frames, {}
+    vehicle = payloads.vehicle
+    vehicles, counts = np.unique(vehicle[is_empty], return_counts=True)
+    told = _run_ends(vehicle, np.where(is_empty, _falls(numbers[:, 0]), -1))
+    return frames.select(told | ~is_empty), dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
 
 
-def _fixes(data: Bytes, offset: int, payloads: _Payloads) -> Fixes:
+def _heartbeats(walk: Walk, base: int) -> Heartbeats:
+    """Decode HEARTBEAT: behind four bytes of mode follow type, autopilot and flags."""
+    frames = walk.candidates(messages.HEARTBEAT)
+    payloads = _Payloads(walk.data, frames)
+    vehicle, rows = payloads.vehicle, payloads.bytes(4, 7)
+    rows[:, 2] &= _ARMED_FLAG
+    state = rows[:, 0].astype(np.int32) << 16 | rows[:, 1].astype(np.int32) << 8 | rows[:, 2]
+    kept = _checked_run_ends(walk, frames, vehicle, state)
+    rows = rows[kept]
+    return Heartbeats(frames.start[kept] + base, vehicle[kept], rows[:, 1], rows[:, 0], rows[:, 2] != 0)
+
+
+def _fixes(walk: Walk, base: int) -> Fixes:
     """Decode GPS_RAW_INT, of whose own position nothing is read: cold receivers make them up."""
-    return Fixes(
-        offset=payloads.start + offset,
-        vehicle=payloads.vehicle,
-        is_3d=payloads.byte(data, 28) >= _FIX_TYPE_3D,
-    )
+    frames = walk.candidates(messages.GPS_RAW_INT)
+    payloads = _Payloads(walk.data, frames)
+    vehicle, is_3d = payloads.vehicle, payloads.bytes(28, 29)[:, 0] >= _FIX_TYPE_3D
+    kept = _checked_run_ends(walk, frames, vehicle, is_3d)
+    return Fixes(frames.start[kept] + base, vehicle[kept], is_3d[kept])
+
+
+def _checked_run_ends(walk: Walk, frames: Frames, vehicle: NDArray[np.uint16], state: NDArray[Any]) -> Index:
+    """The records at which a vehicle's state begins or ends to be told.
+
+    Only these are checked: whether a frame within a run is a record makes no difference.
+    """
+    checked = np.zeros(len(frames), np.bool_)
+    left = np.arange(len(frames))
+    while True:
+        ends = left[_run_ends(vehicle[left], state[left])]
+        fresh = ends[~checked[ends]]
+        if not len(fresh):
+            return ends
+        checked[fresh] = True
+        wrong = fresh[~walk.finds(frames.select(fresh))]
+        left = left[~np.isin(left, wrong)]
 
 
 def _falls(time_ms: NDArray[np.uint32]) -> Index:

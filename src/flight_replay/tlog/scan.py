@@ -12,7 +12,7 @@ import numpy as np
 
 from flight_replay.tlog import messages
 from flight_replay.tlog.columns import Records, decode, joined
-from flight_replay.tlog.frames import Span, Window, find_records
+from flight_replay.tlog.frames import Marked, Span, Walk, Window, mark
 from flight_replay.tlog.source import Source, Stream
 
 if TYPE_CHECKING:
@@ -21,22 +21,25 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 BLOCK_LENGTH = 4 << 20
-_NOTHING = np.zeros(256, np.bool_)
-_WANTED = _NOTHING.copy()
+_WANTED = np.zeros(256, np.bool_)
 _WANTED[[messages.GLOBAL_POSITION_INT, messages.HEARTBEAT, messages.GPS_RAW_INT]] = True
-_LEAD = 1024  # what is looked at before a block to guess where the walk enters it
-_FIRST_SEEN = 8  # where the look begins, a stamp behind the first byte that is there
+_LEAD = 8  # the stamp of a record that begins a block
 _MARGIN = messages.LONGEST_FRAME + 16  # what headers and frames may need behind a block
 _MOST_THREADS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
-    """A block's records, and where the walk enters the block and goes on behind it, offsets into the log."""
+class _Block:
+    """A part of a log whose start marks were found, ``offset`` bytes into the log."""
 
-    records: Records
-    enter: int
-    leave: int
+    offset: int
+    marked: Marked
+
+    def read(self, enter: int) -> tuple[Records, int]:
+        """The records that a walk finds which comes to ``enter``, and where it goes on, places in the log."""
+        base = self.offset - _LEAD
+        walk = Walk(self.marked, enter - base)
+        return decode(walk, base), walk.leave + base
 
 
 def scan(
@@ -44,105 +47,75 @@ def scan(
 ) -> tuple[Records, int]:
     """All records of a log, and its length in bytes, unpacked."""
     if source.descriptor is None:
-        parts = _parts_of_stream(source.stream, block_length)
+        blocks = _blocks_of_stream(source.stream, block_length)
     else:
-        parts = _parts_of_file(source.descriptor, source.size, block_length)
-    records, length = [], 0
-    for part, length in parts:
-        records.append(part.records)
+        blocks = _blocks_of_file(source.descriptor, source.size, block_length)
+    parts, enter, length = [], 0, 0
+    for block in blocks:
+        records, enter = block.read(enter)
+        parts.append(records)
+        length = block.offset + block.marked.span.stop - _LEAD
         if progress:
             progress(source.position or length, source.size)
-    return joined(records), length
+    return joined(parts), length
 
 
-@dataclass(frozen=True, slots=True)
-class _Block:
-    """Bytes ``offset`` to ``stop`` of a log, with what is in front and behind; the data ends at ``end``."""
-
-    window: Window
-    offset: int
-    stop: int
-    end: int
-
-    @property
-    def base(self) -> int:
-        """Where in the log the window begins."""
-        return self.offset - _LEAD
-
-    def guess(self) -> int:
-        """Where the walk probably enters, taking it to have come through the lead's beginning."""
-        lead = Span(_FIRST_SEEN, _LEAD, self.end - self.base)
-        return find_records(self.window, lead, _NOTHING)[1] + self.base
-
-    def read(self, enter: int) -> Part:
-        """The records that a walk finds which enters the block at ``enter``."""
-        span = Span(enter - self.base, max(self.stop, enter) - self.base, self.end - self.base)
-        frames, leave = find_records(self.window, span, _WANTED)
-        return Part(decode(self.window.data, self.base, frames), enter, leave + self.base)
-
-
-def _parts_of_file(descriptor: int, size: int, block_length: int) -> Iterator[tuple[Part, int]]:
-    """The parts of a plain file, and where each ends.
-
-    Blocks are read ahead on a guess of where the walk enters; where it was wrong, once more.
-    """
+def _blocks_of_file(descriptor: int, size: int, block_length: int) -> Iterator[_Block]:
+    """The blocks of a plain file."""
     spare: list[Window] = []
 
-    def part(offset: int, enter: int | None) -> Part:
+    def block(offset: int) -> _Block:
         window = spare.pop() if spare else Window(_LEAD + block_length + _MARGIN)
-        block = _load(window, descriptor, offset, min(offset + block_length, size))
-        found = block.read(block.guess() if enter is None else enter)
-        spare.append(window)
-        return found
+        return _load(window, descriptor, offset, min(offset + block_length, size))
 
-    enter = 0
-    for offset, guessed in _ahead(part, range(0, size, block_length)):
-        found = guessed if guessed.enter == enter else part(offset, enter)
-        enter = found.leave
-        yield found, min(offset + block_length, size)
+    for each in _ahead(block, range(0, size, block_length)):
+        yield each
+        spare.append(each.marked.window)
 
 
 def _load(window: Window, descriptor: int, offset: int, stop: int) -> _Block:
     """Read a block with its surroundings; before the beginning and behind the end there are zeros."""
     missing = max(_LEAD - offset, 0)
     window.data[:missing] = 0
-    begin = offset - _LEAD + missing
-    got = os.preadv(descriptor, [window.data[missing:].data], begin)
-    window.data[missing + got :] = 0
-    return _Block(window, offset, max(min(stop, begin + got), offset), begin + got)
+    got = os.preadv(descriptor, [window.data[missing:].data], offset - _LEAD + missing) + missing
+    window.data[got:] = 0
+    span = Span(_LEAD, max(min(stop - offset + _LEAD, got), _LEAD), got)
+    return _Block(offset, mark(window, span, _WANTED))
 
 
-def _ahead(part: Callable[[int, int | None], Part], offsets: range) -> Iterator[tuple[int, Part]]:
-    """The parts in order, several being worked on at a time: numpy lets threads run side by side."""
+def _ahead(block: Callable[[int], _Block], offsets: range) -> Iterator[_Block]:
+    """The blocks in order, several being worked on at a time: numpy lets threads run side by side.
+
+    Only the long steps over all bytes are given to threads, for the many short ones over records
+    would wait for each other.
+    """
     threads = min(_MOST_THREADS, os.cpu_count() or 1, len(offsets))
     if threads == 1:
-        yield from ((offset, part(offset, None)) for offset in offsets)
+        yield from map(block, offsets)
         return
     from concurrent.futures import ThreadPoolExecutor  # small logs go without its start-up time
 
     with ThreadPoolExecutor(threads) as pool:
-        waiting: deque[tuple[int, Future[Part]]] = deque()
+        waiting: deque[Future[_Block]] = deque()
         for offset in offsets:
-            waiting.append((offset, pool.submit(part, offset, None)))
-            if len(waiting) > 2 * threads:
-                done, future = waiting.popleft()
-                yield done, future.result()
-        for done, future in waiting:
-            yield done, future.result()
+            waiting.append(pool.submit(block, offset))
+            if len(waiting) > threads:
+                yield waiting.popleft().result()
+        for future in waiting:
+            yield future.result()
 
 
-def _parts_of_stream(stream: Stream, block_length: int) -> Iterator[tuple[Part, int]]:
-    """The parts of bytes that come in order, and where each ends."""
+def _blocks_of_stream(stream: Stream, block_length: int) -> Iterator[_Block]:
+    """The blocks of bytes that come in order, each keeping what the next one needs."""
     window = Window(_LEAD + block_length + _MARGIN)
-    held, offset, enter = _LEAD, 0, 0
+    held, offset, ended = _LEAD, 0, False
     while True:
-        held, ended = _fill(window, stream, held)
-        end = offset + held - _LEAD
-        stop = end if ended else offset + block_length
-        found = _Block(window, offset, stop, end).read(enter)
-        enter = found.leave
-        yield found, stop
-        if ended:
+        if not ended:
+            held, ended = _fill(window, stream, held)
+        window.data[held:] = 0
+        stop = min(held, _LEAD + block_length)
+        yield _Block(offset, mark(window, Span(_LEAD, stop, held), _WANTED))
+        if ended and stop == held:
             return
         window.data[: held - block_length] = window.data[block_length:held].copy()
         held -= block_length
@@ -154,7 +127,6 @@ def _fill(window: Window, stream: Stream, held: int) -> tuple[int, bool]:
     while held < len(window.data):
         data = stream.read(len(window.data) - held)
         if not data:
-            window.data[held:] = 0
             return held, True
         window.data[held : held + len(data)] = np.frombuffer(data, np.uint8)
         held += len(data)
