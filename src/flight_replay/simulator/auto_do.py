@@ -74,6 +74,7 @@ class MissionDoing:
         """ModeAuto::verify_command, of conditions; what is done at once is over at once."""
         flight = self._flight
         if item.command == CONDITION_YAW:
+            flight.heading.go_on()
             return flight.heading.reached
         if item.command == CONDITION_DELAY:
             return time_s - self._since_s > item.params[0]

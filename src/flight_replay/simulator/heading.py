@@ -45,7 +45,6 @@ class Heading:
     def hold(self) -> None:
         """Keep the present heading."""
         self.look = Look.HOLD
-        self._left_rad = 0.0
         self.wanted_rad = self._body.yaw
 
     def use_default(self, *, returning: bool = False) -> None:
@@ -89,6 +88,10 @@ class Heading:
     def holds_when_returning(self) -> bool:
         """Whether RTL leaves the heading alone (AutoYaw::default_mode)."""
         return self._limits.wp_yaw_behavior in (_NEVER, _NEXT_WAYPOINT_EXCEPT_RTL)
+
+    def go_on(self) -> None:
+        """Go on turning to a fixed heading, whoever has looked elsewhere since (ModeAuto::verify_yaw)."""
+        self.look = Look.FIXED
 
     @property
     def reached(self) -> bool:
