@@ -82,3 +82,12 @@ def test_every_group_has_an_example() -> None:
         assert group.description is not None
         command = group.description.partition("flight-replay ")[2].partition(" >")[0]
         parse(command.split())
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_options_complete_in_a_shell(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The completion script knows the options and says nothing else."""
+    with pytest.raises(SystemExit) as stop:
+        parse(["--print-completion", shell])
+    assert stop.value.code == 0
+    assert "takeoff-altitude" in capsys.readouterr().out
