@@ -223,3 +223,24 @@ def test_errors_are_in_colour_on_a_terminal_only(
     assert written.replace("\x1b[1;31m", "").replace("\x1b[0m", "") == (
         "flight-replay: error: cannot read a.tlog\n"
     )
+
+
+def test_characters_that_a_stream_lacks_are_spelled_out() -> None:
+    """A file name that is no text, or a terminal without umlauts, is no reason to fail."""
+    raw = io.BytesIO()
+    stream = io.TextIOWrapper(raw, encoding="ascii")
+    PlainConsole(stream).say("Grüße an \udcff.tlog")
+    assert raw.getvalue() == rb"Gr\xfc\xdfe an \udcff.tlog" + b"\n"
+
+
+class Gone(io.StringIO):
+    """A pipe whose reader has left."""
+
+    def write(self, text: str) -> int:
+        raise BrokenPipeError
+
+
+def test_a_reader_that_leaves_does_not_end_the_flight() -> None:
+    """``flight-replay | head`` flies on in silence."""
+    PlainConsole(Gone()).listener(PhaseStarted(Phase.MISSION))
+    write_error(Gone(), "lost")

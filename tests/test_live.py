@@ -199,6 +199,16 @@ def test_notices_scroll_by_above_the_display() -> None:
     assert " Autopilot: Mission: 22 WP" in run_live(True, events)
 
 
+def test_names_that_are_no_text_can_be_said() -> None:
+    """A byte that is no character is spelled out."""
+    stream = Terminal()
+    with LiveConsole(stream) as console:
+        console.say("\udcff.tlog")
+        console.listener(Notice("\udcfe.tlog"))
+    assert r"\udcff.tlog" in stream.getvalue()
+    assert r"\udcfe.tlog" in stream.getvalue()
+
+
 def test_the_result_stands_below_the_display() -> None:
     """What is said after the end comes after the last drawing of the steps."""
     stream = Terminal()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import Protocol, TextIO
 
 from flight_replay.events import Climbing, Event, Heading, Waiting
@@ -57,8 +57,20 @@ def write_error(stream: TextIO, message: str, environment: Mapping[str, str] = o
     """``flight-replay: error: ...``, in colour on a terminal unless NO_COLOR is set."""
     coloured = is_capable_terminal(stream, environment) and not environment.get("NO_COLOR")
     error = "\x1b[1;31merror:\x1b[0m" if coloured else "error:"
-    stream.write(f"flight-replay: {error} {message}\n")
-    stream.flush()
+    _write(stream, f"flight-replay: {error} {message}")
+
+
+def _write(stream: TextIO, text: str) -> None:
+    """Write lines; a stream that is gone must not end a flight."""
+    with suppress(OSError):
+        stream.write(printable(text, stream) + "\n")
+        stream.flush()
+
+
+def printable(text: str, stream: TextIO) -> str:
+    """The text in characters that the stream has: names of files need not be text at all."""
+    encoding = getattr(stream, "encoding", None) or "utf-8"
+    return text.encode(encoding, "backslashreplace").decode(encoding)
 
 
 class PlainConsole:
@@ -81,7 +93,7 @@ class PlainConsole:
     def say(self, text: str) -> None:
         """Write text of ours, unless quiet."""
         if not self._quiet:
-            self._write(text)
+            _write(self._stream, text)
 
     def paused(self) -> AbstractContextManager[None]:
         """Lines need no pause."""
@@ -92,11 +104,7 @@ class PlainConsole:
         hidden = not went_wrong(event) if self._quiet else is_detail(event) and not self._verbose
         line = None if hidden or not self._is_due(event) else sentence(event)
         if line is not None:
-            self._write(line)
-
-    def _write(self, text: str) -> None:
-        self._stream.write(text + "\n")
-        self._stream.flush()
+            _write(self._stream, line)
 
     def _is_due(self, event: Event) -> bool:
         """Whether a repeated reading says something new, or the last was said long enough ago."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import TextIO
 
@@ -15,6 +15,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from flight_replay.console import printable
 from flight_replay.events import Event, Finished, Heading, Notice, Phase, PhaseStarted, Progress, VehicleState
 from flight_replay.status import Status
 from flight_replay.wording import WARNING_SEVERITY, sentence, went_wrong
@@ -66,7 +67,7 @@ class LiveConsole:
         self._status.update(event)
         line = sentence(event) if self._scrolls(event) else None
         if line is not None:
-            self._rich.print(Text(line, style="yellow" if went_wrong(event) else ""))
+            self._print(Text(printable(line, self._rich.file), style="yellow" if went_wrong(event) else ""))
         if isinstance(event, Finished):
             self._live.stop()  # What is said from now on stands below the display.
 
@@ -76,7 +77,11 @@ class LiveConsole:
 
     def say(self, text: str) -> None:
         """Print text of ours above the display."""
-        self._rich.print(Text(text))
+        self._print(Text(printable(text, self._rich.file)))
+
+    def _print(self, text: Text) -> None:
+        with suppress(OSError):  # A terminal that is gone must not end a flight.
+            self._rich.print(text)
 
     @contextmanager
     def paused(self) -> Iterator[None]:
