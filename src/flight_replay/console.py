@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
-from typing import Protocol, TextIO
+from typing import IO, Protocol, TextIO
 
 from flight_replay.events import Climbing, Event, Heading, Waiting
 from flight_replay.wording import is_detail, sentence, went_wrong
@@ -67,7 +67,7 @@ def _write(stream: TextIO, text: str) -> None:
         stream.flush()
 
 
-def printable(text: str, stream: TextIO) -> str:
+def printable(text: str, stream: IO[str]) -> str:
     """The text in characters that the stream has: names of files need not be text at all."""
     encoding = getattr(stream, "encoding", None) or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)
