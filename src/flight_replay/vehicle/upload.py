@@ -48,12 +48,12 @@ class Upload:
         self._limits = limits or UploadLimits()
         self._errors = 0
         self._refusal = ""
+        self._most = -1  # The farthest that any attempt came: only that counts as progress.
         self._restart()
 
     def _restart(self) -> None:
         """Nothing is on board yet."""
         self._asked = -1  # The item asked for last: the vehicle has all before it.
-        self._most = -1
         self._next = 0  # The next item to be sent.
         self._sent_s: dict[int, float] = {}
         self._again: set[int] = set()
