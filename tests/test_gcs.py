@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import socket
+import struct
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from flight_replay.errors import FlightReplayError
 from flight_replay.gcs import QUEUED_FRAMES, Station, ground_stations
-from flight_replay.gcs_sockets import TcpIn, TcpOut, UdpIn, UdpOut, socket_for
+from flight_replay.gcs_sockets import OneStream, TcpIn, socket_for
 
 PATIENCE_S = 10.0
 
@@ -92,12 +93,17 @@ def test_a_station_that_listens_on_udp_gets_every_frame_and_is_obeyed(kind: str)
 
 def test_a_station_that_speaks_first_on_udp_is_answered() -> None:
     """``udpin`` learns who is there from who speaks."""
-    sockets = UdpIn("127.0.0.1", 0)
+    with listening(socket.SOCK_DGRAM) as free:
+        address = free.getsockname()
     link = FakeLink()
-    with running(Station("udpin", sockets, link.forward)) as station, listening(socket.SOCK_DGRAM) as gcs:
-        gcs.sendto(command(), ("127.0.0.1", sockets.port))
+    with (
+        ground_stations(link, [f"udpin:127.0.0.1:{address[1]}"]) as (station,),
+        listening(socket.SOCK_DGRAM) as gcs,
+    ):
+        assert station.opened.wait(PATIENCE_S)
+        gcs.sendto(command(), address)
         assert link.heard.get(timeout=PATIENCE_S) == command()
-        station.receive(decoded(frame(2)))
+        link.speak(frame(2))
         assert gcs.recv(4096) == frame(2)
 
 
@@ -120,7 +126,7 @@ def running(station: Station) -> Iterator[Station]:
 
 def test_two_stations_that_connect_by_tcp_both_watch_and_their_bytes_never_mix() -> None:
     """Half a command of one station and a whole one of another arrive as two whole commands."""
-    sockets = TcpIn("127.0.0.1", 0)
+    sockets = TcpIn(("127.0.0.1", 0))
     link = FakeLink()
     with running(Station("tcpin", sockets, link.forward)) as station:
         address = ("127.0.0.1", sockets.port)
@@ -186,7 +192,7 @@ def test_a_station_that_is_not_there_holds_nothing_up() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "udp", "udp:14550", "tcp:host:port", "serial:/dev/x:1", "udp:host:99999"]
+    "text", ["", "udp", "udp:14550", "tcp:host:port", "serial:/dev/x:1", "udp:host:99999", "tcpin::1"]
 )
 def test_strings_that_name_no_station_are_told(text: str) -> None:
     """One sentence names the string and how to write one; nothing has been started."""
@@ -203,14 +209,33 @@ def test_strings_that_name_no_station_are_told(text: str) -> None:
 
 def test_every_kind_of_station_has_its_socket() -> None:
     """Upper case and IPv6 brackets do no harm."""
-    kinds = {"udp": UdpOut, "UDPOUT": UdpOut, "udpin": UdpIn, "tcp": TcpOut, "tcpin": TcpIn}
-    for kind, expected in kinds.items():
-        assert isinstance(socket_for(f"{kind}:[::1]:14550"), expected)
+    for kind in ("udp", "UDPOUT", "udpin", "tcp"):
+        assert isinstance(socket_for(f"{kind}:[::1]:14550"), OneStream)
+    assert isinstance(socket_for("tcpin:127.0.0.1:0"), TcpIn)
+
+
+def test_a_station_that_breaks_off_does_not_disturb_the_others() -> None:
+    """A connection that is reset is forgotten; frames go on to who is there."""
+    sockets = TcpIn(("127.0.0.1", 0))
+    link = FakeLink()
+    with running(Station("tcpin", sockets, link.forward)) as station:
+        address = ("127.0.0.1", sockets.port)
+        rude, kind = (socket.create_connection(address, PATIENCE_S) for _ in range(2))
+        with kind:
+            for each in (rude, kind):
+                each.sendall(command())
+                assert link.heard.get(timeout=PATIENCE_S) == command()
+            rude.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            rude.close()
+            for number in range(10):
+                station.receive(decoded(frame(number)))
+            sent = b"".join(frame(number) for number in range(10))
+            assert receive(kind, len(sent)) == sent
 
 
 def test_a_closed_socket_says_so() -> None:
     """Reading what was never opened is an error, closing it none."""
-    sockets = UdpOut("127.0.0.1", 14550)
+    sockets = TcpIn(("127.0.0.1", 0))
     sockets.close()
     with pytest.raises(OSError, match="the socket is closed"):
         sockets.read(0)
