@@ -1,0 +1,34 @@
+"""ArduPilot's metres are near ground metres, and its degrees come back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flight_replay.geodesy import LocalFrame
+from flight_replay.simulator.flat import FlatFrame
+
+
+@given(st.floats(-80, 80), st.floats(-180, 180), st.floats(-3000, 3000), st.floats(-3000, 3000))
+def test_metres_and_degrees_are_inverse(lat: float, lon: float, north: float, east: float) -> None:
+    """Metres to degrees and back is the same place, across the antimeridian too."""
+    frame = FlatFrame(lat, lon)
+    there = frame.to_degrees((north, east))
+    assert frame.to_metres(*there) == pytest.approx(np.array([north, east]), abs=1e-6)
+    assert -180.0 <= there[1] <= 180.0
+
+
+@pytest.mark.parametrize("lat", [-60.0, -35.0, 0.0, 47.0, 64.0])
+def test_they_differ_from_ground_metres_by_less_than_a_percent(lat: float) -> None:
+    """A sphere's metres are within 0.7 % of the ellipsoid's, and not the same."""
+    flat = FlatFrame(lat, 8.0).to_degrees((1000.0, 1000.0))
+    ground = LocalFrame(lat, 8.0).to_metres(*flat)
+    assert ground == pytest.approx(np.array([1000.0, 1000.0]), rel=0.007)
+    assert np.abs(ground - 1000.0).max() > 0.1
+
+
+def test_a_minute_of_latitude_is_ardupilots() -> None:
+    """0.011131884502145034 m per 1e-7 degree."""
+    assert FlatFrame(10.0, 20.0).to_metres(10.0000001, 20.0)[0] == pytest.approx(0.0111318845, rel=1e-6)

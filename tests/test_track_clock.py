@@ -1,0 +1,52 @@
+"""The target's clock waits for a copter that falls behind."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flight_replay.simulator.air import Air
+from flight_replay.simulator.airframe import Airframe
+from flight_replay.simulator.limits import Limits
+from flight_replay.simulator.position_control import PositionControl
+from flight_replay.simulator.track_clock import TrackClock, mean_clamped
+
+
+def clock_after(seconds: float, *, behind_m: float, made_good_m_s: float) -> float:
+    """The clock's rate after the target has flown at 5 m/s for some seconds."""
+    limits = Limits()
+    body = Airframe(limits, (0.0, 0.0, 20.0), 0.0, Air(), 0.02)
+    control = PositionControl(limits, body)
+    control.vn, control.n = 5.0, behind_m
+    body.vn = made_good_m_s
+    clock = TrackClock()
+    for _ in range(round(seconds / 0.02)):
+        clock.advance(limits, control, body)
+    return clock.rate
+
+
+def test_a_copter_that_keeps_up_leaves_the_clock_alone() -> None:
+    """At the target's own speed and place, time runs at full rate."""
+    assert clock_after(10.0, behind_m=0.0, made_good_m_s=5.0) == 1.0
+
+
+def test_five_percent_of_lag_is_allowed() -> None:
+    """The clock follows the share of speed that is made good plus five percent, within seconds."""
+    assert clock_after(20.0, behind_m=0.0, made_good_m_s=4.0) == pytest.approx(0.85, abs=0.001)
+    assert clock_after(2.5, behind_m=0.0, made_good_m_s=4.0) == pytest.approx(0.85 + 0.15 / 2.718, abs=0.001)
+
+
+def test_distance_counts_as_lag_and_stops_the_clock() -> None:
+    """Far behind, the target waits."""
+    assert clock_after(30.0, behind_m=6.0, made_good_m_s=0.0) == pytest.approx(0.0, abs=0.001)
+
+
+@given(st.floats(-3, 3), st.floats(0.0, 5.0))
+def test_a_noisy_value_averages_within_its_bounds(mean: float, deviation: float) -> None:
+    """The mean of a clamped value lies within 0 and 1, nearer to a half the noisier it is."""
+    value = mean_clamped(mean, deviation)
+    assert 0.0 <= value <= 1.0
+    assert mean_clamped(0.5, deviation) == pytest.approx(0.5)
+    if deviation > 0.1:
+        assert abs(mean_clamped(mean, 2 * deviation) - 0.5) <= abs(value - 0.5) + 1e-9
