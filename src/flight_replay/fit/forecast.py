@@ -1,0 +1,161 @@
+"""What a draft would look like in the air, and how far that is from the recording: the objective.
+
+The objective, in metres, smaller is better:
+
+    root mean square distance in space, flown
+    + PLAN_SHARE x root mean square distance in space, planned
+    + TIME_SHARE x mean distance in time, flown (where the recorded speed is asked for)
+
+"Flown" is what the model of ArduCopter predicts, "planned" the path on paper, both matched in order
+to all fixes. The squares make one fix 2 m off count as much as four that are 1 m off. The
+planned part keeps the route true for vehicles that fly with other gains or in wind. The trade
+between space and time is ``TIME_SHARE``: ten metres late weigh as much as one metre beside the
+track, so corners that the vehicle can only crawl around are flown rounder.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.compare import in_time
+from flight_replay.fit.basis import weights
+from flight_replay.fit.draft import Draft
+from flight_replay.fit.recording import Recording
+from flight_replay.geodesy import Floats, LocalFrame
+from flight_replay.matching import in_order
+from flight_replay.simulator.limits import Limits
+from flight_replay.simulator.model import simulate
+
+PLAN_SHARE = 0.7
+TIME_SHARE = 0.1
+CURVE_TOLERANCE_M = 0.02
+"""How well curves are drawn while fitting; the planned error of the answer is measured finer."""
+_FLOWN_SPACING_M = 0.25
+_PIECE_M = 1.0
+_NUDGE = 0.01
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forecast:
+    """A draft in the air, against the recording's n fixes.
+
+    ``passed_s`` (p,) is when each place is reached, counted from the first. ``leg`` and ``part``
+    (n,) say where the planned path has each fix: on the way to which place, and how far, 0 to 1
+    in the curve's own parameter. ``planned_off_m`` and ``flown_off_m`` (n, 2) point from the path to
+    the fix, ``ahead`` (n, 2) along the planned path, ``flown_s`` (n,) is when the vehicle flies by.
+    """
+
+    draft: Draft
+    time_s: Floats
+    place_m: Floats
+    passed_s: Floats
+    leg: NDArray[np.intp]
+    part: Floats
+    planned_off_m: Floats
+    ahead: Floats
+    flown_off_m: Floats
+    flown_s: Floats
+    late_m: Floats
+    timed: bool
+
+    @property
+    def duration_s(self) -> float:
+        """From reaching the first place to the end."""
+        return float(self.passed_s[-1])
+
+    @property
+    def objective_m(self) -> float:
+        """The number that the fit makes small; see the module."""
+        flown, planned = _rms(self.flown_off_m), _rms(self.planned_off_m)
+        late = TIME_SHARE * float(self.late_m.mean()) if self.timed and len(self.late_m) else 0.0
+        return flown + PLAN_SHARE * planned + late
+
+
+def _rms(off_m: Floats) -> float:
+    return float(np.sqrt((off_m**2).sum(axis=1).mean()))
+
+
+def forecast(  # noqa: PLR0913
+    draft: Draft, recording: Recording, frame: LocalFrame, limits: Limits, *, timed: bool, step_s: float
+) -> Forecast:
+    """Fly ``draft`` in the model with steps of ``step_s`` and compare it with ``recording``.
+
+    Args:
+        draft: at least one place, in metres of ``frame``.
+        recording: what it ought to follow.
+        frame: the local frame of both.
+        limits: what the vehicle may do.
+        timed: whether time counts.
+        step_s: duration of the model's steps.
+    """
+    first = draft.places_m[0]
+    air = simulate(
+        draft.mission(frame),
+        limits,
+        start_m=(float(first[0]), float(first[1]), float(first[2])),
+        step_s=step_s,
+    )
+    passed = np.array([air.reached_s.get(seq, air.auto_s[1]) for seq in draft.seqs])
+    begin = int(np.searchsorted(air.time_s, passed[0]))
+    place = np.column_stack([air.north_m, air.east_m, air.up_m])[begin:]
+    time = air.time_s[begin:] - passed[0]
+    leg, part, planned_off, ahead = on_plan(draft, recording)
+    flown_s, flown_off = _in_the_air(time, place[:, :2], recording)
+    late = in_time(recording.time_s, recording.north_east_m, time, place[:, :2])
+    return Forecast(
+        draft=draft,
+        time_s=time,
+        place_m=place,
+        passed_s=passed - passed[0],
+        leg=leg,
+        part=part,
+        planned_off_m=planned_off,
+        ahead=ahead,
+        flown_off_m=flown_off,
+        flown_s=flown_s,
+        late_m=late,
+        timed=timed,
+    )
+
+
+def on_plan(draft: Draft, recording: Recording) -> tuple[NDArray[np.intp], Floats, Floats, Floats]:
+    """Where the planned path has every fix: leg, part of it, vector from there to the fix, way ahead."""
+    path = draft.path(CURVE_TOLERANCE_M)
+    foot, piece, share = _feet(recording.north_east_m, path.north_east_m)
+    leg = path.seq[np.minimum(piece + 1, len(path.seq) - 1)]
+    counts = np.bincount(path.seq, minlength=len(draft))
+    begins = np.cumsum(counts) - counts
+    part = np.clip((piece + 1 - begins[leg] + share) / np.maximum(counts[leg], 1), 0.0, 1.0)
+    rows = weights(draft, leg, np.minimum(part + _NUDGE, 1.0)) - weights(
+        draft, leg, np.maximum(part - _NUDGE, 0.0)
+    )
+    ahead = rows @ draft.places_m[:, :2]
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
+    return leg, part, recording.north_east_m - foot, ahead
+
+
+def _in_the_air(time_s: Floats, flown_m: Floats, recording: Recording) -> tuple[Floats, Floats]:
+    """When the vehicle flies by every fix, and the vector from there to the fix."""
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(flown_m, axis=0), axis=1)))
+    marks = np.unique((along / _FLOWN_SPACING_M).astype(np.intp), return_index=True)[1]
+    keep = np.unique(np.append(marks, len(along) - 1))
+    foot, piece, share = _feet(recording.north_east_m, flown_m[keep])
+    times = time_s[keep]
+    ends = np.minimum(piece + 1, len(times) - 1)
+    return times[piece] + share * (times[ends] - times[piece]), recording.north_east_m - foot
+
+
+def _feet(fixes_m: Floats, line_m: Floats) -> tuple[Floats, NDArray[np.intp], Floats]:
+    """Matched places (n, 2) on a line, the piece of each, and how far along the piece, 0 to 1."""
+    match = in_order(fixes_m, line_m, _PIECE_M)
+    lengths = np.linalg.norm(np.diff(line_m, axis=0), axis=1)
+    if not len(lengths):
+        return np.repeat(line_m, len(fixes_m), axis=0), match.piece, np.zeros(len(fixes_m))
+    begins = np.cumsum(lengths) - lengths
+    share = (match.along_m - begins[match.piece]) / np.maximum(lengths[match.piece], 1e-9)
+    share = np.clip(share, 0.0, 1.0)
+    steps = line_m[match.piece + 1] - line_m[match.piece]
+    return line_m[match.piece] + share[:, None] * steps, match.piece, share

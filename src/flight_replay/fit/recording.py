@@ -1,0 +1,78 @@
+"""What a fit follows: fixes as local metres, and where in them the vehicle hovered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.geodesy import Floats
+
+HOVER_RADIUS_M = 0.6
+"""A vehicle that hovers wanders about as far, by its own GPS."""
+SHORTEST_HOVER_S = 6.0
+"""Shorter pauses are flown slowly: to stop and to start again takes about as long."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """What is to be followed: n fixes in local metres (n, 2), heights and seconds from the first (n,)."""
+
+    time_s: Floats
+    north_east_m: Floats
+    up_m: Floats
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def thinned(self, most: int) -> Recording:
+        """At most ``most`` of the fixes, evenly spread, both ends included."""
+        keep = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.intp))
+        return Recording(self.time_s[keep], self.north_east_m[keep], self.up_m[keep])
+
+    @property
+    def speed_m_s(self) -> Floats:
+        """Ground speed at every fix, from the places alone."""
+        if len(self) < 2:
+            return np.zeros(len(self))
+        step_s = np.maximum(np.diff(self.time_s), 1e-3)
+        speed = np.linalg.norm(np.diff(self.north_east_m, axis=0), axis=1) / step_s
+        return np.asarray((np.append(speed[0], speed) + np.append(speed, speed[-1])) / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Hover:
+    """Fixes ``first`` to ``last``, both included, at one place; ``seconds`` in all."""
+
+    first: int
+    last: int
+    seconds: float
+
+
+def hovers(recording: Recording, most: int) -> list[Hover]:
+    """The ``most`` longest hovers, in order: stretches that fit into ``HOVER_RADIUS_M``, heights too."""
+    places = np.column_stack([recording.north_east_m, recording.up_m]).tolist()
+    times = recording.time_s.tolist()
+    found, i = [], 0
+    while i < len(times):
+        end = _leaves(places, i)
+        seconds = times[end - 1] - times[i]
+        if seconds >= SHORTEST_HOVER_S:
+            found.append(Hover(i, end - 1, seconds))
+            i = end
+        else:
+            i += 1
+    longest = sorted(found, key=lambda hover: -hover.seconds)[:most]
+    return sorted(longest, key=lambda hover: hover.first)
+
+
+def _leaves(places: list[list[float]], begin: int) -> int:
+    """Index of the first place from ``begin`` on that no longer fits into the circle with those before."""
+    low, high = list(places[begin]), list(places[begin])
+    for i in range(begin + 1, len(places)):
+        for axis, value in enumerate(places[i]):
+            low[axis] = min(low[axis], value)
+            high[axis] = max(high[axis], value)
+        if sum((b - a) ** 2 for a, b in zip(low, high, strict=True)) > (2 * HOVER_RADIUS_M) ** 2:
+            return i
+    return len(places)
