@@ -30,7 +30,7 @@ def described(item: MissionItem) -> str:
     """One line on a place: how it is flown to, how high, how long it is held."""
     height = _HEIGHTS.get(item.frame, f"in frame {item.frame}")
     hold = f", hold {item.hold_s:g} s" if item.hold_s > 0 else ""
-    return f"{command_name(item)}, {item.alt_m:g} m {height}{hold}"
+    return f"{command_name(item)}, {round(item.alt_m, 1):g} m {height}{hold}"
 
 
 def amsl_m(item: MissionItem, home: Home | None) -> float:
