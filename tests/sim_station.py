@@ -75,7 +75,8 @@ class Station:
 
     @property
     def texts(self) -> list[str]:
-        """Status texts, long ones put together again."""
+        """Status texts, long ones put together again; those just spoken come with the next step."""
+        self.autopilot.step()
         whole: list[str] = []
         for message in self.of("STATUSTEXT"):
             if message.chunk_seq:

@@ -15,6 +15,7 @@ from sim_station import (
     RTL,
     TAKEOFF,
     sim,
+    takeoff,
 )
 
 from flight_replay.simulator.faults import Faults
@@ -105,6 +106,10 @@ def test_some_modes_are_not_armable(mode: int) -> None:
     _, station = sim()
     station.run(READY_S)
     assert station.mode(mode) == ACCEPTED
+    if mode == AUTO:
+        assert station.command(ARM, 1) == FAILED
+        assert station.texts[-1] == "Arm: Mode requires mission"
+    station.upload([takeoff(10)])
     assert station.command(ARM, 1) == FAILED
     assert station.texts[-1] == f"Arm: {Mode(mode).name} mode not armable"
 
@@ -239,3 +244,23 @@ def test_the_other_modes_hold_the_place(mode: Mode) -> None:
     stopped = autopilot.flight.position_m
     station.run(10)
     assert math.dist(stopped, autopilot.flight.position_m) < 0.2
+
+
+def test_an_arm_command_can_be_refused_though_all_checks_pass() -> None:
+    """A fault script's reason meets the arm command alone."""
+    autopilot, station = sim(Faults(refuses_arming="Safety Switch"))
+    station.run(READY_S)
+    assert autopilot.prearm.passed
+    assert station.command(ARM, 1) == FAILED
+    assert station.texts[-1] == "Arm: Safety Switch"
+
+
+def test_answers_come_before_the_texts_that_explain_them() -> None:
+    """As ArduPilot queues its texts, COMMAND_ACK is there first, the reason a step later."""
+    _, station = sim(Faults(never_armable="Logging failed"))
+    station.run(READY_S)
+    station.forget()
+    station.command(ARM, 1)
+    assert [message.get_type() for message in station.heard] == ["COMMAND_ACK"]
+    station.run(0.04)
+    assert station.last("STATUSTEXT").text == "Arm: Logging failed"

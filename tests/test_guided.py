@@ -48,7 +48,7 @@ def test_an_item_with_current_2_is_flown_to() -> None:
     station.run(25)
     assert math.dist(autopilot.flight.position_m, (30, 0, 25)) < 1.0
     assert item(station, 2, 30.0, 25.0, command=82) == dialect.MAV_MISSION_ERROR
-    assert item(station, 2, 30.0, 25.0, command=2000) == dialect.MAV_MISSION_UNSUPPORTED
+    assert item(station, 2, 30.0, 25.0, command=2999) == dialect.MAV_MISSION_UNSUPPORTED
     station.mode(LOITER)
     assert item(station, 2, 60.0, 25.0) == dialect.MAV_MISSION_ERROR
 

@@ -114,7 +114,7 @@ def test_frames_are_kept_in_their_plain_form(sent: int, kept: int) -> None:
     ("message", "result"),
     [
         (as_int(command=0), dialect.MAV_MISSION_INVALID),
-        (as_int(command=2000), dialect.MAV_MISSION_UNSUPPORTED),
+        (as_int(command=2999), dialect.MAV_MISSION_UNSUPPORTED),
         (as_int(frame=1), dialect.MAV_MISSION_UNSUPPORTED_FRAME),
         (as_int(params=(math.nan, 0, 0, 0)), INVALID),
         (as_int(params=(0, math.inf, 0, 0)), INVALID + 1),

@@ -98,7 +98,7 @@ def test_a_bad_item_ends_the_upload() -> None:
     _, station = sim()
     count(station, 3)
     station.send(item(0, place(0, 0)))
-    station.send(item(1, act(2000)))
+    station.send(item(1, act(2999)))
     assert ack(station) == (dialect.MAV_MISSION_UNSUPPORTED, 0)
     station.send(item(2, place(20, 0)))
     assert ack(station) == (ERROR, 0)

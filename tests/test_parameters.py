@@ -32,8 +32,9 @@ def test_every_parameter_has_a_legal_name_and_its_own_index() -> None:
 @pytest.mark.parametrize(
     ("name", "given", "kept"),
     [
-        ("FENCE_ACTION", 2.5, 3.0),
-        ("FENCE_ACTION", -2.5, -3.0),
+        ("FENCE_ACTION", 2.5, 2.0),
+        ("FENCE_ACTION", 2.9999, 3.0),
+        ("FENCE_ACTION", -2.5, -2.0),
         ("FENCE_ACTION", 1000.0, 127.0),
         ("RTL_SPEED", 1e9, 32767.0),
         ("RTL_ALT", -5e9, -2147483648.0),
@@ -41,7 +42,7 @@ def test_every_parameter_has_a_legal_name_and_its_own_index() -> None:
     ],
 )
 def test_values_are_kept_as_their_type_holds_them(name: str, given: float, kept: float) -> None:
-    """Integers are rounded and limited, real ones are 32 bit floats."""
+    """Integers are cut and limited, real ones are 32 bit floats."""
     parameters = Parameters()
     assert parameters.assign(name, given).value == kept
     assert parameters[name] == kept

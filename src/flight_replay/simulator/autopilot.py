@@ -48,6 +48,7 @@ class Autopilot:
         self.channels: list[Channel] = []
         self._unix_s = unix_s
         self._long_texts = 0
+        self._texts: list[Message] = []
         self.parameters.changed.append(self._parameter_changed)
         self.store = MissionStore(lambda: self.local.home_item, self._mission_counted)
         self.happenings = Happenings(self)
@@ -83,6 +84,9 @@ class Autopilot:
     def step(self) -> None:
         """Let STEP_S seconds of the vehicle's time pass."""
         self._steps += 1
+        for text in self._texts:
+            self.broadcast(text)
+        self._texts.clear()
         for text in self.sensors.advance(self.time_s):
             self.say(INFO, text)
         self.sensors.gps_disabled = bool(self.parameters["SIM_GPS_DISABLE"])
@@ -116,14 +120,17 @@ class Autopilot:
     # talking
 
     def say(self, severity: int, text: str) -> None:
-        """A STATUSTEXT to every station; a long one comes in chunks under a common number."""
+        """A STATUSTEXT to every station, behind the answers that are due now (GCS::service_statustext).
+
+        A long one comes in chunks under a common number.
+        """
         data = text.encode()
         if len(data) > _TEXT_LENGTH:
             self._long_texts = self._long_texts % 65535 + 1
         number = self._long_texts if len(data) > _TEXT_LENGTH else 0
         for chunk, begin in enumerate(range(0, len(data), _TEXT_LENGTH)):
             part = data[begin : begin + _TEXT_LENGTH]
-            self.broadcast(dialect.MAVLink_statustext_message(severity, part, number, chunk))
+            self._texts.append(dialect.MAVLink_statustext_message(severity, part, number, chunk))
 
     def warn_once(self, text: str) -> None:
         """A warning that is spoken once a boot."""

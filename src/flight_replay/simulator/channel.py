@@ -23,6 +23,7 @@ _PARAMETERS_PER_S = 2000
 _STREAM_NAMES = {1: "RAW_SENS", 2: "EXT_STAT", 3: "RC_CHAN", 4: "RAW_CTRL", 6: "POSITION",
                  10: "EXTRA1", 11: "EXTRA2", 12: "EXTRA3"}  # fmt: skip
 _MAVLINK1_PROTOCOL = 1
+_LONGEST_INTERVAL_S = 65.535  # what ArduPilot's 16 bits of milliseconds hold
 _LAST_MAVLINK1_ID = 255
 _COMPONENT = 1
 
@@ -74,7 +75,7 @@ class LinkChannel:
 
     def send(self, message: Message) -> None:
         """Encode a message from the vehicle, in the version that this link speaks."""
-        self._encoder.srcSystem = int(self._autopilot.parameters["SYSID_THISMAV"])
+        self._encoder.srcSystem = int(self._autopilot.parameters["SYSID_THISMAV"]) & 0xFF
         self._encoder.srcComponent = _COMPONENT
         self._send_as_is(message)
 
@@ -144,7 +145,8 @@ class LinkChannel:
         """Send one message every so many µs; -1 stops it, 0 goes back to its group's rate."""
         if message_id not in BUILDERS:
             return False
-        self._rates.set_message(message_id, None if interval_us < 0 else interval_us / 1e6)
+        interval_s = min(interval_us / 1e6, _LONGEST_INTERVAL_S)
+        self._rates.set_message(message_id, None if interval_us < 0 else interval_s)
         return True
 
     def interval_us(self, message_id: int) -> int | None:

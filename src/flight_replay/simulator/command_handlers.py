@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from flight_replay.simulator import banner, telemetry
+from flight_replay.simulator.local_map import HIGHEST_M
 from flight_replay.simulator.mavlink import Sender, dialect
 from flight_replay.simulator.modes import USER_TAKEOFF, Mode
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from flight_replay.simulator.commands import Command
 
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
+_INFO = 6
 _FORCED_ARM, _FORCED_DISARM = 2989.0, 21196.0
 _CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 
@@ -55,7 +57,7 @@ def takeoff(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     ):
         return DENIED
     above_home_m = autopilot.above_home_m
-    if not autopilot.armed or not autopilot.flight.landed or command.z <= above_home_m:
+    if not autopilot.armed or not autopilot.flight.landed or not above_home_m < command.z < HIGHEST_M:
         return FAILED
     if autopilot.mode not in USER_TAKEOFF or (autopilot.mode == Mode.ALT_HOLD and command.params[2] == 0):
         return FAILED
@@ -90,8 +92,10 @@ def land(autopilot: Autopilot, command: Command, sender: Sender) -> int:
 def change_speed(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """Another level, climb or descent speed, where the mode takes one."""
     kind, speed_m_s, *_ = command.params
-    takes = autopilot.mode in (Mode.AUTO, Mode.GUIDED, Mode.RTL) and speed_m_s > 0
-    return _done(takes and autopilot.flight.change_speed(max(int(kind + 0.1), 1), speed_m_s))
+    if autopilot.mode not in (Mode.AUTO, Mode.GUIDED, Mode.RTL) or speed_m_s <= 0:
+        return FAILED
+    autopilot.flight.change_speed(max(int(kind + 0.1), 1), speed_m_s)
+    return ACCEPTED
 
 
 def condition_yaw(autopilot: Autopilot, command: Command, sender: Sender) -> int:
@@ -171,8 +175,11 @@ def request_message(autopilot: Autopilot, command: Command, sender: Sender) -> i
 
 def set_message_interval(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """Send one message every so often, on this link."""
-    done = sender.channel.set_interval(int(command.params[0]), int(command.params[1]))
-    return ACCEPTED if done else DENIED
+    number = int(command.params[0])
+    if sender.channel.set_interval(number, int(command.params[1])):
+        return ACCEPTED
+    autopilot.say(_INFO, f"No ap_message for mavlink id ({number})")
+    return DENIED
 
 
 def get_message_interval(autopilot: Autopilot, command: Command, sender: Sender) -> int:
@@ -180,7 +187,7 @@ def get_message_interval(autopilot: Autopilot, command: Command, sender: Sender)
     number = int(command.params[0])
     interval_us = sender.channel.interval_us(number)
     known = interval_us is not None
-    sender.channel.send(dialect.MAVLink_message_interval_message(number, interval_us if known else 0))
+    sender.channel.send(dialect.MAVLink_message_interval_message(number & 0xFFFF, interval_us or 0))
     return _done(known)
 
 

@@ -5,9 +5,9 @@ Sources: GCS_Common.cpp (handle_command_long, handle_command_int_packet), ArduCo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isnan
 from typing import TYPE_CHECKING
 
 from flight_replay.simulator import command_handlers, guided
@@ -32,26 +32,31 @@ class Command:
     frame: int
 
 
+# Commands that this firmware knows as COMMAND_INT alone.
+_ONLY_INT = frozenset({dialect.MAV_CMD_DO_REPOSITION})
+_LARGEST = 2.0**31 - 1
+
 Handler = Callable[["Autopilot", Command, Sender], int]
 
 
 def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     """Run a COMMAND_LONG; its places come in 32 bit floats."""
     number = message.command
-    params = (message.param1, message.param2, message.param3, message.param4)
+    if number in _ONLY_INT:
+        _acknowledge(sender, number, dialect.MAV_RESULT_UNSUPPORTED)
+        return True
     scale = 1e7 if number in _PLACED else 1.0
-    x, y = (0 if isnan(part) else int(float32(part * scale)) for part in (message.param5, message.param6))
+    x, y = (int(_number(part * scale)) for part in (message.param5, message.param6))
     frame = dialect.MAV_FRAME_GLOBAL
     if number == dialect.MAV_CMD_NAV_TAKEOFF:
         frame = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
-    _answer(autopilot, Command(number, params, x, y, message.param7, frame), sender)
+    _answer(autopilot, Command(number, _params(message), x, y, message.param7, frame), sender)
     return True
 
 
 def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     """Run a COMMAND_INT."""
-    params = (message.param1, message.param2, message.param3, message.param4)
-    command = Command(message.command, params, message.x, message.y, message.z, message.frame)
+    command = Command(message.command, _params(message), message.x, message.y, message.z, message.frame)
     _answer(autopilot, command, sender)
     return True
 
@@ -61,9 +66,27 @@ def _answer(autopilot: Autopilot, command: Command, sender: Sender) -> None:
     result = dialect.MAV_RESULT_UNSUPPORTED
     if handler is not None and not _is_unknown_to_firmware(autopilot, command):
         result = handler(autopilot, command, sender)
+    _acknowledge(sender, command.number, result)
+
+
+def _acknowledge(sender: Sender, number: int, result: int) -> None:
     sender.channel.send(
-        dialect.MAVLink_command_ack_message(command.number, result, 0, 0, sender.system, sender.component)
+        dialect.MAVLink_command_ack_message(number, result, 0, 0, sender.system, sender.component)
     )
+
+
+def _params(message: Message) -> tuple[float, float, float, float]:
+    return (
+        _number(message.param1),
+        _number(message.param2),
+        _number(message.param3),
+        _number(message.param4),
+    )
+
+
+def _number(value: float) -> float:
+    """A parameter that whole numbers can be made of: what is not a number counts as 0."""
+    return 0.0 if math.isnan(value) else min(max(float32(value), -_LARGEST), _LARGEST)
 
 
 def _is_unknown_to_firmware(autopilot: Autopilot, command: Command) -> bool:

@@ -120,7 +120,7 @@ class Endpoint:
 
     def _route(self, message: Message, sender: Sender, came_by: LinkChannel) -> None:
         """To the vehicle, to the other stations, or both, by target (MAVLink_routing.cpp)."""
-        own = int(self.autopilot.parameters["SYSID_THISMAV"])
+        own = int(self.autopilot.parameters["SYSID_THISMAV"]) & 0xFF
         system = getattr(message, "target_system", 0)
         component = getattr(message, "target_component", 0)
         if system == 0 or (system == own and component in _OWN_COMPONENTS):

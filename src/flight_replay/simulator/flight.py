@@ -25,12 +25,13 @@ if TYPE_CHECKING:
 
 __all__ = ["STEP_S", "ModelFlight"]
 
+_STRONGEST_WIND_M_S = 100.0
 _HAS_TARGET = frozenset({Mode.AUTO, Mode.GUIDED, Mode.RTL})
 
 
 def wind_m_s(parameters: Mapping[str, float]) -> Metres:
     """The air's velocity, north, east and up; SIM_WIND_DIR is where it comes from (SIM_Aircraft.cpp)."""
-    speed = parameters["SIM_WIND_SPD"]
+    speed = min(max(parameters["SIM_WIND_SPD"], -_STRONGEST_WIND_M_S), _STRONGEST_WIND_M_S)
     direction, rise = radians(parameters["SIM_WIND_DIR"]), radians(parameters["SIM_WIND_DIR_Z"])
     level = -speed * cos(rise)
     return level * cos(direction), level * sin(direction), speed * sin(rise)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from flight_replay.simulator.mission_items import StoredItem
 from flight_replay.simulator.place import HomePlace, Metres, Start
 
@@ -11,6 +9,8 @@ _ABSOLUTE_FRAMES = frozenset({0, 5})
 # Heights above home, and above terrain, which is level here.
 _RELATIVE_FRAMES = frozenset({3, 6, 10, 11})
 _WAYPOINT = 16
+HIGHEST_M = 83000.0
+"""What fits ArduPilot's 24 bits of centimetres."""
 
 
 class LocalMap:
@@ -35,7 +35,7 @@ class LocalMap:
 
     def metres_of_frame(self, lat_e7: int, lon_e7: int, alt_m: float, frame: int) -> Metres | None:
         """A place whose height counts from sea level or home, by MAV_FRAME; None if it is none."""
-        if abs(lat_e7) > 90 * 10**7 or abs(lon_e7) > 180 * 10**7 or not math.isfinite(alt_m):
+        if abs(lat_e7) > 90 * 10**7 or abs(lon_e7) > 180 * 10**7 or not abs(alt_m) < HIGHEST_M:
             return None
         if frame in _ABSOLUTE_FRAMES:
             return self.start.metres_of(lat_e7, lon_e7, alt_m)

@@ -16,6 +16,14 @@ from flight_replay.simulator.mavlink import Message, dialect
 from flight_replay.simulator.mission_rules import PLACED, RULES
 
 _ALTITUDE_LIMIT_M = 83000.0  # LOCATION_ALT_MAX_M: what fits 24 bits of centimetres
+
+
+def float32(value: float) -> float:
+    """The nearest 32 bit float, which is what the autopilot computes with."""
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+_METRES_PER_CM = float32(0.01)
 _STORED_FRAME = {0: 0, 2: 0, 5: 0, 3: 3, 6: 3, 10: 10, 11: 10}
 _MAY_BE_NAN = {16: {4}, 21: {4}, 22: {4}, 84: {4}, 85: {3, 4}}
 
@@ -41,18 +49,13 @@ class StoredItem:
 
     @property
     def alt_m(self) -> float:
-        """Altitude in the item's frame."""
-        return self.alt_cm / 100
+        """Altitude in the item's frame, as 32 bit floats give it."""
+        return float32(self.alt_cm * _METRES_PER_CM)
 
     @property
     def is_place(self) -> bool:
         """Whether latitude, longitude and altitude are stored."""
         return self.command in PLACED
-
-
-def float32(value: float) -> float:
-    """The nearest 32 bit float, which is what the autopilot computes with."""
-    return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 def stored(message: Message) -> StoredItem:
@@ -89,12 +92,17 @@ def _kept(
 def _place(message: Message) -> tuple[int, int]:
     """Degrees times 1e7 of either kind of item; MISSION_ITEM is multiplied in 32 bit floats, as on board."""
     if message.get_msgId() == dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT or message.command not in PLACED:
-        return int(message.x), int(message.y)
+        return _whole(message.x), _whole(message.y)
     if not abs(message.x) <= 90:
         raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM5_X)
     if not abs(message.y) <= 180:
         raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM6_Y)
     return int(float32(message.x * 1e7)), int(float32(message.y * 1e7))
+
+
+def _whole(value: float) -> int:
+    """What is sent where a command has no place need not be a number."""
+    return int(value) if math.isfinite(value) else 0
 
 
 def _check_params(command: int, params: tuple[float, ...]) -> None:

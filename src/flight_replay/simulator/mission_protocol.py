@@ -112,7 +112,8 @@ class MissionProtocol:
         if as_float and self._faults.knows_item_int:
             self._vehicle.warn_once("got MISSION_REQUEST; use MISSION_REQUEST_INT!")
         answer = item_float if as_float else item_int
-        current = message.seq == self._vehicle.mission_seq
+        # ArduPilot compares the command, not the place, with the current place (get_item).
+        current = item.command == self._vehicle.mission_seq
         sender.channel.send(
             answer(item, message.seq, current=current, system=sender.system, component=sender.component)
         )

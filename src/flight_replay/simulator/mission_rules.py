@@ -60,11 +60,12 @@ RULES: dict[int, tuple[Rule, ...]] = {
     30: _rules(_U16),  # NAV_CONTINUE_AND_CHANGE_ALT
     31: _rules(_lost, _integer(-(2**16) + 1, 2**16 - 1), _lost, _flag),  # NAV_LOITER_TO_ALT
     82: _rules(_U16),  # NAV_SPLINE_WAYPOINT: delay, s
+    83: _rules(_real, _real, _U8),  # NAV_ALTITUDE_WAIT
     84: _rules(),  # NAV_VTOL_TAKEOFF
     85: _rules(_U16),  # NAV_VTOL_LAND
     92: _rules(_U16),  # NAV_GUIDED_ENABLE
     93: _rules(_real, _I8, _I8, _I8),  # NAV_DELAY: s, or a time of day
-    94: _rules(lambda value: int(value * 100) / 100),  # NAV_PAYLOAD_PLACE
+    94: _rules(lambda value: min(max(int(value * 100), 0), 2**16 - 1) / 100),  # NAV_PAYLOAD_PLACE
     112: _rules(_real),  # CONDITION_DELAY
     114: _rules(_real),  # CONDITION_DISTANCE
     115: _rules(_real, _real, _I8, _U8),  # CONDITION_YAW
@@ -79,19 +80,33 @@ RULES: dict[int, tuple[Rule, ...]] = {
     189: _rules(),  # DO_LAND_START
     191: _rules(),  # DO_GO_AROUND
     193: _rules(_U16),  # DO_PAUSE_CONTINUE
+    194: _rules(_U16),  # DO_SET_REVERSE
     201: _rules(_U16),  # DO_SET_ROI
+    202: _rules(_U8, _U16, _U8, _U8),  # DO_DIGICAM_CONFIGURE
+    203: _rules(_U8, _U8, _I8, _U8),  # DO_DIGICAM_CONTROL
     205: _rules(_real, _real, _real),  # DO_MOUNT_CONTROL
     206: _rules(_real, _lost, _U8),  # DO_SET_CAM_TRIGG_DIST
     207: _rules(_U16),  # DO_FENCE_ENABLE
     208: _rules(_U16),  # DO_PARACHUTE
+    210: _rules(_U16),  # DO_INVERTED_FLIGHT
     211: _rules(_U8, _U8),  # DO_GRIPPER
     212: _rules(_U16),  # DO_AUTOTUNE_ENABLE
     213: _rules(_real, _real, _U8),  # NAV_SET_YAW_SPEED
+    215: _rules(_U16),  # DO_SET_RESUME_REPEAT_DIST
     216: _rules(_U16),  # DO_SPRAYER
+    217: _rules(_U16, _real, _real, _real),  # DO_SEND_SCRIPT_MESSAGE
     218: _rules(_U16, _U8),  # DO_AUX_FUNCTION
     222: _rules(_U16, _real, _real, _real),  # DO_GUIDED_LIMITS
+    531: _rules(_U8, _real),  # SET_CAMERA_ZOOM
+    532: _rules(_U8, _real),  # SET_CAMERA_FOCUS
+    534: _rules(_U8, _U8, _U8),  # SET_CAMERA_SOURCE
     600: _rules(_U16),  # JUMP_TAG
     601: _rules(_U16, _I16),  # DO_JUMP_TAG
+    1000: _rules(_real, _real, _real, _real),  # DO_GIMBAL_MANAGER_PITCHYAW
+    2000: _rules(_U8, _real, _U16, _U16),  # IMAGE_START_CAPTURE
+    2001: _rules(_U16),  # IMAGE_STOP_CAPTURE
+    2500: _rules(_U8),  # VIDEO_START_CAPTURE
+    2501: _rules(_U8),  # VIDEO_STOP_CAPTURE
     42600: _rules(_U8, _U8, _real, _real),  # DO_WINCH
 }
 

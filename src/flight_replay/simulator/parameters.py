@@ -16,6 +16,7 @@ from importlib.resources import files
 
 _KIND_OF_NAME = {"int8": 2, "int16": 4, "int32": 6, "real32": 9}
 _REAL = 9
+_AGAINST_CUTTING = 0.01  # so that 2.9999 is 3
 _INTEGER_LIMITS = {2: (-(2**7), 2**7 - 1), 4: (-(2**15), 2**15 - 1), 6: (-(2**31), 2**31 - 1)}
 
 
@@ -30,12 +31,14 @@ class Parameter:
 
 
 def as_kind(value: float, kind: int) -> float:
-    """``value`` as a parameter of ``kind`` holds it: rounded and limited, or a 32 bit float."""
+    """``value`` as a parameter of ``kind`` holds it: cut to whole numbers and limited, or a 32 bit float.
+
+    Source: AP_Param::set_float.
+    """
     if kind not in _INTEGER_LIMITS:
         return float(struct.unpack("<f", struct.pack("<f", value))[0])
     low, high = _INTEGER_LIMITS[kind]
-    nearest = math.floor(value + 0.5) if value > 0 else math.ceil(value - 0.5)
-    return float(min(max(nearest, low), high))
+    return float(min(max(int(value + math.copysign(_AGAINST_CUTTING, value)), low), high))
 
 
 class Parameters(Mapping[str, float]):

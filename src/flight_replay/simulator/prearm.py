@@ -57,6 +57,8 @@ class Prearm:
             return found
         if not vehicle.sensors.attitude_ok:
             found.append("EKF attitude is bad")
+        if vehicle.mode == Mode.AUTO and len(vehicle.store) < 2:
+            found.append("Mode requires mission")
         return found + self._parameter_problems() + self._failsafe_problems()
 
     def _position_problems(self) -> list[str]:
@@ -91,15 +93,16 @@ class Prearm:
 
     def refusal(self, *, forced: bool) -> list[str]:
         """Why the arm command is refused, if it is; a forced one meets the mandatory checks only."""
-        vehicle = self._autopilot
         if forced:
             return self._position_problems()
-        problems = self.problems()
-        if not vehicle.sensors.attitude_ok:
-            problems.append("AHRS not healthy")
+        return self.problems() or self._last_problems()
+
+    def _last_problems(self) -> list[str]:
+        """What is checked at the arm command only, up to the first failure (AP_Arming_Copter::arm_checks)."""
+        vehicle = self._autopilot
         auto_may = int(vehicle.parameters["AUTO_OPTIONS"]) & _AUTO_ALLOWS_ARMING
+        if not vehicle.sensors.attitude_ok:
+            return ["AHRS not healthy"]
         if vehicle.mode in NO_ARMING or (vehicle.mode == Mode.AUTO and not auto_may):
-            problems.append(f"{vehicle.mode.name} mode not armable")
-        if vehicle.faults.refuses_arming:
-            problems.append(vehicle.faults.refuses_arming)
-        return problems
+            return [f"{vehicle.mode.name} mode not armable"]
+        return [vehicle.faults.refuses_arming] if vehicle.faults.refuses_arming else []

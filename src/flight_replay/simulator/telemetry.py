@@ -64,15 +64,19 @@ def _sys_status(autopilot: Autopilot) -> Message:
         healthy &= ~_BATTERY
     battery = autopilot.battery
     return dialect.MAVLink_sys_status_message(
-        present, enabled, healthy, 0, round(battery.voltage_v * 1000), round(battery.current_a * 100),
+        present, enabled, healthy, 0, _millivolts(autopilot), round(battery.current_a * 100),
         battery.remaining_percent, 0, 0, 0, 0, 0, 0,
     )  # fmt: skip
+
+
+def _millivolts(autopilot: Autopilot) -> int:
+    return min(max(round(autopilot.battery.voltage_v * 1000), 0), 65534)
 
 
 def _battery_status(autopilot: Autopilot) -> Message:
     battery = autopilot.battery
     unused = 65535
-    voltages = [round(battery.voltage_v * 1000), *([unused] * 9)]
+    voltages = [_millivolts(autopilot), *([unused] * 9)]
     states = (dialect.MAV_BATTERY_CHARGE_STATE_OK, dialect.MAV_BATTERY_CHARGE_STATE_LOW,
               dialect.MAV_BATTERY_CHARGE_STATE_CRITICAL)  # fmt: skip
     return dialect.MAVLink_battery_status_message(
