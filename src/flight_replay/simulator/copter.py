@@ -62,7 +62,6 @@ class Copter:
             limits, body, control, WaypointNavigation(limits, body, control), Heading(limits, body, control)
         )
         self.motors = not body.on_ground
-        self._armed_step = 0
         self._phase: Phase = Standing() if body.on_ground else Hold(self._flight)
 
     # state
@@ -150,7 +149,7 @@ class Copter:
     def arm(self) -> None:
         """Start the motors at idle."""
         self.motors = True
-        self._armed_step = self.steps
+        self._flight.arming_wait_s = self.limits.arming_delay_s
         self._flight.heading.armed_rad = self._body.yaw
 
     def disarm(self) -> None:
@@ -162,11 +161,9 @@ class Copter:
         """Climb straight up, as NAV_TAKEOFF in GUIDED does; arms if need be."""
         if not self.motors:
             self.arm()
-        armed_s = (self.steps - self._armed_step) * self.step_s
         limits = self.limits
         self._flight.control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
-        wait_s = max(0.0, limits.arming_delay_s - armed_s) if self.landed else 0.0
-        self._phase = TakeOff(self._flight, altitude_m, wait_s=wait_s)
+        self._phase = TakeOff(self._flight, altitude_m)
 
     def goto(self, position_m: Vector) -> None:
         """Fly to a place, as GUIDED does."""
@@ -206,5 +203,6 @@ class Copter:
         """Move ``step_s`` on."""
         self._phase.step()
         self.steps += 1
+        self._flight.arming_wait_s = max(0.0, self._flight.arming_wait_s - self.step_s)
         if self._phase.done and isinstance(self._phase, Landing | Return | MissionRun):
             self.disarm()

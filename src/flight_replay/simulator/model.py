@@ -70,6 +70,8 @@ class _Recorder:
         self, items: Sequence[LocalItem], start_seq: int
     ) -> tuple[dict[int, float], tuple[float, float]]:
         """Fly a mission to its last item; returns what was reached when, and AUTO's beginning and end."""
+        if not self.copter.motors:
+            self.copter.arm()
         begin = self.copter.time_s
         run = self.copter.start_auto(items, start_seq)
         self.run(lambda: run.completed or run.loitering or not self.copter.motors)

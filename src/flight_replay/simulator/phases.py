@@ -26,6 +26,8 @@ class Flight:
     control: PositionControl
     navigation: WaypointNavigation
     heading: Heading
+    arming_wait_s: float = 0.0
+    """What is left of the pause between arming and spooling up (ARMING_DELAY_SEC)."""
 
     @property
     def position(self) -> Vector:

@@ -89,10 +89,17 @@ class PositionControl(Targets):
 
     def start_at_stopping_point(self) -> Vector:
         """Targets at rest at the stopping point, which is returned."""
-        self.rest_here()
-        self.n, self.e, self.u = self.stopping_point()
-        self.vn = self.ve = self.vu = self.accel_u = 0.0
+        self.start_xy()
+        self.n, self.e, _ = self.stopping_point()
+        self.vn = self.ve = 0.0
+        self.start_z_at_stopping_point()
         return self.n, self.e, self.u
+
+    def start_z_at_stopping_point(self) -> None:
+        """The vertical target at rest where the climb or descent can end."""
+        self.start_z()
+        self.u = self.stopping_point()[2]
+        self.vu = self.accel_u = 0.0
 
     # control
 

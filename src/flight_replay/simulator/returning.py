@@ -71,7 +71,7 @@ class Return:
             return
         flight.heading.hold()
         if flight.limits.rtl_altitude_final_m > 0:
-            flight.control.start_at_stopping_point()
+            flight.control.start_z_at_stopping_point()
             self._run = self._descend
         else:
             self._landing = Landing(flight)

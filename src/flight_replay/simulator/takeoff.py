@@ -11,16 +11,13 @@ _FULL_THROTTLE = 0.9
 
 
 class TakeOff:
-    """Spool up, open the throttle until the copter rises, then climb to an altitude above home.
+    """Spool up, open the throttle until the copter rises, then climb to an altitude above home."""
 
-    ``wait_s`` is what is left of the pause after arming.
-    """
-
-    def __init__(self, flight: Flight, up_m: float, *, wait_s: float = 0.0) -> None:
+    def __init__(self, flight: Flight, up_m: float) -> None:
         self._flight = flight
         self.up_m = up_m
         self.done = False
-        self._wait_s = wait_s + (flight.limits.spool_s if flight.body.on_ground else 0.0)
+        self._wait_s = flight.arming_wait_s + flight.limits.spool_s if flight.body.on_ground else 0.0
         self._rising = not flight.body.on_ground
         self._throttle = 0.0
         flight.control.start_z()
