@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from flight_replay.tlog import messages
 from flight_replay.tlog.crc import Bytes, Flags, Index, rows_at
-from flight_replay.tlog.frames import Frames, Walk
+from flight_replay.tlog.frames import Marked, Walk
 
 AnyColumns = TypeVar("AnyColumns", bound="Columns")
 
@@ -120,33 +120,34 @@ def _concatenated(parts: list[AnyColumns]) -> AnyColumns:
     return type(parts[0])(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Payloads:
-    """Where frames of one message have their start, payload and ids, and their payloads' length; all (n,).
+class _Frames:
+    """Some frames of a marked span, by their index (n,): where they are, and what their bytes say.
 
     Behind the start mark, MAVLink 2 has two bytes of flags more than MAVLink 1.
     """
 
-    data: Bytes
-    frames: Frames
+    def __init__(self, marked: Marked, index: Index) -> None:
+        self._data = marked.data
+        self.start = marked.start.take(index)
+        self._is_mavlink1 = marked.is_mavlink1.take(index)
 
     @property
     def vehicle(self) -> NDArray[np.uint16]:
         """System id * 256 + component id, shape (n,)."""
-        ids = self.frames.start + np.where(self.frames.is_mavlink1, 3, 5)
-        return rows_at(self.data, ids, 2).view(">u2")[:, 0].astype(np.uint16)
+        ids = self.start + np.where(self._is_mavlink1, 3, 5)
+        return rows_at(self._data, ids, 2).view(">u2")[:, 0].astype(np.uint16)
 
     @property
     def stamp_us(self) -> NDArray[np.int64]:
         """The stamps before the frames, shape (n,)."""
-        stamps = rows_at(self.data, self.frames.start - _STAMP_LENGTH, _STAMP_LENGTH)
+        stamps = rows_at(self._data, self.start - _STAMP_LENGTH, _STAMP_LENGTH)
         return stamps.view(">i8")[:, 0].astype(np.int64)
 
-    def bytes(self, first: int, behind: int) -> Bytes:
+    def payload(self, first: int, behind: int) -> Bytes:
         """Some bytes of each payload, zeros where they were left off, shape (n, behind - first)."""
-        places = self.frames.start + np.where(self.frames.is_mavlink1, 6, 10)
-        rows = rows_at(self.data, places + first, behind - first)
-        length = self.data[1:].take(self.frames.start)
+        places = self.start + np.where(self._is_mavlink1, 6 + first, 10 + first)
+        rows = rows_at(self._data, places, behind - first)
+        length = self._data[1:].take(self.start)
         for short in np.flatnonzero(np.bincount(length)[:behind]).tolist():
             rows[length == short, max(short - first, 0) :] = 0
         return rows
@@ -157,16 +158,15 @@ def _positions(walk: Walk, base: int) -> tuple[Positions, dict[int, int]]:
 
     Also counts the empty positions by vehicle, and leaves out what runs of them have between their ends.
     """
-    frames = walk.candidates(messages.GLOBAL_POSITION_INT)
-    frames = frames.select(walk.finds(frames))
-    frames, empty = _without_empty_runs(walk.data, frames)
-    payloads = _Payloads(walk.data, frames)
-    rows = payloads.bytes(0, 28)
+    index = walk.candidates(messages.GLOBAL_POSITION_INT)
+    index, empty = _without_empty_runs(walk.marked, index[walk.finds(index)])
+    frames = _Frames(walk.marked, index)
+    rows = frames.payload(0, 28)
     number, half = rows.view("<i4"), rows.view("<i2")
     positions = Positions(
         offset=frames.start + base,
-        vehicle=payloads.vehicle,
-        stamp_us=payloads.stamp_us,
+        vehicle=frames.vehicle,
+        stamp_us=frames.stamp_us,
         time_ms=number[:, 0].view("<u4").copy(),
         lat_e7=number[:, 1].copy(),
         lon_e7=number[:, 2].copy(),
@@ -179,55 +179,63 @@ def _positions(walk: Walk, base: int) -> tuple[Positions, dict[int, int]]:
     return positions, empty
 
 
-def _without_empty_runs(data: Bytes, frames: Frames) -> tuple[Frames, dict[int, int]]:
+def _without_empty_runs(marked: Marked, index: Index) -> tuple[Index, dict[int, int]]:
     """Positions but for the inner ones of runs of empty ones, and the number of empty ones by vehicle."""
-    payloads = _Payloads(data, frames)
-    numbers = payloads.bytes(0, 12).view("<u4")
+    frames = _Frames(marked, index)
+    numbers = frames.payload(0, 12).view("<u4")
     is_empty = (numbers[:, 1] | numbers[:, 2]) == 0
     if not is_empty.any():
-        return frames, {}
-    vehicle = payloads.vehicle
+        return index, {}
+    vehicle = frames.vehicle
     vehicles, counts = np.unique(vehicle[is_empty], return_counts=True)
     told = _run_ends(vehicle, np.where(is_empty, _falls(numbers[:, 0]), -1))
-    return frames.select(told | ~is_empty), dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
+    return index[told | ~is_empty], dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
 
 
 def _heartbeats(walk: Walk, base: int) -> Heartbeats:
     """Decode HEARTBEAT: behind four bytes of mode follow type, autopilot and flags."""
-    frames = walk.candidates(messages.HEARTBEAT)
-    payloads = _Payloads(walk.data, frames)
-    vehicle, rows = payloads.vehicle, payloads.bytes(4, 7)
+    index = walk.candidates(messages.HEARTBEAT)
+    frames = _Frames(walk.marked, index)
+    vehicle, rows = frames.vehicle, frames.payload(4, 7)
     rows[:, 2] &= _ARMED_FLAG
     state = rows[:, 0].astype(np.int32) << 16 | rows[:, 1].astype(np.int32) << 8 | rows[:, 2]
-    kept = _checked_run_ends(walk, frames, vehicle, state)
+    kept = _checked_run_ends(walk, index, vehicle, state)
     rows = rows[kept]
     return Heartbeats(frames.start[kept] + base, vehicle[kept], rows[:, 1], rows[:, 0], rows[:, 2] != 0)
 
 
 def _fixes(walk: Walk, base: int) -> Fixes:
     """Decode GPS_RAW_INT, of whose own position nothing is read: cold receivers make them up."""
-    frames = walk.candidates(messages.GPS_RAW_INT)
-    payloads = _Payloads(walk.data, frames)
-    vehicle, is_3d = payloads.vehicle, payloads.bytes(28, 29)[:, 0] >= _FIX_TYPE_3D
-    kept = _checked_run_ends(walk, frames, vehicle, is_3d)
+    index = walk.candidates(messages.GPS_RAW_INT)
+    frames = _Frames(walk.marked, index)
+    vehicle, is_3d = frames.vehicle, frames.payload(28, 29)[:, 0] >= _FIX_TYPE_3D
+    kept = _checked_run_ends(walk, index, vehicle, is_3d)
     return Fixes(frames.start[kept] + base, vehicle[kept], is_3d[kept])
 
 
-def _checked_run_ends(walk: Walk, frames: Frames, vehicle: NDArray[np.uint16], state: NDArray[Any]) -> Index:
+def _checked_run_ends(walk: Walk, index: Index, vehicle: NDArray[np.uint16], state: NDArray[Any]) -> Index:
     """The records at which a vehicle's state begins or ends to be told.
 
-    Only these are checked: whether a frame within a run is a record makes no difference.
+    Only these are checked, and where one is no record, all that tell the same: whether other
+    frames within a run are records makes no difference.
     """
-    checked = np.zeros(len(frames), np.bool_)
-    left = np.arange(len(frames))
+    checked = np.zeros(len(index), np.bool_)
+    is_left = np.ones(len(index), np.bool_)
+    said = vehicle.astype(np.int64) << 32 | state
     while True:
+        left = np.flatnonzero(is_left)
         ends = left[_run_ends(vehicle[left], state[left])]
         fresh = ends[~checked[ends]]
-        if not len(fresh):
+        right = walk.finds(index[fresh])
+        if right.all():
             return ends
+        is_left[fresh] = right
         checked[fresh] = True
-        wrong = fresh[~walk.finds(frames.select(fresh))]
-        left = left[~np.isin(left, wrong)]
+        unsaid = np.sort(said[fresh[~right]])
+        alike = unsaid.take(np.searchsorted(unsaid, said), mode="clip") == said
+        alike = np.flatnonzero(alike & ~checked)
+        is_left[alike] = walk.finds(index[alike])
+        checked[alike] = True
 
 
 def _falls(time_ms: NDArray[np.uint32]) -> Index:

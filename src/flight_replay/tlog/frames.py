@@ -19,7 +19,7 @@ from flight_replay.tlog.hidden import find_hidden, header_length, is_right_at
 
 _NO_MESSAGE = 255  # an id that no message has
 _NEAR = 3
-_FEW = 8
+_FEW, _MANY = 8, 100  # from how many frames on columns are worth their overhead
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,79 +49,64 @@ class Window:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frames:
-    """Frames in the order of their start marks, every column of shape (n,).
+class Marked:
+    """A span with its start marks and the frames that they would begin, in order, every column (n,).
 
     ``end`` is behind the frame, or ``start`` where the header is that of no frame; ``message`` is
-    the id, or 255 where that takes more than a byte.
+    the id, or 255 where that takes more than a byte. ``wanted`` (m,) are the indices of frames of
+    wanted messages.
     """
 
+    data: Bytes
+    span: Span
     start: Index
     end: Index
     message: NDArray[np.uint8]
     is_mavlink1: Flags
-
-    def __len__(self) -> int:
-        return len(self.start)
-
-    def select(self, keep: Flags | Index) -> Frames:
-        """The frames that a mask or an index array picks."""
-        return Frames(self.start[keep], self.end[keep], self.message[keep], self.is_mavlink1[keep])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Marked:
-    """A span with its start marks, as the frames that they would begin; ``index`` tells the wanted ones."""
-
-    window: Window
-    span: Span
-    candidates: Frames
-    index: Index
+    wanted: Index
 
 
 def mark(window: Window, span: Span, wanted: Flags) -> Marked:
     """Find all that may be frames in a span, and those whose message is ``wanted``, by id (256,)."""
-    places = window.marks(span.start, span.stop)
     data = window.data
-    message = data[5:].take(places)
-    length = messages.MAVLINK1_FRAME_LENGTHS.take(message.astype(np.uint16) << 8 | data[1:].take(places))
-    is_mavlink1 = data.take(places) == messages.MAVLINK1_MARK
+    start = window.marks(span.start, span.stop)
+    message = data[5:].take(start)
+    length = messages.MAVLINK1_FRAME_LENGTHS.take(message.astype(np.uint16) << 8 | data[1:].take(start))
+    is_mavlink1 = data.take(start) == messages.MAVLINK1_MARK
     mavlink2 = np.flatnonzero(~is_mavlink1)
     length[mavlink2] = 0
-    mavlink2 = mavlink2[data[2:].take(places.take(mavlink2)) <= messages.SIGNED]
-    length[mavlink2], message[mavlink2] = _mavlink2_headers(data, places.take(mavlink2))
-    ends = places + length
+    mavlink2 = mavlink2[data[2:].take(start.take(mavlink2)) <= messages.SIGNED]
+    length[mavlink2], message[mavlink2] = _mavlink2_headers(data, start.take(mavlink2))
+    end = start + length
     if span.stop + messages.LONGEST_FRAME > span.end:
-        np.copyto(ends, places, where=ends > span.end)
-    index = np.flatnonzero(wanted.take(message))
-    return Marked(window, span, Frames(places, ends, message, is_mavlink1), index)
+        np.copyto(end, start, where=end > span.end)
+    return Marked(data, span, start, end, message, is_mavlink1, np.flatnonzero(wanted.take(message)))
 
 
 class Walk:
-    """The walk over a marked span, beginning at ``enter``."""
+    """The walk over a marked span, beginning at ``enter``; frames go by their index (m,) in the span."""
 
     def __init__(self, marked: Marked, enter: int) -> None:
-        self.data = marked.window.data
-        self._starts = marked.candidates.start
-        self._ends = marked.candidates.end
-        self._entered = int(np.searchsorted(self._starts, enter))
-        index = marked.index[np.searchsorted(marked.index, self._entered) :]
-        self._wanted = marked.candidates.select(index)
+        self.marked = marked
+        self._entered = int(np.searchsorted(marked.start, enter))
+        self._wanted = marked.wanted[np.searchsorted(marked.wanted, self._entered) :]
+        self._messages = marked.message.take(self._wanted)
         self._stop = max(marked.span.stop, enter)
 
-    def candidates(self, message: int) -> Frames:
+    def candidates(self, message: int) -> Index:
         """What may be records of a wanted message."""
-        return self._wanted.select(
-            np.flatnonzero((self._wanted.message == message) & (self._wanted.end > self._wanted.start))
-        )
+        index = self._wanted.take(np.flatnonzero(self._messages == message))
+        complete = np.flatnonzero(self.marked.end.take(index) > self.marked.start.take(index))
+        return np.asarray(index.take(complete))
 
-    def finds(self, frames: Frames) -> Flags:
-        """Whether the walk comes to each of the candidates (n,) and finds its CRC right."""
-        right = _are_right(self.data, frames)
-        suspects = frames.start[right & self._may_be_hidden(frames.start)].tolist()
-        if suspects:
-            hidden, _ = self._hidden(suspects)
-            right &= ~np.isin(frames.start, list(hidden))
+    def finds(self, index: Index) -> Flags:
+        """Whether the walk comes to each of the candidates and finds its CRC right."""
+        right = _are_right(self.marked, index)
+        doubtful = right if len(right) <= _MANY else right & self._may_be_hidden(index)
+        suspects = self.marked.start[index[doubtful]].tolist()
+        hidden = self._hidden(suspects)[0] if suspects else None
+        if hidden:
+            right &= ~np.isin(self.marked.start.take(index), list(hidden))
         return right
 
     @property
@@ -130,23 +115,23 @@ class Walk:
         return self._hidden([])[1]
 
     def _hidden(self, suspects: list[int]) -> tuple[set[int], int]:
-        starts, ends = self._starts[self._entered :], self._ends[self._entered :]
-        return find_hidden(self.data, starts, ends, suspects, self._stop)
+        starts, ends = self.marked.start[self._entered :], self.marked.end[self._entered :]
+        return find_hidden(self.marked.data, starts, ends, suspects, self._stop)
 
-    def _may_be_hidden(self, places: Index) -> Flags:
-        """Which start marks (m,) a frame may reach over that begins before: sure only where it says no.
+    def _may_be_hidden(self, index: Index) -> Flags:
+        """Which frames another one may reach over that begins before: sure only where it says no.
 
         The nearest neighbours are asked directly, which is all there is to ask in a tidy log; those
         that reach over more marks than that are few.
         """
-        starts, ends = self._starts, self._ends
-        index = np.searchsorted(starts, places)
+        start, end = self.marked.start, self.marked.end
+        places = start.take(index)
         reached = np.zeros(len(index), np.bool_)
         for back in range(1, _NEAR + 1):
-            reached |= ends.take(np.maximum(index - back, 0)) > places
-        far = np.flatnonzero(ends[: -_NEAR - 1] > starts[_NEAR + 1 :])
-        firsts = np.searchsorted(places, starts.take(far), "right")
-        lasts = np.searchsorted(places, ends.take(far))
+            reached |= end.take(np.maximum(index - back, 0)) > places
+        far = np.flatnonzero(end[: -_NEAR - 1] > start[_NEAR + 1 :])
+        firsts = np.searchsorted(index, far, "right")
+        lasts = np.searchsorted(places, end.take(far))
         over = np.bincount(firsts, minlength=len(index) + 1) - np.bincount(lasts, minlength=len(index) + 1)
         return np.asarray(reached | (np.cumsum(over[:-1]) > 0))
 
@@ -163,22 +148,25 @@ def _mavlink2_headers(data: Bytes, places: Index) -> tuple[NDArray[np.int32], ND
     return np.where(known, length, 0), np.where(mid > 0, np.uint8(_NO_MESSAGE), low)
 
 
-def _are_right(data: Bytes, frames: Frames) -> Flags:
-    """Whether the CRC of each frame (n,) is right; all ids fit one byte.
+def _are_right(marked: Marked, index: Index) -> Flags:
+    """Whether the CRC of each frame (m,) is right; all are of messages whose id fits one byte.
 
     Frames of the same message, version and length are checked together. Where there are few of
     them they are most likely none, and not worth columns.
     """
-    right = np.zeros(len(frames.start), np.bool_)
-    shape = data[1:].take(frames.start).astype(np.uint16) | frames.is_mavlink1.astype(np.uint16) << 8
-    for message in np.flatnonzero(np.bincount(frames.message)).tolist():
-        members = np.flatnonzero(frames.message == message)
+    right = np.zeros(len(index), np.bool_)
+    start, message = marked.start.take(index), marked.message.take(index)
+    shape = (
+        marked.data[1:].take(start).astype(np.uint16) | marked.is_mavlink1.take(index).astype(np.uint16) << 8
+    )
+    for each in np.flatnonzero(np.bincount(message)).tolist():
+        members = np.flatnonzero(message == each)
         shapes = shape.take(members)
         counts = np.bincount(shapes, minlength=1)
         few = members[counts.take(shapes) <= _FEW]
-        right[few] = [is_right_at(data, start) for start in frames.start.take(few).tolist()]
-        for each in np.flatnonzero(counts > _FEW).tolist():
-            alike = members[shapes == each]
-            length = header_length(each >> 8 == 1) + each % 256
-            right[alike] = are_right(data, frames.start.take(alike), length, int(messages.EXTRAS[message]))
+        right[few] = [is_right_at(marked.data, place) for place in start.take(few).tolist()]
+        for common in np.flatnonzero(counts > _FEW).tolist():
+            alike = members[shapes == common]
+            length = header_length(common >> 8 == 1) + common % 256
+            right[alike] = are_right(marked.data, start.take(alike), length, int(messages.EXTRAS[each]))
     return right

@@ -33,6 +33,7 @@ class _Block:
     """A part of a log whose start marks were found, ``offset`` bytes into the log."""
 
     offset: int
+    window: Window
     marked: Marked
 
     def read(self, enter: int) -> tuple[Records, int]:
@@ -70,7 +71,7 @@ def _blocks_of_file(descriptor: int, size: int, block_length: int) -> Iterator[_
 
     for each in _ahead(block, range(0, size, block_length)):
         yield each
-        spare.append(each.marked.window)
+        spare.append(each.window)
 
 
 def _load(window: Window, descriptor: int, offset: int, stop: int) -> _Block:
@@ -80,7 +81,7 @@ def _load(window: Window, descriptor: int, offset: int, stop: int) -> _Block:
     got = os.preadv(descriptor, [window.data[missing:].data], offset - _LEAD + missing) + missing
     window.data[got:] = 0
     span = Span(_LEAD, max(min(stop - offset + _LEAD, got), _LEAD), got)
-    return _Block(offset, mark(window, span, _WANTED))
+    return _Block(offset, window, mark(window, span, _WANTED))
 
 
 def _ahead(block: Callable[[int], _Block], offsets: range) -> Iterator[_Block]:
@@ -114,7 +115,7 @@ def _blocks_of_stream(stream: Stream, block_length: int) -> Iterator[_Block]:
             held, ended = _fill(window, stream, held)
         window.data[held:] = 0
         stop = min(held, _LEAD + block_length)
-        yield _Block(offset, mark(window, Span(_LEAD, stop, held), _WANTED))
+        yield _Block(offset, window, mark(window, Span(_LEAD, stop, held), _WANTED))
         if ended and stop == held:
             return
         window.data[: held - block_length] = window.data[block_length:held].copy()
