@@ -196,7 +196,9 @@ def test_notices_scroll_by_above_the_display() -> None:
     assert "Warning: one thing" in written
     assert "question?" in written
     assert " Autopilot: Mission: 22 WP" not in written
-    assert " Autopilot: Mission: 22 WP" in run_live(True, events)
+    everything = run_live(True, events)
+    assert " Autopilot: Mission: 22 WP" in everything
+    assert "Distance to waypoint" not in everything
 
 
 def test_names_that_are_no_text_can_be_said() -> None:

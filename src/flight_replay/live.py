@@ -16,7 +16,18 @@ from rich.table import Table
 from rich.text import Text
 
 from flight_replay.console import printable
-from flight_replay.events import Event, Finished, Heading, Notice, Phase, PhaseStarted, Progress, VehicleState
+from flight_replay.events import (
+    Climbing,
+    Event,
+    Finished,
+    Heading,
+    Notice,
+    Phase,
+    PhaseStarted,
+    Progress,
+    VehicleState,
+    Waiting,
+)
 from flight_replay.status import Status
 from flight_replay.wording import WARNING_SEVERITY, sentence, went_wrong
 
@@ -35,6 +46,8 @@ _MARKS = {"done": "✔", "now": "▶", "ahead": "·"}
 _ASCII_MARKS = {"done": "+", "now": ">", "ahead": "-"}
 _MARK_STYLES = {"done": "green", "now": "bold cyan", "ahead": "dim"}
 _GAP = "  "
+_SHOWN = PhaseStarted | Progress | Waiting | Climbing | Heading
+"""What the display itself shows, and need not scroll by as well."""
 _BYTES_PER_MB = 1_000_000
 
 
@@ -72,8 +85,11 @@ class LiveConsole:
             self._live.stop()  # What is said from now on stands below the display.
 
     def _scrolls(self, event: Event) -> bool:
-        minor = isinstance(event, PhaseStarted | Progress)
-        return isinstance(event, Notice) or went_wrong(event) or (self._verbose and not minor)
+        return (
+            isinstance(event, Notice)
+            or went_wrong(event)
+            or (self._verbose and not isinstance(event, _SHOWN))
+        )
 
     def say(self, text: str) -> None:
         """Print text of ours above the display."""
