@@ -1,4 +1,4 @@
-"""live.py and status.py: the display says where the replay stands, at any width."""
+"""live.py, display.py and status.py: the display says where the replay stands, at any width."""
 
 import io
 import math
@@ -6,6 +6,7 @@ import math
 import pytest
 from rich.console import Console as RichConsole
 
+from flight_replay.display import Display
 from flight_replay.events import (
     Climbing,
     Event,
@@ -24,7 +25,7 @@ from flight_replay.events import (
     Waiting,
     WaypointReached,
 )
-from flight_replay.live import Display, LiveConsole
+from flight_replay.live import LiveConsole
 from flight_replay.status import Status
 
 STATE = VehicleState(81.0, 47.0, 8.0, 29.96, (3.0, 4.0, 0.0), 90.0, "AUTO", True, 12.61, 84.0)
