@@ -14,38 +14,10 @@ from flight_replay.geodesy import Floats
 from flight_replay.tlog import source
 from flight_replay.tlog.believable import REASONS, Verdict, judge
 from flight_replay.tlog.clock import read_clock
-from flight_replay.tlog.columns import AnyColumns, Heartbeats, Positions, Records
+from flight_replay.tlog.columns import AnyColumns, Positions, Records
 from flight_replay.tlog.scan import scan
-from flight_replay.track import Armed, Track
-
-
-@dataclass(frozen=True, slots=True)
-class VehicleId:
-    """A MAVLink system id, and a component id where one is asked for."""
-
-    system: int
-    component: int | None = None
-
-    def __str__(self) -> str:
-        return str(self.system) if self.component is None else f"{self.system}:{self.component}"
-
-
-@dataclass(frozen=True, slots=True)
-class VehicleCount:
-    """A vehicle that sent positions, and how many of them are usable."""
-
-    system: int
-    component: int
-    fixes: int
-
-    @property
-    def id(self) -> VehicleId:
-        """The vehicle's name."""
-        return VehicleId(self.system, self.component)
-
-    def is_named(self, wanted: VehicleId) -> bool:
-        """Whether ``wanted`` means this vehicle."""
-        return self.system == wanted.system and wanted.component in (None, self.component)
+from flight_replay.tlog.vehicles import VehicleCount, VehicleId, armed_at
+from flight_replay.track import Track
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,19 +120,21 @@ def _of(columns: AnyColumns, key: int) -> AnyColumns:
 
 def _choose(name: str, found: list[_Found], wanted: VehicleId | None) -> _Found:
     """The vehicle wanted, or the first one."""
-    there = ", ".join(f"{each.count.id} ({each.count.fixes} fixes)" for each in found)
-    for each in found:
-        if wanted is None or each.count.is_named(wanted):
-            if not each.count.fixes:
-                raise LogError(f"{name} {_nothing_usable(each)}; name another log with --tlog")
-            return each
-    raise LogError(f"{name} has no positions of vehicle {wanted}; choose with --vehicle from {there}")
+    named = [each for each in found if wanted is None or each.count.is_named(wanted)]
+    if named and named[0].count.fixes:
+        return named[0]
+    others = ", ".join(f"{each.count.id} ({each.count.fixes} fixes)" for each in found if each.count.fixes)
+    step = f"choose with --vehicle from {others}" if others else "name another log with --tlog"
+    lack = _nothing_usable(named[0]) if named else f"has no positions of vehicle {wanted}"
+    raise LogError(f"{name} {lack}; {step}")
 
 
 def _nothing_usable(found: _Found) -> str:
     """Why a vehicle has no fix."""
-    what = f"has no usable position of vehicle {found.count.id}: {found.empty} without a position"
-    return ", ".join([what, *(f"{count} rejected ({reason})" for reason, count in found.rejected.items())])
+    why = [f"{count} rejected ({reason})" for reason, count in found.rejected.items()]
+    if found.empty:
+        why.insert(0, f"{found.empty} records are empty")
+    return f"has no usable position of vehicle {found.count.id}: {', '.join(why)}"
 
 
 def _nothing_of(records: Records, head: bytes) -> str:
@@ -183,31 +157,5 @@ def _track(records: Records, found: _Found) -> Track:
         east_m_s=positions.east_cm_s / 1e2,
         up_m_s=positions.down_cm_s / -1e2,
         section=found.section,
-        armed=_armed(positions, _autopilot(_of(records.heartbeats, found.key)), found.section),
+        armed=armed_at(positions, _of(records.heartbeats, found.key), found.section),
     )
-
-
-_NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: ground stations, radios, gimbals and other components
-_ARDUPILOT = 3  # MAV_AUTOPILOT_ARDUPILOTMEGA
-# MAV_TYPE of what may share a vehicle's ids without being one: ground station, onboard controller,
-# gimbal, ADS-B, camera to Open Drone ID, battery to winch, illuminator, gripper, radio.
-_NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
-
-
-def _autopilot(heartbeats: Heartbeats) -> Heartbeats:
-    """The heartbeats that an autopilot sent; ArduPilot's own where there are any: others may be made up."""
-    is_vehicle = ~np.isin(heartbeats.type, _NO_VEHICLE_TYPES)
-    kept = heartbeats.select((heartbeats.autopilot != _NO_AUTOPILOT) & is_vehicle)
-    own = kept.autopilot == _ARDUPILOT
-    return kept.select(own) if own.any() else kept
-
-
-def _armed(positions: Positions, heartbeats: Heartbeats, section: NDArray[np.int32]) -> NDArray[np.int8]:
-    """Whether the motors were armed at any time since the fix before, shape (n,), by the heartbeats.
-
-    So a flight lasts from the first fix after they were reported armed to the first after disarmed.
-    """
-    told = np.append(heartbeats.armed.astype(np.int8), np.int8(Armed.UNKNOWN))
-    armed = told[np.searchsorted(heartbeats.offset, positions.offset) - 1]
-    armed[1:] = np.where(section[1:] == section[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
-    return np.asarray(armed)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flight_replay.tlog import messages
-from flight_replay.tlog.columns import Records, decode, joined
+from flight_replay.tlog.columns import Records, joined
+from flight_replay.tlog.decode import decode
 from flight_replay.tlog.frames import Marked, Span, Walk, Window, mark
 from flight_replay.tlog.source import Source, Stream
 

@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import Protocol
 
 from flight_replay.errors import LogError
 
@@ -27,37 +27,29 @@ class Stream(Protocol):
 
 
 class Source:
-    """An open log: ``descriptor`` where any part can be read at any time, else ``stream``.
+    """An open log, plain or packed with gzip.
 
     ``size`` is the number of stored bytes, 0 where that is not known beforehand; ``position``
-    tells how many of them the stream has taken.
+    tells how many of them were taken from the stream; ``head`` is what the log begins with.
     """
 
-    def __init__(self, name: str, file: BinaryIO, size: int = 0) -> None:
+    def __init__(self, name: str, stored: Stream, size: int = 0, descriptor: int | None = None) -> None:
         self.name = name
         self.size = size
-        self._file = file
-        self.head = b""
-        while len(self.head) < _HEAD_LENGTH and (more := file.read(_HEAD_LENGTH - len(self.head))):
-            self.head += more
-        self._held = self.head
         self.position = 0
-        self.is_compressed = self.head.startswith(_GZIP_MARK)
-
-    @property
-    def descriptor(self) -> int | None:
-        """A file descriptor for reading at offsets, where the log is a plain file."""
-        return self._file.fileno() if self.size and not self.is_compressed else None
-
-    @property
-    def stream(self) -> Stream:
-        """The log's bytes in order, decompressed."""
-        return _Unpacked(self) if self.is_compressed else self
+        self.head = b""
+        while len(self.head) < _HEAD_LENGTH and (more := stored.read(_HEAD_LENGTH - len(self.head))):
+            self.head += more
+        self._stored = stored
+        self._held = self.head
+        is_packed = self.head.startswith(_GZIP_MARK)
+        self.stream: Stream = _Unpacked(self) if is_packed else self
+        self.descriptor = None if is_packed else descriptor
 
     def read(self, size: int) -> bytes:
         """The next stored bytes."""
         data, self._held = self._held[:size], self._held[size:]
-        data = data or self._file.read(size)
+        data = data or self._stored.read(size)
         self.position += len(data)
         return data
 
@@ -69,24 +61,25 @@ class _Unpacked:
         self._packed = packed
         self._inflate = zlib.decompressobj(wbits=31)
         self._pending = b""
+        self._ended = False
 
     def read(self, size: int) -> bytes:
         """The next decompressed bytes; a torn or damaged end reads like an end."""
-        while True:
+        while not self._ended:
             if self._inflate.eof:
                 self._pending = self._inflate.unused_data
                 self._inflate = zlib.decompressobj(wbits=31)
             self._pending = self._pending or self._packed.read(size)
-            if not self._pending:
-                return b""
             try:
                 data = self._inflate.decompress(self._pending, size)
             except zlib.error:
-                self._pending = b""
-                return b""
+                data = b""
+                self._ended = True
+            self._ended = self._ended or not self._pending
             self._pending = self._inflate.unconsumed_tail
             if data:
                 return data
+        return b""
 
 
 @contextmanager
@@ -109,30 +102,34 @@ def opened(path: Path | str) -> Iterator[Source]:
         raise LogError(f"{path} cannot be opened ({error}); name a readable log with --tlog") from error
     with file:
         status = os.fstat(file.fileno())
-        yield Source(str(path), file, status.st_size if stat.S_ISREG(status.st_mode) else 0)
+        size = status.st_size if stat.S_ISREG(status.st_mode) else 0
+        yield Source(str(path), file, size, file.fileno() if size else None)
 
 
 def what_it_is(head: bytes) -> str:
     """What a file without any record looks like, by its first bytes."""
+    if not head:
+        return "is empty"
     for mark, kind in _KINDS:
         if head.startswith(mark):
             return kind
-    if not head:
-        return "is empty"
-    if head[1::2].count(0) > len(head) // 3 or head[::2].count(0) > len(head) // 3:
-        return "is text in UTF-16, not a MAVLink log" if _is_text(head.replace(b"\0", b"")) else _UNKNOWN
-    return "is text, not a MAVLink log" if _is_text(head) else _UNKNOWN
+    if _is_text(head):
+        return "is text, not a MAVLink log"
+    return _UTF_16 if _is_text(head.replace(b"\0", b"")) else _UNKNOWN
 
 
 def _is_text(head: bytes) -> bool:
-    return bool(head) and all(byte >= 32 or byte in b"\t\r\n\f" for byte in head) and max(head) < 127
+    """Whether all but a last, cut character can be read as text."""
+    text = head.decode("utf-8", "replace")[:-1]
+    return "\ufffd" not in text and all(each.isprintable() or each in "\t\r\n\f" for each in text)
 
 
+_UTF_16 = "is text in UTF-16, not a MAVLink log"
 _UNKNOWN = "holds no MAVLink position, heartbeat or GPS record"
 _KINDS = (
     (b"version https://git-lfs", "is a git LFS pointer, not the log itself (git lfs pull fetches it)"),
-    (b"\xff\xfe", "is text in UTF-16, not a MAVLink log"),
-    (b"\xfe\xff", "is text in UTF-16, not a MAVLink log"),
+    (b"\xff\xfe", _UTF_16),
+    (b"\xfe\xff", _UTF_16),
     (b"\xa3\x95", "is a DataFlash log, not a telemetry log"),
     (b"ULog\x01\x12\x35", "is a PX4 ULog, not a telemetry log"),
     (b"PK\x03\x04", "is a ZIP archive (unpack it first)"),

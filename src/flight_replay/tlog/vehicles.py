@@ -1,0 +1,67 @@
+"""Which vehicles a log tells of, and whether one was armed: by its autopilot's heartbeats only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.tlog.columns import Heartbeats, Positions
+from flight_replay.track import Armed
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleId:
+    """A MAVLink system id, and a component id where one is asked for."""
+
+    system: int
+    component: int | None = None
+
+    def __str__(self) -> str:
+        return str(self.system) if self.component is None else f"{self.system}:{self.component}"
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleCount:
+    """A vehicle that sent positions, and how many of them are usable."""
+
+    system: int
+    component: int
+    fixes: int
+
+    @property
+    def id(self) -> VehicleId:
+        """The vehicle's name."""
+        return VehicleId(self.system, self.component)
+
+    def is_named(self, wanted: VehicleId) -> bool:
+        """Whether ``wanted`` means this vehicle."""
+        return self.system == wanted.system and wanted.component in (None, self.component)
+
+
+_NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: ground stations, radios, gimbals and other components
+_ARDUPILOT = 3  # MAV_AUTOPILOT_ARDUPILOTMEGA
+# MAV_TYPE of what may share a vehicle's ids without being one: ground station, onboard controller,
+# gimbal, ADS-B, camera to Open Drone ID, battery to winch, illuminator, gripper, radio.
+_NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
+
+
+def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:
+    """The heartbeats that an autopilot sent; ArduPilot's own where there are any: others may be made up."""
+    is_vehicle = ~np.isin(heartbeats.type, _NO_VEHICLE_TYPES)
+    kept = heartbeats.select((heartbeats.autopilot != _NO_AUTOPILOT) & is_vehicle)
+    own = kept.autopilot == _ARDUPILOT
+    return kept.select(own) if own.any() else kept
+
+
+def armed_at(positions: Positions, heartbeats: Heartbeats, section: NDArray[np.int32]) -> NDArray[np.int8]:
+    """Whether the motors were armed at any time since the fix before, shape (n,), by the heartbeats.
+
+    So a flight lasts from the first fix after they were reported armed to the first after disarmed.
+    """
+    heartbeats = _of_autopilot(heartbeats)
+    told = np.append(heartbeats.armed.astype(np.int8), np.int8(Armed.UNKNOWN))
+    armed = told[np.searchsorted(heartbeats.offset, positions.offset) - 1]
+    armed[1:] = np.where(section[1:] == section[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
+    return np.asarray(armed)
