@@ -96,6 +96,11 @@ def words(result: Replay) -> list[str]:
         f" The route is {route.path.length_m:.0f} m long and covers {len(route.covered)} of "
         f"{len(result.log.track)} fixes; planned error: {_metres(route.planned_error)}"
     ]
+    if route.predicted:
+        lines.append(
+            f" Predicted: {route.predicted_duration_s:.0f} s; in space {_metres(route.predicted.in_space)}; "
+            f"in time {_metres(route.predicted.in_time)}"
+        )
     if result.flown:
         record, outcome = result.flown.record, result.flown.outcome
         lines += [

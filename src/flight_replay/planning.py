@@ -5,7 +5,8 @@ from __future__ import annotations
 from flight_replay.events import Listener, Notice, Progress
 from flight_replay.flights import Flight, find_flights, select
 from flight_replay.options import Options
-from flight_replay.route import Route, spaced_route
+from flight_replay.path import planned_path
+from flight_replay.route import Predicted, Route, home_of, spaced_route
 from flight_replay.sample import default_log
 from flight_replay.tlog import Log, VehicleId, read_log
 from flight_replay.track import Track
@@ -31,15 +32,42 @@ def read(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...],
 
 
 def plan(options: Options, track: Track, listener: Listener) -> Route:
-    """The route that the options ask for."""
-    route = spaced_route(
+    """The route that the options ask for, and what a person should know of it."""
+    route = _fitted(options, track, listener) if options.route == "fit" else _spaced(options, track)
+    listener(Notice(f" Generated {len(route.mission.places)} waypoints from tlog"))
+    for note in route.notes:
+        listener(Notice(f" {note}"))
+    return route
+
+
+def _spaced(options: Options, track: Track) -> Route:
+    return spaced_route(
         track,
         spacing_m=options.spacing_m,
         max_points=options.max_points,
         altitude_m=options.altitude_m,
         speed_m_s=options.speed_m_s,
     )
-    listener(Notice(f" Generated {len(route.mission.places)} waypoints from tlog"))
-    for note in route.notes:
-        listener(Notice(f" {note}"))
-    return route
+
+
+def _fitted(options: Options, track: Track, listener: Listener) -> Route:
+    from flight_replay.fit import fit
+
+    found = fit(
+        track,
+        max_points=options.max_points,
+        altitude_m=options.altitude_m,
+        speed_m_s=options.speed_m_s,
+        progress=lambda done, total: listener(Progress("fit", done, total, "flights")),
+    )
+    mission = found.mission.with_home(home_of(found.flown))
+    return Route(
+        method="fit",
+        mission=mission,
+        covered=found.flown,
+        path=planned_path(mission, found.frame),
+        planned_error=found.planned,
+        predicted_duration_s=found.predicted_duration_s,
+        predicted=Predicted(found.predicted_space, found.predicted_time),
+        notes=found.notes,
+    )

@@ -28,11 +28,20 @@ _LONGEST_SIMULATED_M = 50_000.0
 """Farther than copters fly; such a route is mostly flown at full speed."""
 
 
+@dataclass(frozen=True, slots=True)
+class Predicted:
+    """How the model of ArduCopter flies a route: distances from the recording in space and in time."""
+
+    in_space: Spread
+    in_time: Spread
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Route:
     """A mission, the recorded fixes that it covers, its distance from them as planned, and its duration.
 
-    ``predicted_duration_s`` is the time in AUTO that ArduCopter's defaults need for it.
+    ``predicted_duration_s`` is the time in AUTO that the vehicle is expected to need, ``predicted``
+    the expected distances where the planning found them, ``notes`` are sentences for a person.
     """
 
     method: str
@@ -41,22 +50,22 @@ class Route:
     path: Path
     planned_error: Spread
     predicted_duration_s: float
+    predicted: Predicted | None = None
     notes: tuple[str, ...] = ()
 
 
-def route_through(method: str, mission: Mission, covered: Track, notes: tuple[str, ...] = ()) -> Route:
+def route_through(method: str, mission: Mission, covered: Track) -> Route:
     """The route of a mission that was made from ``covered``, with its planned error.
 
     Args:
         method: name of the way in which the mission was made.
         mission: at least one place.
         covered: at least one fix.
-        notes: what a person should know of the planning, one sentence each.
     """
     path = planned_path(mission, covered.frame)
     error = spread(in_order_distances(covered.north_east_m(), path.north_east_m))
     assert error is not None, "a covered track has fixes"
-    return Route(method, mission, covered, path, error, _duration_s(mission, path), notes)
+    return Route(method, mission, covered, path, error, _duration_s(mission, path))
 
 
 def spaced_route(
@@ -84,7 +93,8 @@ def spaced_route(
         for lat, lon, height in zip(places.lat_deg, places.lon_deg, heights, strict=True)
     ]
     mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)), home_of(track))
-    return route_through("spacing", mission, track.select(slice(0, int(kept[-1]) + 1)))
+    covered = track.select(slice(0, int(kept[-1]) + 1))
+    return route_through("spacing", mission, covered)
 
 
 def home_of(track: Track) -> Home:
