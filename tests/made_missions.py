@@ -50,7 +50,9 @@ def random_mission(seed: int) -> Mission:
         lat, lon = frame.to_degrees((north, east))
         spline = kind == "spline" or (kind == "mixed" and chance.random() < 0.5)
         hold_s = float(chance.choice((1, 2, 4))) if chance.random() < 0.12 else 0.0
-        items.append(waypoint(round(float(lat), 7), round(float(lon), 7), round(up, 2), hold_s=hold_s, spline=spline))
+        items.append(
+            waypoint(round(float(lat), 7), round(float(lon), 7), round(up, 2), hold_s=hold_s, spline=spline)
+        )
     return Mission(tuple(items), home)
 
 
@@ -58,7 +60,10 @@ def write_waypoints(mission: Mission, path: Path) -> None:
     """Write a mission as QGC WPL 110, home as item 0."""
     assert mission.home is not None
     home = mission.home
-    rows = ["QGC WPL 110", f"0\t1\t0\t16\t0\t0\t0\t0\t{home.lat_deg:.8f}\t{home.lon_deg:.8f}\t{home.alt_amsl_m:.2f}\t1"]
+    rows = [
+        "QGC WPL 110",
+        f"0\t1\t0\t16\t0\t0\t0\t0\t{home.lat_deg:.8f}\t{home.lon_deg:.8f}\t{home.alt_amsl_m:.2f}\t1",
+    ]
     for seq, item in enumerate(mission.items, 1):
         params = "\t".join(f"{value:g}" for value in item.params)
         place = f"{item.lat_deg:.8f}\t{item.lon_deg:.8f}\t{item.alt_m:.2f}"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 from math import hypot
 
 import pytest
@@ -37,8 +39,8 @@ def do(command: int, *params: float) -> Spec:
 def items(*specs: Spec) -> list[LocalItem]:
     made = []
     for seq, (command, params, north_east, up) in enumerate(specs, 1):
-        four = (*params, 0.0, 0.0, 0.0, 0.0)[:4]
-        made.append(LocalItem(seq, command, four, north_east, up))  # type: ignore[arg-type]
+        p1, p2, p3, p4 = (*params, 0.0, 0.0, 0.0, 0.0)[:4]
+        made.append(LocalItem(seq, command, (p1, p2, p3, p4), north_east, up))
     return made
 
 
@@ -83,11 +85,9 @@ def test_corners_are_cut_within_the_radius_and_the_end_is_a_stop() -> None:
 
 def test_a_larger_radius_cuts_more() -> None:
     """WPNAV_RADIUS 5 m passes farther from the corner than 2 m, and is quicker."""
-    import dataclasses  # noqa: PLC0415
-
     results = []
     for radius in (2.0, 5.0):
-        copter = Copter(dataclasses.replace(LIMITS, wp_radius_m=radius), position_m=(0, 0, 20))
+        copter = Copter(replace(LIMITS, wp_radius_m=radius), position_m=(0, 0, 20))
         run = copter.start_auto(items(place(40, 0), place(40, 40), place(0, 40)))
         nearest = 99.0
         while not run.completed:
@@ -196,10 +196,7 @@ def test_circles_are_flown_the_number_of_times_asked_for(radius: float) -> None:
     flown = Flown(place(40, 0), (Command.LOITER_TURNS, (2.0, 0.0, radius), (40, 30), 20.0), place(40, 0))
     on_circle = [p for p in flown.places if abs(hypot(p[0] - 40, p[1] - 30) - 12.0) < 1.0]
     assert len(on_circle) > 1000
-    turning = sum(
-        (a[0] - 40) * (b[1] - 30) - (a[1] - 30) * (b[0] - 40)
-        for a, b in zip(on_circle, on_circle[1:], strict=False)
-    )
+    turning = sum((a[0] - 40) * (b[1] - 30) - (a[1] - 30) * (b[0] - 40) for a, b in pairwise(on_circle))
     # Twice the area swept, twice around: 4 pi r².
     assert turning == pytest.approx(4 * 3.14159 * 144 * (1 if radius > 0 else -1), rel=0.15)
 
@@ -302,8 +299,8 @@ def _local(mission: Mission) -> Sequence[LocalItem]:
 def test_items_become_local_by_their_frames() -> None:
     """Relative and terrain heights count from home, absolute ones from sea level; zeros stay open."""
     home = Home(47.0, 8.0, 400.0)
-    absolute = MissionItem(Command.WAYPOINT, Frame.ABSOLUTE, (0.0,) * 4, 47.001, 8.0, 430.0)  # type: ignore[arg-type]
-    nowhere = MissionItem(Command.WAYPOINT, Frame.RELATIVE, (0.0,) * 4, 0.0, 0.0, 0.0)  # type: ignore[arg-type]
+    absolute = MissionItem(Command.WAYPOINT, Frame.ABSOLUTE, (0.0,) * 4, 47.001, 8.0, 430.0)
+    nowhere = MissionItem(Command.WAYPOINT, Frame.RELATIVE, (0.0,) * 4, 0.0, 0.0, 0.0)
     local = _local(Mission((waypoint(47.0, 8.001, 30.0), absolute, nowhere), home))
     assert local[0].up_m == local[1].up_m == 30.0
     assert local[0].north_east_m == pytest.approx((0.0, 75.9), abs=0.1)

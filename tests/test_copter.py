@@ -143,7 +143,7 @@ def test_the_return_altitude_follows_its_rules(
     start: Vector, changes: dict[str, float], altitude: float
 ) -> None:
     """RTL_ALT, but not above the cone around home, at least RTL_CLIMB_MIN higher, and never lower."""
-    copter = Copter(replace(LIMITS, **changes), position_m=start)  # type: ignore[arg-type]
+    copter = Copter(replace(LIMITS, **changes), position_m=start)
     copter.return_home()
     places = fly(copter, lambda: not copter.motors)
     assert max(u for _, _, u in places) == pytest.approx(altitude, abs=0.25)
@@ -254,3 +254,24 @@ def test_changed_limits_hold_from_then_on() -> None:
         copter.step()
         fastest = max(fastest, hypot(*copter.velocity_m_s))
     assert 2.5 < fastest < 3.3
+
+
+def test_limits_of_zero_are_none() -> None:
+    """Without limits of lean and yaw acceleration, and with one of the lean rate, it flies as well."""
+    limits = Limits.from_parameters({"ATC_ACCEL_R_MAX": 0, "ATC_ACCEL_Y_MAX": 0, "ATC_RATE_R_MAX": 60})
+    copter = Copter(limits, position_m=(0, 0, 20))
+    copter.goto((0.0, 40.0, 20.0))
+    fly(copter, lambda: copter.phase.done)
+    assert copter.attitude_rad[2] == pytest.approx(pi / 2, abs=0.05)
+
+
+def test_speed_changes_reach_what_is_under_way() -> None:
+    """A GUIDED flight takes a new speed, up and level; a landing takes none."""
+    copter = hover()
+    copter.goto((100.0, 0.0, 20.0))
+    assert copter.change_speed(1, 2.0)
+    assert copter.change_speed(2, 0.5)
+    fly(copter, lambda: copter.time_s > 10.0)
+    assert hypot(*copter.velocity_m_s) == pytest.approx(2.0, abs=0.1)
+    copter.land()
+    assert not copter.change_speed(1, 5.0)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from flight_replay.simulator.path_limits import PathLimits
 from flight_replay.simulator.scurve import SCurve
 
+SHARE, SPEED = st.floats(0.0, 1.0), st.floats(0.5, 12.0)
 LIMITS = PathLimits(10.0, 2.5, 1.5, 2.5, 1.0, 1.0, pi / 0.6)
 
 
@@ -49,7 +50,10 @@ def test_acceleration_is_confined_to_half_the_leg() -> None:
         assert speed[position <= length / 2].max() == pytest.approx(speed.max(), rel=1e-3)
 
 
-@pytest.mark.parametrize(("length", "peak"), [(3, 1.2), (5, 1.7), (10, 2.8), (20, 4.4), (30, 5.8), (50, 8.2), (80, 10)])
+PEAKS = [(3, 1.2), (5, 1.7), (10, 2.8), (20, 4.4), (30, 5.8), (50, 8.2), (80, 10)]
+
+
+@pytest.mark.parametrize(("length", "peak"), PEAKS)
 def test_short_legs_are_slow(length: float, peak: float) -> None:
     """Peak speeds at the default parameters are those that ArduCopter 4.6 shows."""
     speed = motion(SCurve((0.0, float(length), 0.0), LIMITS))[2]
@@ -107,7 +111,7 @@ def test_a_start_too_fast_for_a_ramp_leaves_the_speed_as_it_is() -> None:
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.floats(20.0, 200.0), st.floats(0.0, 1.0), st.floats(0.5, 12.0), st.floats(0.0, 1.0), st.floats(0.5, 12.0))
+@given(st.floats(20.0, 200.0), SHARE, SPEED, SHARE, SPEED)
 def test_a_changed_speed_neither_jumps_nor_misses_the_end(
     length: float, when: float, speed: float, again: float, other: float
 ) -> None:

@@ -34,7 +34,10 @@ def flown(shape: Ramp, speed: float) -> tuple[float, float, float]:
     return float(velocity[-1]), float(np.sum(velocity * dt)), float(accel.max())
 
 
-@given(st.floats(0.0, 5.0), st.floats(0.5, 15.0), st.floats(0.5, 4.0), st.floats(0.5, 8.0), st.floats(0.5, 300.0))
+ACCEL, JERK = st.floats(0.5, 4.0), st.floats(0.5, 8.0)
+
+
+@given(st.floats(0.0, 5.0), st.floats(0.5, 15.0), ACCEL, JERK, st.floats(0.5, 300.0))
 def test_a_ramp_exceeds_neither_speed_nor_acceleration(
     speed: float, gain: float, accel: float, jerk: float, length: float
 ) -> None:
@@ -48,7 +51,7 @@ def test_a_ramp_exceeds_neither_speed_nor_acceleration(
         assert gone <= length * (1 + 1e-3)
 
 
-@given(st.floats(0.2, 20.0), st.floats(0.5, 4.0), st.floats(0.5, 8.0), st.floats(0.1, 500.0))
+@given(st.floats(0.2, 20.0), ACCEL, JERK, st.floats(0.1, 500.0))
 def test_from_rest_something_is_used_up(top_speed: float, accel: float, jerk: float, length: float) -> None:
     """A ramp from rest reaches the top speed, or it takes the whole length."""
     shape = ramp(Kinematics(jerk * pi / 0.6, jerk, accel), 0.0, top_speed, length)

@@ -8,7 +8,7 @@ positions are metres north, east and up of home.
 
 from __future__ import annotations
 
-from math import atan, atan2, cos, exp, hypot, pi, sin
+from math import atan, cos, exp, pi, sin
 
 from flight_replay.simulator.air import Air
 from flight_replay.simulator.control import clamp, sqrt_controller, step_towards
@@ -112,32 +112,22 @@ class Airframe:
 
     def _shaped_rate(self, error: float, rate: float) -> float:
         limits = self._limits
-        wanted = sqrt_controller(
-            error, 1.0 / max(limits.attitude_input_s, 0.01), limits.lean_accel_rad_s2, self.dt
-        )
-        if limits.lean_rate_rad_s > 0:
-            wanted = clamp(wanted, -limits.lean_rate_rad_s, limits.lean_rate_rad_s)
-        if limits.lean_accel_rad_s2 <= 0:
-            return wanted
-        return step_towards(wanted, rate, limits.lean_accel_rad_s2 * self.dt)
+        return self._turned(error, rate, limits.lean_accel_rad_s2, limits.lean_rate_rad_s)
+
+    def _turned(self, error: float, rate: float, accel_max: float, rate_max: float) -> float:
+        """Next rate, rad/s, that removes an angle error; limits of 0 are none (input_shaping_angle)."""
+        wanted = sqrt_controller(error, 1.0 / max(self._limits.attitude_input_s, 0.01), accel_max, self.dt)
+        if rate_max > 0:
+            wanted = clamp(wanted, -rate_max, rate_max)
+        return step_towards(wanted, rate, accel_max * self.dt) if accel_max > 0 else wanted
 
     def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
         """Turn the heading with ArduCopter's limits of yaw rate and acceleration."""
         limits, dt = self._limits, self.dt
         error = (yaw_rad - self.yaw + pi) % (2.0 * pi) - pi
-        wanted = rate_rad_s + sqrt_controller(
-            error, 1.0 / max(limits.attitude_input_s, 0.01), limits.yaw_accel_rad_s2, dt
+        # The rate fed forward counts as an error that it would remove.
+        ahead = rate_rad_s * max(limits.attitude_input_s, 0.01)
+        self._yaw_rate = self._turned(
+            error + ahead, self._yaw_rate, limits.yaw_accel_rad_s2, limits.yaw_slew_rad_s
         )
-        wanted = clamp(wanted, -limits.yaw_slew_rad_s, limits.yaw_slew_rad_s)
-        self._yaw_rate = step_towards(wanted, self._yaw_rate, limits.yaw_accel_rad_s2 * dt)
         self.yaw = (self.yaw + self._yaw_rate * dt + pi) % (2.0 * pi) - pi
-
-    @property
-    def ground_course(self) -> float:
-        """Direction of flight, rad from north."""
-        return atan2(self.ve, self.vn)
-
-    @property
-    def ground_speed(self) -> float:
-        """Horizontal speed, m/s."""
-        return hypot(self.vn, self.ve)

@@ -51,4 +51,4 @@ def mean_clamped(mean: float, deviation: float) -> float:
     low, high = mean / deviation, (mean - 1.0) / deviation
     above_low, above_high = 0.5 * (1.0 + erf(low * _SQRT_HALF)), 0.5 * (1.0 + erf(high * _SQRT_HALF))
     bell = exp(-0.5 * low * low) - exp(-0.5 * high * high)
-    return mean * (above_low - above_high) + above_high + deviation * bell * _BELL
+    return clamp(mean * (above_low - above_high) + above_high + deviation * bell * _BELL, 0.0, 1.0)
