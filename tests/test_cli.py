@@ -1,6 +1,8 @@
 """The command line, in this process: exit statuses, the one error line, JSON, and whole replays."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +80,7 @@ def test_json_is_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
         (["--plot", "picture.bmp", "--dry-run"], ".png"),
         (["--report", "report.txt", "--dry-run"], ".html"),
         (["--save", "missing/mission.plan", "--dry-run"], "missing"),
+        (["--gcs", "carrier pigeon", "--dry-run"], "carrier pigeon"),
         (["--flight", "99", "--dry-run"], "--flight"),
         (["--vehicle", "77", "--dry-run"], "77"),
     ],
@@ -134,3 +137,14 @@ def test_plain_lines_keep_the_example_s_wording(capsys: pytest.CaptureFixture[st
     places = [out.find(line) for line in told]
     assert -1 not in places
     assert places == sorted(places)
+
+
+def test_a_reader_that_has_gone_is_no_failure() -> None:
+    """``flight-replay --dry-run --json | head`` ends quietly."""
+    program = [sys.executable, "-m", "flight_replay", "--dry-run", "--json"]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout and process.stderr
+        process.stdout.close()
+        told = process.stderr.read().decode()
+    assert "Error" not in told
+    assert "Exception" not in told

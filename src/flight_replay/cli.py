@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import signal
 import sys
 import threading
 import traceback
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType
 from typing import TYPE_CHECKING
 
@@ -46,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(stop.code or 0)
     logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL)
     try:
-        with _terminated_like_interrupted(), _console(options) as console:
+        with _ended_like_interrupted(), _console(options) as console:
             problem = replay(options, arguments, console)
     except KeyboardInterrupt:
         write_error(sys.stderr, "interrupted")
@@ -55,6 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if options.verbose:
             traceback.print_exc()
         problem = _explained(error)
+    _finish_stdout()
     if problem is not None:
         write_error(sys.stderr, problem)
     return 0 if problem is None else 1
@@ -77,9 +79,9 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     outputs.save_mission(options, route)
     with mapped(options, route, console, listener) as listener:
         flown = None if options.dry_run else _fly(options, route, console, listener)
-    result = Replay(log, flights, route, flown)
-    outputs.save_pictures(options, result, journal.entries, arguments)
-    _say(options, result, console)
+        result = Replay(log, flights, route, flown)
+        outputs.save_pictures(options, result, journal.entries, arguments)
+        _say(options, result, console)
     return flown.record.problem if flown else None
 
 
@@ -93,10 +95,19 @@ def _fly(options: Options, route: Route, console: Console, listener: Listener) -
 def _say(options: Options, result: Replay, console: Console) -> None:
     """The result: for programs on stdout as JSON, for people in words."""
     if options.json:
-        sys.stdout.write(json.dumps(outputs.summary(result)) + "\n")
+        with suppress(BrokenPipeError):
+            sys.stdout.write(json.dumps(outputs.summary(result)) + "\n")
     else:
         for line in outputs.words(result):
             console.say(line)
+
+
+def _finish_stdout() -> None:
+    """Write out what is left; a reader that has gone (``| head``) needs no complaint."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _console(options: Options) -> AbstractContextManager[Console]:
@@ -106,8 +117,8 @@ def _console(options: Options) -> AbstractContextManager[Console]:
 
 
 @contextmanager
-def _terminated_like_interrupted() -> Iterator[None]:
-    """Make SIGTERM end the program as Ctrl-C does: the vehicle is sent home first."""
+def _ended_like_interrupted() -> Iterator[None]:
+    """Make SIGTERM, and a terminal that is closed, end the program as Ctrl-C does: home first."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -115,8 +126,10 @@ def _terminated_like_interrupted() -> Iterator[None]:
     def interrupt(_signal: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {name: signal.signal(getattr(signal, name), interrupt) for name in names}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for name, handler in before.items():
+            signal.signal(getattr(signal, name), handler)

@@ -30,11 +30,24 @@ class Replay:
 
 
 def check(options: Options) -> None:
-    """Refuse files that could not be written at the end, before anything is read or flown.
+    """Refuse files and stations that could not be served, before anything is read or flown.
 
     Raises:
-        FlightReplayError: A suffix that no format has, or a folder that is not there.
+        FlightReplayError: A suffix that no format has, a folder that is not there, a station
+            that cannot be understood.
     """
+    _check_suffixes(options)
+    for file in (*options.save, options.plot, options.report, options.record):
+        if file and not file.expanduser().parent.is_dir():
+            raise FlightReplayError(f"cannot write {file}: there is no folder {file.parent}; make it first")
+    if options.gcs:
+        from flight_replay.gcs_sockets import socket_for
+
+        for station in options.gcs:
+            socket_for(station)
+
+
+def _check_suffixes(options: Options) -> None:
     if options.save:
         from flight_replay import formats
 
@@ -48,9 +61,6 @@ def check(options: Options) -> None:
         from flight_replay import report
 
         report.check_suffix(options.report)
-    for file in (*options.save, options.plot, options.report, options.record):
-        if file and not file.expanduser().parent.is_dir():
-            raise FlightReplayError(f"cannot write {file}: there is no folder {file.parent}; make it first")
 
 
 def save_mission(options: Options, route: Route) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from collections.abc import Iterator
@@ -12,13 +13,18 @@ from flight_replay.events import Event, Listener, Notice
 from flight_replay.options import Options
 from flight_replay.route import Route
 
+_log = logging.getLogger(__name__)
+
 
 def together(*listeners: Listener) -> Listener:
-    """One listener that tells all of them, in order."""
+    """One listener that tells all of them, in order; one that fails must not end a flight."""
 
     def tell(event: Event) -> None:
         for listener in listeners:
-            listener(event)
+            try:
+                listener(event)
+            except Exception:
+                _log.exception("a watcher failed at %r", event)
 
     return tell
 
