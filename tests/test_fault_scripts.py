@@ -116,7 +116,9 @@ def test_an_old_copter_knows_less() -> None:
     assert autopilot.parameters["FS_GCS_ENABLE"] == 1
     station.run(READY_S)
     assert station.command(SET_MODE, 1, GUIDED) == 3
+    assert station.command(512, 30) == 3
     station.send(dialect.MAVLink_set_mode_message(1, 1, GUIDED))
+    assert (station.last("COMMAND_ACK").command, station.last("COMMAND_ACK").result) == (11, 0)
     assert autopilot.mode == Mode.GUIDED
     assert station.command(ARM, 1) == 0
     for _ in range(4):

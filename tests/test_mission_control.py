@@ -1,10 +1,9 @@
-"""AUTO: missions flown, left, resumed and changed; in vehicle time."""
+"""AUTO: missions left, resumed, chosen from and changed; in vehicle time."""
 
 from __future__ import annotations
 
 import math
 
-import pytest
 from sim_station import (
     ARM,
     AUTO,
@@ -12,7 +11,6 @@ from sim_station import (
     LOITER,
     MISSION_START,
     READY_S,
-    Item,
     Station,
     act,
     place,
@@ -54,50 +52,24 @@ def test_auto_in_the_air_needs_a_mission() -> None:
     assert autopilot.mode == Mode.GUIDED
 
 
-def test_a_mission_is_flown_item_by_item() -> None:
-    """Each item is announced, reached and counted; after the last the copter stays, still in AUTO."""
-    autopilot, station = sim()
-    station.fly()
-    station.upload(SQUARE)
-    assert station.mode(AUTO) == ACCEPTED
-    assert station.run(120, lambda: 3 in reached(station))
-    assert reached(station) == [1, 2, 3]
-    for text in ("Mission: 1 WP", "Reached command #1", "Mission: 3 WP", "Reached command #3"):
-        assert text in station.texts
-    station.run(5)
-    station.channel.request(dialect.MAVLINK_MSG_ID_MISSION_CURRENT)
-    current = station.last("MISSION_CURRENT")
-    assert (current.seq, current.total, current.mission_state, current.mission_mode) == (3, 3, 5, 1)
-    assert autopilot.mode == Mode.AUTO
-    north_m, east_m, up_m = autopilot.flight.position_m
-    assert math.dist((north_m, east_m, up_m), (0, 40, 20)) < 1
-
-
-def test_do_items_take_the_place_of_the_item_before_in_the_report() -> None:
-    """A DO item is done at once, and of one instant only the last item is reported, as ArduCopter does."""
-    _, station = sim()
-    station.fly()
-    station.upload([place(30, 0), act(178, 1, 3, -1), place(30, 30)])
-    station.mode(AUTO)
-    assert station.run(120, lambda: 3 in reached(station))
-    assert reached(station) == [2, 3]
-    assert station.texts.index("Mission: 2 ChangeSpeed") < station.texts.index("Mission: 3 WP")
-
-
 def test_a_whole_mission_from_takeoff_to_landing() -> None:
-    """MISSION_START lifts off by itself; RTL as an item lands and disarms, and the mission is reset."""
+    """AUTO begins on the ground, MISSION_START lifts off; RTL lands and disarms, and it begins anew."""
     autopilot, station = sim(AUTO_OPTIONS=1)
     station.run(READY_S)
     station.upload([takeoff(15), place(30, 0), act(20)])
     station.mode(AUTO)
     assert station.command(ARM, 1) == ACCEPTED
     station.run(3)
+    assert "Mission: 1 Takeoff" in station.texts
+    assert autopilot.mission.seq == 1
     assert autopilot.flight.landed
     assert station.command(MISSION_START) == ACCEPTED
     assert station.run(200, lambda: not autopilot.armed)
     assert {1, 2} <= set(reached(station))
     assert math.dist(autopilot.flight.position_m, (0, 0, 0)) < 0.5
-    assert autopilot.mission.seq == 0
+    assert station.texts.count("Mission: 1 Takeoff") == 1
+    station.run(1)
+    assert station.texts.count("Mission: 1 Takeoff") == 2
 
 
 def test_a_mission_goes_on_where_it_was_left() -> None:
@@ -176,81 +148,20 @@ def order_of(station: Station, count: int) -> list[str]:
     return [text.removeprefix("Mission: ") for text in station.texts if text.startswith("Mission: ")]
 
 
-def test_jumps_are_flown_as_often_as_they_say() -> None:
-    """DO_JUMP back to 1 twice: the items before it are flown three times."""
-    _, station = sim()
-    station.fly()
-    station.upload([place(10, 0), place(0, 0), act(177, 1, 2), place(0, 10)])
-    station.mode(AUTO)
-    assert order_of(station, 4) == [*["1 WP", "2 WP"] * 3, "4 WP"]
-
-
-def test_jumps_can_go_on_for_ever_and_lead_nowhere() -> None:
-    """-1 repeats without end; a jump onto itself is passed over, as is one that never jumps."""
+def test_a_mission_that_waits_on_the_ground_can_be_written_anew() -> None:
+    """Disarmed in AUTO the first item is current; a new mission begins at its own first item."""
     autopilot, station = sim()
-    station.fly()
-    station.upload([place(10, 0), act(177, 2, -1), place(0, 10)])
+    station.run(READY_S)
+    station.upload([takeoff(10), place(10, 0)])
     station.mode(AUTO)
-    station.run(30)
+    station.run(1)
     assert autopilot.mission.seq == 1
-    station.mode(LOITER)
-    station.upload([place(10, 0), place(0, 0), act(177, 1, -1)])
-    station.mode(AUTO)
-    station.run(120)
-    assert autopilot.mode.value == AUTO
-    assert reached(station).count(1) > 3
-
-
-@pytest.mark.parametrize(
-    ("item", "seconds"),
-    [(place(0, 0, 20, command=19, hold_s=7), 7), ((93, 2, (9.0, -1.0, -1.0, -1.0), 0, 0, 0.0), 9)],
-    ids=["loiter time", "delay"],
-)
-def test_items_that_wait_wait(item: Item, seconds: float) -> None:
-    """NAV_LOITER_TIME and NAV_DELAY hold the vehicle for their seconds."""
-    autopilot, station = sim()
-    station.fly()
-    station.run(10)
-    station.upload([item, place(0, 30)])
-    station.mode(AUTO)
-    began_s = autopilot.time_s
-    assert station.run(60, lambda: autopilot.mission.seq == 2)
-    assert autopilot.time_s - began_s == pytest.approx(seconds, abs=2.5)
-
-
-def test_a_loiter_without_end_is_left_by_a_station_only() -> None:
-    """NAV_LOITER_UNLIM stays until another mode or item is chosen."""
-    autopilot, station = sim()
-    station.fly()
-    station.upload([place(20, 0, command=17), place(0, 0)])
-    station.mode(AUTO)
-    station.run(120)
-    assert autopilot.mission.seq == 1
-    assert math.dist(autopilot.flight.position_m, (20, 0, 20)) < 1
-    assert station.command(224, 2) == ACCEPTED
-    assert station.run(60, lambda: 2 in reached(station))
-
-
-def test_a_land_item_lands_there_and_ends_the_mission() -> None:
-    """NAV_LAND with a place flies there, lands and disarms."""
-    autopilot, station = sim()
-    station.fly(10)
-    station.upload([place(10, 0, 10), place(20, 5, 0, command=21)])
-    station.mode(AUTO)
-    assert station.run(120, lambda: not autopilot.armed)
-    assert math.dist(autopilot.flight.position_m, (20, 5, 0)) < 1
-
-
-def test_wind_is_felt_and_told() -> None:
-    """SIM_WIND_* leans the copter against the wind at once, and WIND says where it comes from."""
-    autopilot, station = sim()
-    station.fly()
-    autopilot.parameters.assign("SIM_WIND_DIR", 0)
-    autopilot.parameters.assign("SIM_WIND_SPD", 8)
-    station.run(20)
-    assert math.dist(autopilot.flight.position_m, (0, 0, 20)) < 2
-    roll, pitch, yaw = autopilot.flight.attitude_rad
-    assert math.degrees(roll * math.sin(yaw) + pitch * math.cos(yaw)) < -3
-    station.channel.request(dialect.MAVLINK_MSG_ID_WIND)
-    wind = station.last("WIND")
-    assert (wind.direction, wind.speed) == pytest.approx((0, 8), abs=0.01)
+    station.send(dialect.MAVLink_mission_set_current_message(1, 1, 2))
+    assert autopilot.mission.seq == 2
+    station.upload([act(93, 1, -1, -1, -1), takeoff(20)])
+    station.run(1)
+    assert "Mission: 1 Delay" in station.texts
+    station.upload([act(178, 1, 5)])
+    station.run(1)
+    station.channel.request(dialect.MAVLINK_MSG_ID_MISSION_CURRENT)
+    assert station.last("MISSION_CURRENT").mission_state == dialect.MISSION_STATE_COMPLETE

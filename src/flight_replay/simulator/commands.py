@@ -34,7 +34,7 @@ class Command:
 
 # Commands that this firmware knows as COMMAND_INT alone.
 _ONLY_INT = frozenset({dialect.MAV_CMD_DO_REPOSITION})
-_LARGEST = 2.0**31 - 1
+_LARGEST = 2.0**31 - 128  # the largest 32 bit float that a 32 bit integer takes
 
 Handler = Callable[["Autopilot", Command, Sender], int]
 
@@ -64,7 +64,7 @@ def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
 def _answer(autopilot: Autopilot, command: Command, sender: Sender) -> None:
     handler = COMMANDS.get(command.number)
     result = dialect.MAV_RESULT_UNSUPPORTED
-    if handler is not None and not _is_unknown_to_firmware(autopilot, command):
+    if handler is not None and command.number not in autopilot.faults.personality.unknown_commands:
         result = handler(autopilot, command, sender)
     _acknowledge(sender, command.number, result)
 
@@ -86,12 +86,7 @@ def _params(message: Message) -> tuple[float, float, float, float]:
 
 def _number(value: float) -> float:
     """A parameter that whole numbers can be made of: what is not a number counts as 0."""
-    return 0.0 if math.isnan(value) else min(max(float32(value), -_LARGEST), _LARGEST)
-
-
-def _is_unknown_to_firmware(autopilot: Autopilot, command: Command) -> bool:
-    knows = autopilot.faults.personality.knows_set_mode_command
-    return command.number == dialect.MAV_CMD_DO_SET_MODE and not knows
+    return 0.0 if math.isnan(value) else float32(min(max(value, -_LARGEST), _LARGEST))
 
 
 COMMANDS: dict[int, Handler] = {

@@ -64,7 +64,12 @@ class Personality:
     firmware: str = "ArduCopter"
     version: tuple[int, int, int] = (4, 6, 0)
     mavlink1: bool = False
-    knows_set_mode_command: bool = True
+    unknown_commands: frozenset[int] = frozenset()
+    """Numbers of commands that this copter knows and that firmware does not."""
+    answers_set_mode: bool = False
+    """Whether SET_MODE, a message, is answered with a COMMAND_ACK of its message number."""
+    auto_needs_takeoff: bool = True
+    """Whether AUTO is refused on the ground without a take-off item."""
     arming_takes_s: float = 0.0
     capabilities: int = _CAPABILITIES
     parameters: Mapping[str, float] = field(default_factory=dict)
@@ -87,9 +92,11 @@ ROVER = Personality(vehicle_type=10, firmware="ArduRover")
 COPTER_3_3 = Personality(
     version=(3, 3, 0),
     mavlink1=True,
-    knows_set_mode_command=False,
+    unknown_commands=frozenset({176, 510, 511, 512, 401, 224, 42428}),
+    answers_set_mode=True,
+    auto_needs_takeoff=False,
     arming_takes_s=2.5,
-    capabilities=1 | 2 | 128 | 256,
+    capabilities=2947,
     parameters={"FS_GCS_ENABLE": 1, "WPNAV_SPEED": 500, "WPNAV_ACCEL": 100},
 )
 

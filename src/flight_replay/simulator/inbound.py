@@ -53,8 +53,10 @@ def _param_set(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
 
 
 def _set_mode(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
-    if message.base_mode & _CUSTOM_MODE:
-        autopilot.request_mode(message.custom_mode)
+    entered = bool(message.base_mode & _CUSTOM_MODE) and autopilot.request_mode(message.custom_mode)
+    if autopilot.faults.personality.answers_set_mode:
+        result = dialect.MAV_RESULT_ACCEPTED if entered else dialect.MAV_RESULT_FAILED
+        sender.channel.send(dialect.MAVLink_command_ack_message(message.get_msgId(), result))
     return True
 
 

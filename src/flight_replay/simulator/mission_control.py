@@ -45,7 +45,7 @@ class MissionControl:
         self._changes = 0
         self._items: list[LocalItem] = []
         self._walk = MissionWalk(self._items)
-        self._next_seq = FIRST_SEQ
+        self._begun_at = self._next_seq = FIRST_SEQ
 
     @property
     def state(self) -> int:
@@ -59,7 +59,8 @@ class MissionControl:
         vehicle = self._autopilot
         if not vehicle.armed:
             return True
-        if vehicle.flight.landed and not vehicle.store.starts_with_takeoff(self._first()):
+        needs_takeoff = vehicle.flight.landed and vehicle.faults.personality.auto_needs_takeoff
+        if needs_takeoff and not vehicle.store.starts_with_takeoff(self._first()):
             vehicle.say(_CRITICAL, "Auto: Missing Takeoff Cmd")
             return False
         return len(vehicle.store) > 1
@@ -105,8 +106,7 @@ class MissionControl:
         target = store.next_navigation(max(seq, FIRST_SEQ))
         if target is None:
             return False
-        if self._state == _ACTIVE and self._run is not None:
-            self.seq = 0
+        if self._state == _ACTIVE:
             self._start_at(max(seq, FIRST_SEQ))
             return True
         self.seq = target
@@ -123,31 +123,31 @@ class MissionControl:
             return
         if self._waiting and vehicle.sensors.origin_set:
             self._waiting = False
-            self._state = _ACTIVE
-            self._begin(self._first())
+            self._start_at(self._first())
+        elif self._state == _ACTIVE and (self.seq == 0 or self._is_stale()):
+            self._start_at(FIRST_SEQ)
         if self._run is None and self._state == _ACTIVE and self._can_fly():
-            self._begin(self._first())
+            self._run = vehicle.flight.fly_mission(self._items, self._begun_at)
         if self._run is not None:
             self._follow(self._run)
+
+    def _is_stale(self) -> bool:
+        """Whether a mission that waits on the ground was written anew."""
+        store = self._autopilot.store
+        return self._run is None and self._changes != store.changes and not self._autopilot.protocol.receiving
 
     def _can_fly(self) -> bool:
         vehicle = self._autopilot
         return vehicle.armed and (not vehicle.flight.landed or self._may_lift)
 
-    def _begin(self, seq: int) -> None:
-        if len(self._autopilot.store) < 2:
-            self._state = _COMPLETE
-        elif self._can_fly():
-            self._start_at(seq)
-
     def _start_at(self, seq: int) -> None:
+        """The mission runs from an item on; it is flown as soon as the vehicle may leave the ground."""
         self._changes = self._autopilot.store.changes
         self._items = self._local_items()
-        self._walk, self._next_seq = MissionWalk(self._items), seq
+        self._walk, self._begun_at, self._next_seq = MissionWalk(self._items), seq, seq
         self._told, self._completed_told = 0, False
-        self._state = _ACTIVE
-        self._run = self._autopilot.flight.fly_mission(self._items, seq)
-        self._tell_started()
+        self._run = None
+        self._state = _ACTIVE if self._tell_started() else _COMPLETE
 
     def _follow(self, run: MissionRun) -> None:
         vehicle = self._autopilot
@@ -171,13 +171,14 @@ class MissionControl:
             if vehicle.flight.landed:
                 vehicle.disarm()
 
-    def _tell_started(self) -> None:
-        """Speak of the next item to fly, and of those that are done on the way to it."""
+    def _tell_started(self) -> bool:
+        """Speak of the next item to fly, if there is one, and of those that are done on the way to it."""
         doing, item = self._walk.advance(self._next_seq)
         for each in [*doing, item] if item else doing:
             self._autopilot.say(_INFO, f"Mission: {each.seq} {name_of(each.command)}")
         if item:
             self.seq, self._next_seq = item.seq, item.seq + 1
+        return item is not None
 
     def _take_over_changes(self) -> None:
         """Somebody wrote to the mission that is flown (ModeAuto::run, check_for_mission_change)."""
