@@ -75,7 +75,7 @@ class LogWriter:
         ids = {"version": self.version, "system": self.system, "component": self.component, **other}
         if self.stamp_us is not None:
             self.data += struct.pack(">Q", self.stamp_us)
-        self.data += frame(message, payload, **ids)
+        self.data += frame(message, payload, ids["version"], ids["system"], ids["component"])
         return self
 
     def position(

@@ -40,6 +40,11 @@ class Position:
     is_3d: bool | None
 
     @property
+    def key(self) -> int:
+        """The vehicle's ids as one number."""
+        return self.vehicle[0] * 256 + self.vehicle[1]
+
+    @property
     def is_empty(self) -> bool:
         """No position at all."""
         return self.lat_e7 == 0 and self.lon_e7 == 0
@@ -119,7 +124,20 @@ def positions(data: bytes) -> list[Position]:
         if record.message == 24:
             is_3d[record.vehicle] = record.payload[28] >= 3
         if record.message == 33:
-            values = struct.unpack("<Iiiiihhh", record.payload[:26])
-            told = armed.get(record.vehicle), is_3d.get(record.vehicle)
-            found.append(Position(record.offset, record.vehicle, *values[:5], values[5:], *told))
+            time_ms, lat, lon, amsl, alt, *velocity = struct.unpack("<Iiiiihhh", record.payload[:26])
+            north, east, down = velocity
+            found.append(
+                Position(
+                    record.offset,
+                    record.vehicle,
+                    time_ms,
+                    lat,
+                    lon,
+                    amsl,
+                    alt,
+                    (north, east, down),
+                    armed.get(record.vehicle),
+                    is_3d.get(record.vehicle),
+                )
+            )
     return found

@@ -24,11 +24,12 @@ from log_writer import (
     heartbeat_payload,
     position_payload,
 )
+from numpy.typing import NDArray
 from pymavlink.dialects.v10 import all as mavlink1
 from pymavlink.dialects.v20 import all as mavlink2
 
 from flight_replay.tlog import messages, source
-from flight_replay.tlog.columns import Heartbeats, Records
+from flight_replay.tlog.columns import Columns, Records
 from flight_replay.tlog.crc import are_right, is_right
 from flight_replay.tlog.scan import scan
 
@@ -57,9 +58,9 @@ class _Bytes:
         return given
 
 
-def last_word(columns: Heartbeats, said: np.ndarray, offset: int, vehicle: int) -> bool | None:
-    """What the vehicle's last record before an offset says."""
-    before = np.flatnonzero((columns.vehicle == vehicle) & (columns.offset < offset))
+def last_word(columns: Columns, said: NDArray[np.bool_], each: slow_reader.Position) -> bool | None:
+    """What the last record of a position's vehicle before it says."""
+    before = np.flatnonzero((columns.vehicle == each.key) & (columns.offset < each.offset))
     return bool(said[before[-1]]) if len(before) else None
 
 
@@ -71,17 +72,15 @@ def assert_equal_to_slow(records: Records, data: bytes) -> None:
     assert fast.offset.tolist() == [each.offset for each in expected]
     rows = zip(*(getattr(fast, name).tolist() for name in _COLUMNS), strict=True)
     assert list(rows) == [
-        (each.vehicle[0] * 256 + each.vehicle[1], each.time_ms, each.lat_e7, each.lon_e7, each.amsl_mm)
-        + (each.alt_mm, *each.velocity_cm_s)
+        (each.key, each.time_ms, each.lat_e7, each.lon_e7, each.amsl_mm, each.alt_mm, *each.velocity_cm_s)
         for each in expected
     ]
     assert sum(records.empty.values()) == len(slow) - len(expected)
     assert {each.offset for each in slow} >= set(records.positions.offset.tolist())
     beats = records.heartbeats.select(records.heartbeats.autopilot != 8)
     for each in expected[:: max(len(expected) // 200, 1)]:
-        key = each.vehicle[0] * 256 + each.vehicle[1]
-        assert last_word(beats, beats.armed, each.offset, key) == each.armed
-        assert last_word(records.fixes, records.fixes.is_3d, each.offset, key) == each.is_3d
+        assert last_word(beats, beats.armed, each) == each.armed
+        assert last_word(records.fixes, records.fixes.is_3d, each) == each.is_3d
 
 
 _COLUMNS = [
@@ -98,7 +97,7 @@ _COLUMNS = [
 
 
 @pytest.mark.parametrize("path", SHARED_LOGS, ids=lambda path: path.name)
-def test_shared_logs_are_read_as_by_a_walk_over_every_byte(path):
+def test_shared_logs_are_read_as_by_a_walk_over_every_byte(path: Path) -> None:
     """On real logs the fast reader and the plain one agree on every fix, read whole or in small blocks."""
     data = path.read_bytes()
     with source.opened(path) as opened:
@@ -128,29 +127,28 @@ versions = st.sampled_from([1, 2])
 
 
 @st.composite
-def frames(draw, contents=wanted):
-    message, payload = draw(contents)
+def frames(draw: st.DrawFn) -> bytes:
+    message, payload = draw(wanted)
     version = 2 if message > 255 else draw(versions)
     return frame(message, payload, version, draw(st.sampled_from([1, 1, 9])), 1, draw(st.booleans()))
 
 
 @st.composite
-def nests(draw):
+def nests(draw: st.DrawFn) -> bytes:
     """A frame that carries frames, its own CRC right or wrong."""
     inside = b"".join(draw(st.lists(frames(), min_size=1, max_size=5)))
     message, room = draw(st.sampled_from([(ENCAPSULATED_DATA, 253), (TUNNEL, 128), (FILE_TRANSFER, 251)]))
     begin = draw(st.integers(0, 40))
-    payload = bytes([1] * (255 - 128 - 122 if message == TUNNEL else 2)) + (bytes(begin) + inside)
-    payload = payload[: room + 2].ljust(mavlink2.mavlink_map[message].unpacker.size, b"\x55")
-    version = 2 if message > 255 else draw(versions)
-    whole = bytearray(frame(message, payload[: mavlink2.mavlink_map[message].unpacker.size], version))
+    size = mavlink2.mavlink_map[message].unpacker.size
+    payload = (b"\1" * (size - room) + bytes(begin) + inside)[:size].ljust(size, b"\x55")
+    whole = bytearray(frame(message, payload, 2 if message > 255 else draw(versions)))
     if draw(st.booleans()):
         whole[-1] ^= 0x10
     return bytes(whole)
 
 
 @st.composite
-def torn(draw):
+def torn(draw: st.DrawFn) -> bytes:
     whole = draw(frames())
     cut = draw(st.integers(1, len(whole)))
     return whole[:cut] if draw(st.booleans()) else whole[-cut:]
@@ -168,14 +166,16 @@ logs = st.lists(pieces, max_size=25).map(b"".join)
 
 @settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=logs, block_length=st.sampled_from([40, 300, 1000, 1 << 20]))
-def test_made_logs_are_read_as_by_a_walk_over_every_byte(data, block_length, tmp_path):
+def test_made_logs_are_read_as_by_a_walk_over_every_byte(
+    data: bytes, block_length: int, tmp_path: Path
+) -> None:
     """Mixed, signed, nested, torn and junk-ridden logs give the same fixes, whatever the blocks."""
     assert_equal_to_slow(read(data, block_length), data)
     assert_equal_to_slow(read(data, block_length, tmp_path / "made.tlog"), data)
 
 
 @pytest.mark.parametrize("version", [1, 2])
-def test_a_frame_inside_another_frames_payload_is_no_record(version):
+def test_a_frame_inside_another_frames_payload_is_no_record(version: int) -> None:
     """The outer frame hides the inner one, and gives it back when its own CRC is wrong."""
     inner = frame(GLOBAL_POSITION_INT, POSITION, 1)
     outer = frame(ENCAPSULATED_DATA, (b"\1\1" + inner).ljust(255, b"\7"), version)
@@ -185,7 +185,7 @@ def test_a_frame_inside_another_frames_payload_is_no_record(version):
     assert len(read(broken + after, 1000).positions) == 2
 
 
-def test_the_hidden_can_hide_nothing():
+def test_the_hidden_can_hide_nothing() -> None:
     """A right frame that lies in a record hides no frame behind that record."""
     head = bytes([0xFE, 255, 7, 1, 1, ENCAPSULATED_DATA]) + b"\7" * 94
     record = frame(ENCAPSULATED_DATA, bytes(155) + head, 1)
@@ -200,7 +200,7 @@ def test_the_hidden_can_hide_nothing():
     assert not len(read(alone, 1000).positions)
 
 
-def test_blocks_that_begin_inside_a_frame_are_entered_where_the_walk_comes_out():
+def test_blocks_that_begin_inside_a_frame_are_entered_where_the_walk_comes_out() -> None:
     """A chain of nested frames longer than the look before a block is still read as one walk reads it."""
     inner = frame(GLOBAL_POSITION_INT, POSITION, 1)
     outer = frame(ENCAPSULATED_DATA, (b"\1\1" + inner * 6).ljust(255, b"\7"), 1)
@@ -209,7 +209,7 @@ def test_blocks_that_begin_inside_a_frame_are_entered_where_the_walk_comes_out()
         assert_equal_to_slow(read(data, block_length), data)
 
 
-def test_the_message_facts_are_pymavlinks():
+def test_the_message_facts_are_pymavlinks() -> None:
     """CRC extras and lengths are those of the installed pymavlink, for every message of both."""
     lengths = messages.MAVLINK1_FRAME_LENGTHS.reshape(256, 256)
     common = 0
@@ -226,7 +226,7 @@ def test_the_message_facts_are_pymavlinks():
 
 
 @pytest.mark.parametrize("length", [3, 14, 32, 33, 38, 264])
-def test_both_checksums_are_the_plain_one(length):
+def test_both_checksums_are_the_plain_one(length: int) -> None:
     """Column-wise and single CRC agree with the byte-wise one, for odd and even lengths."""
     chance = np.random.default_rng(length)
     checked = [chance.bytes(length) for _ in range(20)]
@@ -239,7 +239,7 @@ def test_both_checksums_are_the_plain_one(length):
 
 
 @pytest.mark.parametrize("message", [STATUSTEXT, 999])
-def test_frames_of_other_or_unknown_messages_are_not_positions(message):
+def test_frames_of_other_or_unknown_messages_are_not_positions(message: int) -> None:
     """Neither a text nor an unknown message gives a record."""
     unknown = bytearray(frame(STATUSTEXT, b"\3hello".ljust(51, b".")))
     unknown[7:10] = message.to_bytes(3, "little")
