@@ -17,7 +17,6 @@ from flight_replay.simulator.place import Start
 from flight_replay.vehicle.items import difference, item_message
 from flight_replay.vehicle.mavlink import MISSION_RESULTS, OUR_COMPONENT, OUR_SYSTEM, dialect
 from flight_replay.vehicle.on_board import OnBoard
-from flight_replay.vehicle.timing import RoundTrip
 from flight_replay.vehicle.upload import UploadLimits
 
 
@@ -33,9 +32,7 @@ def route(count: int) -> Mission:
 
 def put(port: VirtualPort, mission: Mission, *, as_int: bool = True, quiet_s: float = 12.0) -> OnBoard:
     """Put a mission on board over a link whose round trip is known."""
-    trip = RoundTrip()
-    trip.took(2 * port.weather.delay_s + port.weather.jitter_s + 0.005)
-    on_board = OnBoard(port, as_int=as_int, trip=trip, limits=UploadLimits(quiet_s=quiet_s))
+    on_board = OnBoard(port, as_int=as_int, limits=UploadLimits(quiet_s=quiet_s))
     on_board.put(mission, lambda done: None)
     return on_board
 
@@ -91,7 +88,8 @@ def test_no_link_makes_a_wrong_mission_pass(
         put(port, sent)
     except FlightReplayError:
         return
-    places = [(s.lat_e7, s.lon_e7) for s in port.autopilot.store.items[1:] if s.command != Command.CHANGE_SPEED]
+    stored = port.autopilot.store.items[1:]
+    places = [(item.lat_e7, item.lon_e7) for item in stored if item.command != Command.CHANGE_SPEED]
     assert places == [(round(i.lat_deg * 1e7), round(i.lon_deg * 1e7)) for _, i in sent.places]
 
 

@@ -18,6 +18,7 @@ from flight_replay.simulator.parameters import Parameters
 from flight_replay.simulator.place import Start
 from flight_replay.vehicle.mavlink import OUR_COMPONENT, OUR_SYSTEM, dialect
 from flight_replay.vehicle.port import is_for_us
+from flight_replay.vehicle.timing import RoundTrip
 
 START = Start(47.397742, 8.545594, 488.0, 90.0)
 
@@ -69,6 +70,8 @@ class VirtualPort:
         )
         self.channel = LinkChannel(self.autopilot, self._to_us)
         self.autopilot.channels.append(self.channel)
+        self.trip = RoundTrip()
+        self.trip.took(2 * self.weather.delay_s + self.weather.jitter_s + 0.005)
         self.sent: list[Any] = []
         self.heard: list[Any] = []
         self._mav = dialect.MAVLink(None, OUR_SYSTEM, OUR_COMPONENT)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from flight_replay.supervisor.watch import Watch
 
-_AGAIN_WALL_S = 0.4  # No request is sent again sooner by the clock here: the answer may be under way.
+_AGAIN_WALL_S = 0.15  # No request is sent again sooner by the clock here: the answer may be under way.
 _STOPPED_WALL_S = 2.0  # Where the vehicle's clock stands still, this time here will do.
 _NEVER_S = float("-inf")
 

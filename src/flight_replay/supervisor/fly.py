@@ -11,7 +11,7 @@ from flight_replay.errors import VehicleError
 from flight_replay.events import Event, Listener, Phase, PhaseStarted, VehicleState, ignore
 from flight_replay.mission import FIRST_SEQ
 from flight_replay.supervisor.contract import Clock, Vehicle
-from flight_replay.supervisor.phases import arm, change_mode, take_off, verify_mission, wait_ready
+from flight_replay.supervisor.phases import change_mode, go_up, verify_mission, wait_ready
 from flight_replay.supervisor.plan import FlightRecord, Plan
 from flight_replay.supervisor.underway import fly_mission, return_home, wait_landed
 from flight_replay.supervisor.watch import Interrupted, Watch
@@ -39,8 +39,7 @@ def fly(vehicle: Vehicle, clock: Clock, plan: Plan, listener: Listener = ignore)
         wait_ready(watch)
         change_mode(watch, "GUIDED")
         verify_mission(watch)
-        arm(watch)
-        take_off(watch, plan.takeoff_altitude_m)
+        go_up(watch, plan.takeoff_altitude_m)
         verify_mission(watch)
         watch.emit(PhaseStarted(Phase.MISSION))
         watch.record_auto()

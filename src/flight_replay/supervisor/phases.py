@@ -18,6 +18,7 @@ _ARM_PATIENCE_S = 3.5  # ArduCopter 3.3 shows arming after 3 s, and a second req
 _PREARM_REPORT_S = 5.0
 _OFF_GROUND_M = 1.0
 _GAIN_M = 0.5  # Less height than this is no climb.
+_STARTS = 3
 
 
 def wait_ready(watch: Watch) -> None:
@@ -93,8 +94,19 @@ def arm(watch: Watch) -> None:
         watch.step()
 
 
-def take_off(watch: Watch, altitude_m: float) -> None:
-    """Climb to ``altitude_m`` above home; 95 % of it counts."""
+def go_up(watch: Watch, altitude_m: float) -> None:
+    """Arm and take off; again if the vehicle disarms itself first, as it does after 10 s on the ground."""
+    for _ in range(_STARTS - 1):
+        arm(watch)
+        if take_off(watch, altitude_m):
+            return
+    arm(watch)
+    if not take_off(watch, altitude_m):
+        raise VehicleError(f"the vehicle disarmed before it climbed{_because(watch.reason)}; check the link")
+
+
+def take_off(watch: Watch, altitude_m: float) -> bool:
+    """Climb to ``altitude_m`` above home; 95 % of it counts. Whether it did: False if it disarmed."""
     watch.emit(PhaseStarted(Phase.TAKEOFF))
     watch.forget_reason()
     enough_m = altitude_m * ENOUGH_OF_TARGET
@@ -105,21 +117,18 @@ def take_off(watch: Watch, altitude_m: float) -> None:
         if watch.altitude_m > highest_m + _GAIN_M:
             highest_m = watch.altitude_m
             deadline.restart()
-        _check_climb(watch, deadline, highest_m)
+        if watch.armed is False:
+            return False
+        if deadline.passed:
+            reason = _refusal(watch, Request.TAKEOFF)
+            raise PhaseTimeoutError(_late(f"stayed at {highest_m:.1f} m", watch.deadlines.no_climb_s, reason))
         if highest_m < ground_m + _OFF_GROUND_M and not _accepted(watch) and repeat.due(_AGAIN_S):
             watch.vehicle.ask_takeoff(altitude_m)
         if pace.due():
             watch.emit(Climbing(watch.altitude_m, enough_m, altitude_m))
         watch.step()
     watch.emit(TargetAltitudeReached(altitude_m))
-
-
-def _check_climb(watch: Watch, deadline: Deadline, highest_m: float) -> None:
-    if watch.armed is False:
-        raise VehicleError(f"the vehicle disarmed before it climbed{_because(watch.reason)}")
-    if deadline.passed:
-        reason = _refusal(watch, Request.TAKEOFF)
-        raise PhaseTimeoutError(_late(f"stayed at {highest_m:.1f} m", watch.deadlines.no_climb_s, reason))
+    return True
 
 
 def _accepted(watch: Watch) -> bool:

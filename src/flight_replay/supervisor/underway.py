@@ -5,11 +5,13 @@ from __future__ import annotations
 from flight_replay.events import Heading, Phase, PhaseStarted, ReturnCommanded, VehicleState, Waiting
 from flight_replay.geodesy import distance_m
 from flight_replay.mission import FIRST_SEQ, Command
+from flight_replay.supervisor.contract import Request
 from flight_replay.supervisor.deadline import Deadline, Pace, Repeat
 from flight_replay.supervisor.plan import Plan
 from flight_replay.supervisor.watch import Interrupted, Watch
 
 _GAIN_M = 0.5  # Less movement than this is no progress.
+_AGAIN_S = 1.2  # Heartbeats show once a second what came of a request that was accepted.
 _WAITS = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT, Command.LOITER_TIME, Command.DELAY})
 """Commands whose param1 is a time to wait, seconds."""
 
@@ -65,9 +67,11 @@ def return_home(watch: Watch, limit_wall_s: float) -> bool:
     """Command RTL until the vehicle confirms it; whether it did in time, by the clock here."""
     watch.emit(PhaseStarted(Phase.RETURN))
     watch.expect_mode()
+    watch.forget_reason()
     began_s, repeat = watch.wall_s, Repeat(watch)
     while watch.mode != "RTL" and watch.wall_s - began_s < limit_wall_s:
-        if repeat.due(0.0):
+        answer = watch.answers.get(Request.MODE)
+        if repeat.due(_AGAIN_S if answer and answer.accepted else 0.0):
             watch.vehicle.ask_mode("RTL")
         watch.step()
     confirmed = watch.mode == "RTL"

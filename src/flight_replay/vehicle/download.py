@@ -7,7 +7,6 @@ from flight_replay.mission import MissionItem
 from flight_replay.vehicle.items import item_of
 from flight_replay.vehicle.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
-from flight_replay.vehicle.timing import RoundTrip
 
 _QUIET_S = 12.0  # Without anything new this long (more than ArduPilot's 8 s for others), reading failed.
 _BUSY_S = 0.5
@@ -16,8 +15,8 @@ _BUSY_S = 0.5
 class Reader:
     """One reading of the mission on board; ``items`` includes home's slot, number 0."""
 
-    def __init__(self, port: Port, trip: RoundTrip, *, as_int: bool) -> None:
-        self._port, self._trip, self._as_int = port, trip, as_int
+    def __init__(self, port: Port, *, as_int: bool) -> None:
+        self._port, self._trip, self._as_int = port, port.trip, as_int
         self._found: dict[int, MissionItem] = {}
         self._asked_s: dict[int, float] = {}
         self._first_asked: dict[int, float] = {}

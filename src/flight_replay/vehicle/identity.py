@@ -11,7 +11,6 @@ from flight_replay.vehicle.mavlink import Message, dialect
 from flight_replay.vehicle.parameters import read_parameters
 from flight_replay.vehicle.port import Port
 from flight_replay.vehicle.sightings import Sighting, Sightings
-from flight_replay.vehicle.timing import RoundTrip
 
 _VERSION_S = 8.0
 _REQUEST_CAPABILITIES = 520  # MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, which 3.3 knows too.
@@ -86,9 +85,9 @@ def find_vehicle(sightings: Sightings, connection_string: str, limit_s: float) -
     return first
 
 
-def identify(port: Port, sighting: Sighting, trip: RoundTrip) -> Identity:
-    """What the vehicle says of itself; ``trip`` learns how long its answers take."""
-    version = _ask_version(port, trip)
+def identify(port: Port, sighting: Sighting) -> Identity:
+    """What the vehicle says of itself."""
+    version = _ask_version(port)
     parameters = read_parameters(port, [*_SIMULATION, *FENCE])
     capabilities = version.capabilities if version else 0
     return Identity(
@@ -103,15 +102,14 @@ def identify(port: Port, sighting: Sighting, trip: RoundTrip) -> Identity:
     )
 
 
-def _ask_version(port: Port, trip: RoundTrip) -> Message | None:
+def _ask_version(port: Port) -> Message | None:
     """AUTOPILOT_VERSION, or None from a vehicle that never tells it."""
     began_s = port.now_s()
     with port.inbox("AUTOPILOT_VERSION") as inbox:
-        while (asked_s := port.now_s()) < began_s + _VERSION_S:
+        while port.now_s() < began_s + _VERSION_S:
             port.send(command(port, _REQUEST_CAPABILITIES, 1))
-            if (message := inbox.get(trip.again_s)) is not None:
-                if asked_s == began_s:
-                    trip.took(port.now_s() - asked_s)
+            if (message := inbox.get(port.trip.again_s)) is not None:
+                port.trip.took(port.now_s() - began_s)
                 return message
     return None
 

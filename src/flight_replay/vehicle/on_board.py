@@ -10,7 +10,6 @@ from flight_replay.vehicle.download import Reader
 from flight_replay.vehicle.items import difference, home_item
 from flight_replay.vehicle.mavlink import dialect
 from flight_replay.vehicle.port import Port
-from flight_replay.vehicle.timing import RoundTrip
 from flight_replay.vehicle.upload import Upload, UploadLimits
 
 _ATTEMPTS = 3
@@ -20,11 +19,8 @@ _NOWHERE = Home(0.0, 0.0, 0.0)
 class OnBoard:
     """The vehicle's mission storage; home, its item 0, is not part of a mission here."""
 
-    def __init__(
-        self, port: Port, *, as_int: bool, trip: RoundTrip | None = None, limits: UploadLimits | None = None
-    ) -> None:
+    def __init__(self, port: Port, *, as_int: bool, limits: UploadLimits | None = None) -> None:
         self._port, self._as_int, self._limits = port, as_int, limits
-        self._trip = trip or RoundTrip()
         self._sent: tuple[MissionItem, ...] | None = None
 
     def read(self) -> Mission:
@@ -33,7 +29,7 @@ class OnBoard:
         Raises:
             VehicleError: The vehicle does not tell.
         """
-        items = Reader(self._port, self._trip, as_int=self._as_int).read()
+        items = Reader(self._port, as_int=self._as_int).read()
         if not items:
             return Mission(())
         home = Home(items[0].lat_deg, items[0].lon_deg, items[0].alt_m)
@@ -50,7 +46,7 @@ class OnBoard:
         self._sent = None
         unlike: str | None = None
         for _ in range(_ATTEMPTS):
-            upload = Upload(self._port, self._trip, items, as_int=self._as_int, limits=self._limits)
+            upload = Upload(self._port, items, as_int=self._as_int, limits=self._limits)
             upload.run(lambda taken: progress(max(0, min(taken, len(items)) - 1)))
             unlike = _first_difference(mission.items, self.read().items, as_int=self._as_int)
             if unlike is None:

@@ -15,8 +15,7 @@ from flight_replay.simulator.limits import PARAMETERS
 from flight_replay.vehicle.mavlink import Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
 
-_AGAIN_S = 0.6
-_SHORTEST_AGAIN_S = 0.1
+_SHORTEST_AGAIN_S = 0.1  # ArduPilot reads parameters in a thread that is slower than its main loop.
 _PAUSE_S = 0.01  # Between requests, so that a slow radio keeps up.
 _TOLERANCE = 1e-4  # Relative: parameters are float32.
 _BEST_ODDS = 0.97  # However good the link seemed, two requests without an answer are few enough.
@@ -37,6 +36,10 @@ def read_parameters(port: Port, names: Iterable[str], limit_s: float = 15.0) -> 
     return reader.values
 
 
+def _again_s(port: Port) -> float:
+    return max(2 * port.trip.again_s, _SHORTEST_AGAIN_S)
+
+
 class _Reader:
     """Rounds of requests for what is missing."""
 
@@ -45,7 +48,6 @@ class _Reader:
         self._names = names
         self._rounds = 0
         self._asked_for: dict[str, int] = {}
-        self._again_s = _AGAIN_S
         self.values: dict[str, float] = {}
 
     @property
@@ -63,7 +65,6 @@ class _Reader:
     def ask(self, inbox: Inbox) -> None:
         """One request for each missing name, and the time it takes to answer them."""
         self._rounds += 1
-        began_s = self._port.now_s()
         for name in self.missing:
             self._asked_for[name] = self._rounds
             self._port.send(
@@ -72,10 +73,7 @@ class _Reader:
                 )
             )
             self._take(inbox, self._port.now_s() + _PAUSE_S, until_all=False)
-        self._take(inbox, self._port.now_s() + self._again_s, until_all=True)
-        if self.values:
-            took_s = self._answered_s - began_s
-            self._again_s = min(max(3 * took_s, _SHORTEST_AGAIN_S), _AGAIN_S * 2)
+        self._take(inbox, self._port.now_s() + _again_s(self._port), until_all=True)
 
     def _take(self, inbox: Inbox, until_s: float, *, until_all: bool) -> None:
         while not (until_all and not self.missing):
@@ -84,7 +82,6 @@ class _Reader:
                 return
             if message.param_id in self._asked_for:
                 self.values[message.param_id] = message.param_value
-                self._answered_s = self._port.now_s()
 
 
 def write_parameter(port: Port, name: str, value: float, limit_s: float = 10.0) -> None:
@@ -98,7 +95,7 @@ def write_parameter(port: Port, name: str, value: float, limit_s: float = 10.0) 
     with port.inbox("PARAM_VALUE") as inbox:
         while port.now_s() < end_s:
             port.send(_set_message(port, name, value))
-            again_s = min(end_s, port.now_s() + _AGAIN_S)
+            again_s = min(end_s, port.now_s() + _again_s(port))
             while (message := inbox.get(again_s - port.now_s())) is not None:
                 if message.param_id != name:
                     continue

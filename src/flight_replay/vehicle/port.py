@@ -14,6 +14,7 @@ from typing import Any, Protocol
 
 from flight_replay.vehicle.link import Link
 from flight_replay.vehicle.mavlink import OUR_COMPONENT, OUR_SYSTEM, Message
+from flight_replay.vehicle.timing import RoundTrip
 
 
 class Inbox(Protocol):
@@ -28,6 +29,8 @@ class Port(Protocol):
 
     system: int
     component: int
+    trip: RoundTrip
+    """What is known of the link's round-trip time; who asks and gets an answer tells it."""
 
     def send(self, message: Message) -> None:
         """Send a message."""
@@ -68,6 +71,7 @@ class LinkPort:
         """``drone`` is the ``dronekit.Vehicle`` through which is sent."""
         self._link, self._drone = link, drone
         self.system, self.component = system, component
+        self.trip = RoundTrip()
 
     def send(self, message: Message) -> None:
         """Send a message."""

@@ -6,20 +6,21 @@ from flight_replay.vehicle.mavlink import dialect
 from flight_replay.vehicle.port import Port
 from flight_replay.vehicle.telemetry import Telemetry
 
-_AGAIN_S = 1.5
-_STALE_S = 2.0
-_RATES_HZ = {
-    dialect.MAV_DATA_STREAM_EXTENDED_STATUS: 4,
-    dialect.MAV_DATA_STREAM_POSITION: 10,
-    dialect.MAV_DATA_STREAM_EXTRA1: 4,
-    dialect.MAV_DATA_STREAM_EXTRA2: 2,
-    dialect.MAV_DATA_STREAM_EXTRA3: 2,
+_AGAIN_S = 1.0
+_STALE_S = 3.0
+_STREAMS = {
+    dialect.MAV_DATA_STREAM_EXTENDED_STATUS: (4, "SYS_STATUS"),
+    dialect.MAV_DATA_STREAM_POSITION: (10, "GLOBAL_POSITION_INT"),
+    dialect.MAV_DATA_STREAM_EXTRA1: (4, "ATTITUDE"),
+    dialect.MAV_DATA_STREAM_EXTRA2: (2, "VFR_HUD"),
+    dialect.MAV_DATA_STREAM_EXTRA3: (2, "EKF_STATUS_REPORT"),
 }
-"""Reports per second of the vehicle's time: the path flown is measured by its positions."""
+"""Reports per second of the vehicle's time (the path flown is measured by its positions), and the
+message by which each stream is known to flow."""
 
 
 class Streams:
-    """Keeps the reports coming: a request may get lost, and a reboot forgets it."""
+    """Keeps the reports coming: a request may get lost, and a reboot forgets them all."""
 
     def __init__(self, port: Port, telemetry: Telemetry) -> None:
         self._port, self._telemetry = port, telemetry
@@ -28,10 +29,12 @@ class Streams:
     def keep(self) -> None:
         """Ask if what was asked for does not come."""
         now_s = self._port.now_s()
-        if now_s - self._asked_s < _AGAIN_S or now_s - self._telemetry.reported_s < _STALE_S:
+        if now_s - self._asked_s < _AGAIN_S:
             return
         self._asked_s = now_s
-        for stream, rate_hz in _RATES_HZ.items():
+        for stream, (rate_hz, sign) in _STREAMS.items():
+            if now_s - self._telemetry.heard_s.get(sign, float("-inf")) < _STALE_S:
+                continue
             self._port.send(
                 dialect.MAVLink_request_data_stream_message(
                     self._port.system, self._port.component, stream, rate_hz, 1

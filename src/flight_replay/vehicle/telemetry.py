@@ -26,8 +26,8 @@ from flight_replay.vehicle.mavlink import Message, dialect
 from flight_replay.vehicle.names import mode_name
 
 _KEPT = 50_000  # News that nobody takes: minutes of a fast simulator.
-_LATE_REPORTS = 5  # So many reports in a row from before the newest one are a reboot, not late packets.
-_LATE_S = 0.5
+_LATE_REPORTS = 5  # So many reports in a row from before the newest one ...
+_LATE_WALL_S = 0.5  # ... and nothing newer for this time here: a reboot, not packets out of order.
 _NO_TOTAL = frozenset({0, 65535})  # MISSION_CURRENT.total where it is not told.
 _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _UNKNOWN_HEADING = 65535
@@ -44,8 +44,9 @@ class Telemetry:
         self._arrived = threading.Condition()
         self._mode, self._armed = "", False
         self._newest_s = float("-inf")
+        self._newer_s = float("-inf")
         self._late = 0
-        self.reported_s = float("-inf")  # When the last position report came, by the clock here.
+        self.heard_s: dict[str, float] = {}  # When a message of each kind came last, by the clock here.
         self._prearm_known = self._prearm_good = False
         self._text: dict[int, list[str]] = {}
         self._handlers: dict[str, Callable[[Message], News | None]] = {
@@ -63,6 +64,7 @@ class Telemetry:
         """Take in a message, on the link's thread."""
         if (message.get_srcSystem(), message.get_srcComponent()) != self._source:
             return
+        self.heard_s[message.get_type()] = time.monotonic()
         handler = self._handlers.get(message.get_type())
         news = handler(message) if handler else None
         with self._arrived:
@@ -85,17 +87,15 @@ class Telemetry:
         return Heartbeat(self._mode, self._armed)
 
     def _position(self, message: Message) -> News | None:
-        self.reported_s = time.monotonic()
+        now_s = time.monotonic()
         time_s = message.time_boot_ms / 1e3
-        if time_s < self._newest_s - _LATE_S:
-            self._late += 1
-            if self._late < _LATE_REPORTS:
-                return None
-            self._newest_s, self._late = time_s, 0
-            return Rebooted()
         if time_s < self._newest_s:
-            return None
-        self._newest_s, self._late = time_s, 0
+            self._late += 1
+            if self._late < _LATE_REPORTS or now_s - self._newer_s < _LATE_WALL_S:
+                return None
+            self._newest_s, self._newer_s, self._late = time_s, now_s, 0
+            return Rebooted()
+        self._newest_s, self._newer_s, self._late = time_s, now_s, 0
         if message.lat == 0 and message.lon == 0:
             return None  # No position yet.
         battery = self._drone.battery

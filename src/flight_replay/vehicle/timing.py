@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
-_FIRST_S = 1.0  # Before the first answer: more than the round trip of most radios.
+_FIRST_S = 0.7  # Before the first answer: about the round trip of a slow radio.
 _SHORTEST_S = 0.04
 _LONGEST_S = 3.0
 _MARGIN = 1.5
@@ -30,19 +30,20 @@ class RoundTrip:
 
     @property
     def typical_s(self) -> float:
-        """The round-trip time, seconds; 0 before the first answer."""
-        return median(self._times_s) if self._times_s else 0.0
+        """The round-trip time, seconds; a careful guess before the first answer."""
+        return median(self._times_s) if self._times_s else _FIRST_S
 
     @property
     def again_s(self) -> float:
         """Seconds after which an unanswered request is sent again."""
-        wait_s = max(self.typical_s * _MARGIN, _SHORTEST_S) if self._times_s else _FIRST_S
+        wait_s = max(self.typical_s * _MARGIN, _SHORTEST_S)
         return min(wait_s * (_BACK_OFF if self._losses > _PATIENT_LOSSES else 1.0), _LONGEST_S)
 
     @property
     def window(self) -> int:
         """How many messages may be under way."""
-        return max(_LEAST_WINDOW, min(int(self.typical_s / _PER_MESSAGE_S), _MOST_WINDOW))
+        fitting = int(self.typical_s / _PER_MESSAGE_S) if self._times_s else _LEAST_WINDOW
+        return max(_LEAST_WINDOW, min(fitting, _MOST_WINDOW))
 
     def took(self, seconds: float) -> None:
         """A request that was sent once was answered after ``seconds``."""

@@ -17,7 +17,6 @@ from flight_replay.mission import MissionItem
 from flight_replay.vehicle.items import item_message
 from flight_replay.vehicle.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
-from flight_replay.vehicle.timing import RoundTrip
 
 _ERRORS_ENOUGH = 4
 _BUSY_S = 1.0
@@ -38,13 +37,12 @@ class Upload:
     def __init__(
         self,
         port: Port,
-        trip: RoundTrip,
         items: Sequence[MissionItem],
         *,
         as_int: bool,
         limits: UploadLimits | None = None,
     ) -> None:
-        self._port, self._trip, self._items, self._as_int = port, trip, items, as_int
+        self._port, self._trip, self._items, self._as_int = port, port.trip, items, as_int
         self._limits = limits or UploadLimits()
         self._errors = 0
         self._refusal = ""

@@ -37,7 +37,6 @@ from flight_replay.vehicle.port import LinkPort
 from flight_replay.vehicle.sightings import Sighting, Sightings
 from flight_replay.vehicle.streams import Streams
 from flight_replay.vehicle.telemetry import Telemetry
-from flight_replay.vehicle.timing import RoundTrip
 
 CONNECT_LIMIT_S = 30.0
 _TELL_S = 1.0
@@ -61,9 +60,8 @@ class ConnectedVehicle:
         link.add_receiver(self._telemetry.receive)
         self._streams = Streams(self._port, self._telemetry)
         self._streams.keep()
-        self._trip = RoundTrip()
-        self.identity: Identity = identify(self._port, sighting, self._trip)
-        self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int, trip=self._trip)
+        self.identity: Identity = identify(self._port, sighting)
+        self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int)
 
     def news(self, timeout_s: float) -> Sequence[News]:
         """Everything reported since the last call, in order; waits for the first until the timeout."""
