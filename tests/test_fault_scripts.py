@@ -99,6 +99,7 @@ def test_others_are_heard_on_the_same_link() -> None:
     station.run(3)
     heard = {(m.get_srcSystem(), m.get_srcComponent(), m.type) for m in station.of("HEARTBEAT")}
     assert heard == {(1, 1, 2), *((other.system, other.component, other.vehicle_type) for other in others)}
+    assert {(m.get_srcSystem(), m.relative_alt) for m in station.of("GLOBAL_POSITION_INT")} == {(2, 77000)}
 
 
 def test_it_can_be_a_plane() -> None:

@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,6 +18,7 @@ from sim_station import START
 
 from flight_replay.errors import SimulatorError
 from flight_replay.simulator import child, cli
+from flight_replay.simulator.endpoint import Endpoint
 from flight_replay.simulator.faults import Faults
 from flight_replay.simulator.launch import run
 from flight_replay.simulator.mavlink import dialect
@@ -89,6 +90,24 @@ def test_a_killed_copter_is_no_trouble_at_the_end() -> None:
     assert not is_running(running.process_id)
 
 
+def test_the_copter_does_not_outlive_the_program_that_launched_it() -> None:
+    """Not even one that is killed and can tidy up nothing."""
+    program = (
+        "import time; from flight_replay.simulator.launch import run; "
+        "from flight_replay.simulator.place import Start\n"
+        "with run(Start(0, 1)) as running: print(running.process_id, flush=True); time.sleep(60)"
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as launcher:
+        assert launcher.stdout is not None
+        copter = int(launcher.stdout.readline())
+        assert is_running(copter)
+        launcher.kill()
+    deadline = time.monotonic() + 10
+    while is_running(copter):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
 def test_the_process_ends_with_its_stdin(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -101,18 +120,11 @@ def test_the_process_ends_with_its_stdin(
         def read(self) -> str:
             return ""
 
-    before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(sys, "stdin", Input())
-    try:
-        assert child.main() == 0
-    finally:
-        signal.signal(signal.SIGINT, before)
+    assert child.main() == 0
     assert '"addresses": ["tcp:127.0.0.1:' in capsys.readouterr().out
     monkeypatch.setattr(Input, "readline", lambda self: Settings(START, ("x",)).as_line())
-    try:
-        assert child.main() == 1
-    finally:
-        signal.signal(signal.SIGINT, before)
+    assert child.main() == 1
     assert "no place to listen" in capsys.readouterr().out
 
 
@@ -121,6 +133,15 @@ def test_settings_travel_as_one_line() -> None:
     settings = Settings(START, ("tcp:127.0.0.1:0",), {"RTL_ALT": 1.5}, Faults(climbs=False))
     assert settings.as_line().count("\n") == 1
     assert settings_of(settings.as_line()) == settings
+
+
+@pytest.fixture(autouse=True)
+def same_signals() -> Iterator[None]:
+    """The handlers of signals as they were."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 @contextmanager
@@ -156,6 +177,23 @@ def test_by_hand_it_runs_until_interrupted(number: signal.Signals, status: int) 
         assert process.wait(10) == status
         assert process.stderr is not None
         assert process.stderr.read() == ""
+
+
+def test_interrupted_in_process_it_closes_its_links(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """main() returns 130 on SIGINT, and the port is free again."""
+    serve = Endpoint.run
+
+    def interrupted(endpoint: Endpoint, stop: Callable[[], bool]) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        serve(endpoint, stop)
+
+    monkeypatch.setattr(Endpoint, "run", interrupted)
+    assert cli.main(["--listen", "tcp:127.0.0.1:0", "--speedup", "50"]) == 130
+    port = int(capsys.readouterr().out.split(":")[-1])
+    with socket.socket() as again:
+        again.bind(("127.0.0.1", port))
 
 
 def test_a_port_in_use_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:

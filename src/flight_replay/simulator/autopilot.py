@@ -49,6 +49,13 @@ class Autopilot:
         self._unix_s = unix_s
         self._long_texts = 0
         self._texts: list[Message] = []
+        for name, value in (
+            ("SIM_OPOS_LAT", start.lat_deg),
+            ("SIM_OPOS_LNG", start.lon_deg),
+            ("SIM_OPOS_ALT", start.alt_amsl_m),
+            ("SIM_OPOS_HDG", start.heading_deg),
+        ):
+            self.parameters.assign(name, value)
         self.parameters.changed.append(self._parameter_changed)
         self.store = MissionStore(lambda: self.local.home_item, self._mission_counted)
         self.happenings = Happenings(self)

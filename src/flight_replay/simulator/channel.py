@@ -125,7 +125,7 @@ class LinkChannel:
             self._next_parameter += 1
 
     def _send_others_heartbeats(self) -> None:
-        """Heartbeats of whoever else the fault script puts on the link."""
+        """Heartbeats, and places, of whoever else the fault script puts on the link."""
         others = self._autopilot.faults.others
         if not others or self._autopilot.time_s < self._others_due_s:
             return
@@ -133,6 +133,13 @@ class LinkChannel:
         for other in others:
             self._encoder.srcSystem, self._encoder.srcComponent = other.system, other.component
             self._send_as_is(dialect.MAVLink_heartbeat_message(*other.fields, 3))
+            if other.place is not None:
+                lat_e7, lon_e7, up_mm = other.place
+                self._send_as_is(
+                    dialect.MAVLink_global_position_int_message(
+                        int(self._autopilot.time_s * 1000), lat_e7, lon_e7, up_mm, up_mm, 0, 0, 0, 0
+                    )
+                )
 
     # rates
 

@@ -108,6 +108,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         1 if it cannot start, told in one line; 128 and the signal's number when stopped by one.
     """
     options = _parser().parse_args(_joined(sys.argv[1:] if argv is None else argv))
+    signals = _Signals()
     # Not before the options are known to be good: these import the MAVLink dialect.
     from flight_replay.simulator.settings import Settings, open_endpoint
 
@@ -117,7 +118,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SimulatorError as error:
         sys.stderr.write(f"flight-replay-sim: error: {error}\n")
         return 1
-    signals = _Signals()
     try:
         for address in endpoint.addresses:
             verb = "sending to" if address.kind == "udpout" else "listening on"

@@ -29,7 +29,10 @@ class MissionFaults:
 
 @dataclass(frozen=True, slots=True)
 class OtherHeartbeat:
-    """A heartbeat that somebody else sends over the same link, once a second."""
+    """A heartbeat that somebody else sends over the same link, once a second.
+
+    With a ``place`` (degrees times 1e7, millimetres above home) it says where it is as well.
+    """
 
     system: int
     component: int
@@ -38,6 +41,7 @@ class OtherHeartbeat:
     base_mode: int = 0
     custom_mode: int = 0
     system_status: int = 4
+    place: tuple[int, int, int] | None = None
 
     @property
     def fields(self) -> tuple[int, int, int, int, int]:
@@ -48,7 +52,9 @@ class OtherHeartbeat:
 GIMBAL = OtherHeartbeat(1, 154, 26)
 RADIO = OtherHeartbeat(51, 68, 0)
 ADSB_RECEIVER = OtherHeartbeat(1, 156, 27)
-SECOND_COPTER = OtherHeartbeat(2, 1, 2, autopilot=3, base_mode=209, custom_mode=5)
+SECOND_COPTER = OtherHeartbeat(
+    2, 1, 2, autopilot=3, base_mode=209, custom_mode=5, place=(473900000, 85400000, 77000)
+)
 
 
 # MAV_PROTOCOL_CAPABILITY: MISSION_FLOAT, PARAM_FLOAT, MISSION_INT, COMMAND_INT,
