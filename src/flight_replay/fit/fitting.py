@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight_replay.compare import Spread, in_order_distances, spread
+from flight_replay.compare import Spread, in_order_distances, in_time, spread
 from flight_replay.decimate import MAX_POINTS
 from flight_replay.errors import LogError
 from flight_replay.fit.draft import Draft
@@ -86,8 +86,7 @@ def _search(task: Task, max_points: int, speed_m_s: float | Recorded | None, pro
         done += 1
         progress(done, flights)
 
-    shaping = flights // 2 if task.timed else flights
-    return searched(task, draft, bend=_BEND, shaping=shaping, pacing=flights - shaping, tick=tick)
+    return searched(task, draft, bend=_BEND, flights=flights, tick=tick)
 
 
 def _single(recording: Recording) -> Draft:
@@ -110,11 +109,13 @@ def _result(
         frame=frame,
         planned=_spread(in_order_distances(recording.north_east_m, path.north_east_m)),
         predicted_space=_spread(np.linalg.norm(final.flown_off_m, axis=1)),
-        predicted_time=_spread(final.late_m),
-        predicted_duration_s=final.duration_s,
+        predicted_time=_spread(
+            in_time(recording.time_s, recording.north_east_m, final.flown.time_s, final.flown.place_m[:, :2])
+        ),
+        predicted_duration_s=float(final.passed_s[-1]),
         objective_m=final.objective_m,
-        time_s=final.time_s,
-        place_m=final.place_m,
+        time_s=final.flown.time_s,
+        place_m=final.flown.place_m,
         notes=notes,
     )
 

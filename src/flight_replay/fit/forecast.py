@@ -20,14 +20,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.compare import in_time
 from flight_replay.fit.basis import weights
 from flight_replay.fit.draft import Draft
+from flight_replay.fit.flying import Flown
 from flight_replay.fit.recording import Recording
-from flight_replay.geodesy import Floats, LocalFrame
+from flight_replay.geodesy import Floats
 from flight_replay.matching import in_order
-from flight_replay.simulator.limits import Limits
-from flight_replay.simulator.model import simulate
 
 PLAN_SHARE = 0.7
 TIME_SHARE = 0.1
@@ -42,16 +40,13 @@ _NUDGE = 0.01
 class Forecast:
     """A draft in the air, against the recording's n fixes.
 
-    ``passed_s`` (p,) is when each place is reached, counted from the first. ``leg`` and ``part``
-    (n,) say where the planned path has each fix: on the way to which place, and how far, 0 to 1
-    in the curve's own parameter. ``planned_off_m`` and ``flown_off_m`` (n, 2) point from the path to
-    the fix, ``ahead`` (n, 2) along the planned path, ``flown_s`` (n,) is when the vehicle flies by.
+    ``leg`` and ``part`` (n,) say where the planned path has each fix: on the way to which place, and
+    how far, 0 to 1 in the curve's own parameter. ``planned_off_m`` and ``flown_off_m`` (n, 2) point
+    from the path to the fix, ``ahead`` (n, 2) along the planned path. ``flown_s`` (n,) is when the
+    vehicle flies by, ``late_m`` (n,) the distance in time.
     """
 
-    draft: Draft
-    time_s: Floats
-    place_m: Floats
-    passed_s: Floats
+    flown: Flown
     leg: NDArray[np.intp]
     part: Floats
     planned_off_m: Floats
@@ -62,9 +57,14 @@ class Forecast:
     timed: bool
 
     @property
-    def duration_s(self) -> float:
-        """From reaching the first place to the end."""
-        return float(self.passed_s[-1])
+    def draft(self) -> Draft:
+        """What was flown."""
+        return self.flown.draft
+
+    @property
+    def passed_s(self) -> Floats:
+        """When each place was reached, counted from the first."""
+        return self.flown.passed_s
 
     @property
     def objective_m(self) -> float:
@@ -78,45 +78,25 @@ def _rms(off_m: Floats) -> float:
     return float(np.sqrt((off_m**2).sum(axis=1).mean()))
 
 
-def forecast(  # noqa: PLR0913
-    draft: Draft, recording: Recording, frame: LocalFrame, limits: Limits, *, timed: bool, step_s: float
-) -> Forecast:
-    """Fly ``draft`` in the model with steps of ``step_s`` and compare it with ``recording``.
+def forecast(flown: Flown, recording: Recording, *, timed: bool) -> Forecast:
+    """Compare a flight in the model with what it ought to follow.
 
     Args:
-        draft: at least one place, in metres of ``frame``.
-        recording: what it ought to follow.
-        frame: the local frame of both.
-        limits: what the vehicle may do.
+        flown: in the metres of the recording.
+        recording: at least one fix.
         timed: whether time counts.
-        step_s: duration of the model's steps.
     """
-    first = draft.places_m[0]
-    air = simulate(
-        draft.mission(frame),
-        limits,
-        start_m=(float(first[0]), float(first[1]), float(first[2])),
-        step_s=step_s,
-    )
-    passed = np.array([air.reached_s.get(seq, air.auto_s[1]) for seq in draft.seqs])
-    begin = int(np.searchsorted(air.time_s, passed[0]))
-    place = np.column_stack([air.north_m, air.east_m, air.up_m])[begin:]
-    time = air.time_s[begin:] - passed[0]
-    leg, part, planned_off, ahead = on_plan(draft, recording)
-    flown_s, flown_off = _in_the_air(time, place[:, :2], recording)
-    late = in_time(recording.time_s, recording.north_east_m, time, place[:, :2])
+    leg, part, planned_off, ahead = on_plan(flown.draft, recording)
+    flown_s, flown_off = _in_the_air(flown.time_s, flown.place_m[:, :2], recording)
     return Forecast(
-        draft=draft,
-        time_s=time,
-        place_m=place,
-        passed_s=passed - passed[0],
+        flown=flown,
         leg=leg,
         part=part,
         planned_off_m=planned_off,
         ahead=ahead,
         flown_off_m=flown_off,
         flown_s=flown_s,
-        late_m=late,
+        late_m=_late_m(flown, recording),
         timed=timed,
     )
 
@@ -135,6 +115,15 @@ def on_plan(draft: Draft, recording: Recording) -> tuple[NDArray[np.intp], Float
     ahead = rows @ draft.places_m[:, :2]
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-9)
     return leg, part, recording.north_east_m - foot, ahead
+
+
+def _late_m(flown: Flown, recording: Recording) -> Floats:
+    """Distance (n,) of every fix from where the vehicle is at that time; it stays where its flight ended."""
+    off = [
+        np.interp(recording.time_s, flown.time_s, flown.place_m[:, axis]) - recording.north_east_m[:, axis]
+        for axis in (0, 1)
+    ]
+    return np.asarray(np.hypot(*off))
 
 
 def _in_the_air(time_s: Floats, flown_m: Floats, recording: Recording) -> tuple[Floats, Floats]:

@@ -1,20 +1,23 @@
 """When each place ought to be passed, and the speeds and waits that get the vehicle there at that time.
 
-Being late adds up: a vehicle that cannot keep up in one stretch is late in all that follow, unless
-it was early before or hurries after. With the time that each leg takes at least, the lateness that
-costs the smallest distance in time is an isotonic regression: lateness may fall from one place to
-the next only as fast as the vehicle can hurry (Barlow et al., 1972: pool adjacent violators).
+The speeds are chosen in the model's air: as a leg begins, the vehicle is as late or early as it is,
+and the leg's speed makes good a part of that. Being late adds up all the same: a vehicle that
+cannot keep up in one stretch is late in all that follow, unless it was early before or hurries
+after. With the time that each leg takes at least, the lateness that costs the smallest distance in
+time is an isotonic regression: lateness may fall from one place to the next only as fast as the
+vehicle can hurry (Barlow et al., 1972: pool adjacent violators).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from flight_replay.fit.basis import Indices
 from flight_replay.fit.draft import Draft
-from flight_replay.fit.forecast import Forecast
+from flight_replay.fit.flying import Flown
+from flight_replay.fit.forecast import CURVE_TOLERANCE_M, Forecast
 from flight_replay.fit.recording import Hover, Recording
 from flight_replay.geodesy import Floats
 
@@ -23,74 +26,85 @@ SLOWEST_M_S = 0.25
 FASTEST_M_S = 30.0
 _HASTE = 1.5
 _HASTE_M_S = 1.0
-_MOST_CHANGE = 2.5
-_CHANGE_POWER = 0.8
+_RECOVERY_S = 4.0
+_LEAST_SHARE = 0.25
 _SHORTEST_LEG_S = 0.05
-_RECOVERY_S = 200.0
 _LEAST_HOLD_S = 1.0
+_LEARNING = 0.6
+_MOST_FACTOR = 3.0
 
 
-@dataclass(slots=True)
 class Pacer:
-    """Sets the speeds of a draft from forecast to forecast; what it learns on the way stays here.
+    """Chooses speeds on the way; ``plan`` sets what it aims at, ``learn`` how legs answer to speeds.
 
-    ``waits`` are the hovers by the index of the place that stands for each; ``least_s`` (n,) are the
-    shortest times that legs were seen to take.
+    Args:
+        recording: whose times count.
+        waits: the hovers by the index of the place that stands for each.
+        least_s: the time that each leg takes at least, waiting not counted (n,).
+        caps_m_s: highest speed worth asking for on each leg (n,).
     """
 
-    recording: Recording
-    waits: dict[int, Hover]
-    caps_m_s: Floats
-    least_s: Floats | None = None
+    def __init__(
+        self, recording: Recording, waits: dict[int, Hover], least_s: Floats, caps_m_s: Floats
+    ) -> None:
+        self._recording = recording
+        self._waits = waits
+        self._least_s = least_s
+        self._caps_m_s = caps_m_s
+        self._factor = np.ones(len(caps_m_s))
+        self._asked_s = np.zeros(len(caps_m_s))
+        self._goal_s: Floats = np.zeros(len(caps_m_s))
+        self._arrival_s: Floats = self._goal_s
+        self._length_m: Floats = self._goal_s
 
-    def paced(self, forecast: Forecast, draft: Draft) -> Draft:
-        """``draft``, which is the forecast's with its places moved, with better speeds and waits."""
-        flown = forecast.draft
+    def plan(self, forecast: Forecast, draft: Draft) -> Draft:
+        """Aim at when the recording passed the forecast's places; returns ``draft`` with its waits set."""
         passing_s = self._wanted_passing_s(forecast)
         wanted = np.diff(passing_s, prepend=0.0)
-        moving = np.maximum(np.diff(forecast.passed_s, prepend=0.0) - flown.hold_s, _SHORTEST_LEG_S)
-        least, first = self._learn(moving)
-        chord = np.linalg.norm(np.diff(draft.places_m[:, :2], axis=0, prepend=draft.places_m[:1, :2]), axis=1)
-        floor = least + np.minimum(flown.hold_s, _LEAST_HOLD_S)
-        late = best_lateness_s(wanted, floor, np.maximum(chord, 0.1))
-        goal = wanted + np.diff(late, prepend=0.0)
-        if not first:
-            behind = np.append(0.0, (forecast.passed_s - passing_s - late)[:-1]) * wanted / _RECOVERY_S
-            goal -= np.clip(behind, -0.3 * goal, 0.3 * goal)
-        hold = self._holds_s(flown, passing_s, goal, least)
-        left = np.maximum(goal - hold, _SHORTEST_LEG_S)
-        change = np.clip(moving / left, 1 / _MOST_CHANGE, _MOST_CHANGE) ** _CHANGE_POWER
-        speed = 1.1 * chord / left if first else draft.speed_m_s * change
-        speed = np.clip(speed, SLOWEST_M_S, self.caps_m_s)
-        speed[0] = np.nan
-        return replace(draft, speed_m_s=speed, hold_s=hold)
+        path = draft.path(CURVE_TOLERANCE_M)
+        steps = np.linalg.norm(np.diff(path.north_east_m, axis=0, prepend=path.north_east_m[:1]), axis=1)
+        steps = np.hypot(steps, np.diff(path.up_m, prepend=path.up_m[0]))
+        self._length_m = np.bincount(path.seq, steps, minlength=len(draft)).astype(float)
+        floor = self._least_s + np.minimum(draft.hold_s, _LEAST_HOLD_S)
+        late = best_lateness_s(wanted, floor, np.maximum(self._length_m, 0.1))
+        self._goal_s = np.maximum.accumulate(passing_s + late)
+        hold = self._holds_s(draft, passing_s)
+        self._arrival_s = self._goal_s - hold
+        return replace(draft, hold_s=hold)
 
-    def _learn(self, moving: Floats) -> tuple[Floats, bool]:
-        """Shortest durations known by now, and whether nothing was known before."""
-        first = self.least_s is None
-        if self.least_s is None:
-            self.least_s = moving
-        else:
-            self.least_s = np.where(moving < self.least_s, (self.least_s + moving) / 2, self.least_s)
-        return self.least_s, first
+    def choose(self, place: int, now_s: float) -> float:
+        """Speed for the leg to ``place`` if that begins now."""
+        begin_s = self._goal_s[place - 1]
+        nominal_s = max(self._arrival_s[place] - begin_s, _SHORTEST_LEG_S)
+        asked_s = nominal_s - (now_s - begin_s) * min(1.0, nominal_s / _RECOVERY_S)
+        self._asked_s[place] = asked_s = max(asked_s, _LEAST_SHARE * nominal_s)
+        speed = self._factor[place] * self._length_m[place] / asked_s
+        return float(min(max(speed, SLOWEST_M_S), self._caps_m_s[place]))
+
+    def learn(self, flown: Flown) -> None:
+        """Correct the speed of each leg by how much longer than asked for it took."""
+        moving = np.maximum(np.diff(flown.passed_s, prepend=0.0) - flown.draft.hold_s, _SHORTEST_LEG_S)
+        self._least_s = np.where(moving < self._least_s, (self._least_s + moving) / 2, self._least_s)
+        answer = (moving / np.maximum(self._asked_s, _SHORTEST_LEG_S)) ** _LEARNING
+        self._factor = np.clip(self._factor * answer, 1 / _MOST_FACTOR, _MOST_FACTOR)
 
     def _wanted_passing_s(self, forecast: Forecast) -> Floats:
         """When the recording passed (n,) where the vehicle is as it passes each place."""
-        times = self.recording.time_s
+        times = self._recording.time_s
         flown_s = np.maximum.accumulate(forecast.flown_s) + 1e-6 * np.arange(len(times))
         passing = np.interp(forecast.passed_s, flown_s, times)
-        for place, hover in self.waits.items():
+        for place, hover in self._waits.items():
             passing[place] = times[hover.last]
         passing[0], passing[-1] = 0.0, times[-1]
-        return np.asarray(np.maximum.accumulate(passing))
+        rising: Floats = np.asarray(np.maximum.accumulate(passing))
+        return rising
 
-    def _holds_s(self, flown: Draft, passing_s: Floats, goal_s: Floats, least_s: Floats) -> Floats:
+    def _holds_s(self, draft: Draft, passing_s: Floats) -> Floats:
         """Whole seconds to wait: what is left of each hover's leg when the vehicle comes as recorded."""
-        hold = flown.hold_s.copy()
-        for place, hover in self.waits.items():
-            begin = self.recording.time_s[hover.first]
-            coming = max(begin - passing_s[place - 1], least_s[place])
-            hold[place] = max(_LEAST_HOLD_S, round(goal_s[place] - coming))
+        hold = draft.hold_s.copy()
+        for place, hover in self._waits.items():
+            coming_s = max(self._recording.time_s[hover.first] - passing_s[place - 1], self._least_s[place])
+            hold[place] = max(_LEAST_HOLD_S, round(self._goal_s[place] - self._goal_s[place - 1] - coming_s))
         return hold
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flight_replay.fit.draft import Draft
+from flight_replay.fit.flying import Choose, flown
 from flight_replay.fit.forecast import PLAN_SHARE, Forecast, forecast, on_plan
 from flight_replay.fit.pace import Pacer, speed_caps_m_s
 from flight_replay.fit.recording import Hover, Recording
@@ -18,6 +19,7 @@ from flight_replay.simulator.limits import Limits
 _GAIN = 0.6
 _EVEN_BEND = 0.003
 _LEG_S = 1.4
+_LEAST_URGENCY, _MOST_URGENCY = 0.5, 5.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,66 +36,76 @@ class Task:
     timed: bool
     step_s: float
 
-    def fly(self, draft: Draft) -> Forecast:
-        """What a draft would look like in the air."""
-        return forecast(draft, self.recording, self.frame, self.limits, timed=self.timed, step_s=self.step_s)
+    def fly(self, draft: Draft, choose: Choose | None = None) -> Forecast:
+        """What a draft would look like in the air, with the speeds that are chosen on the way if they are."""
+        return forecast(flown(draft, self.limits, self.step_s, choose), self.recording, timed=self.timed)
 
 
-def searched(  # noqa: PLR0913
-    task: Task, draft: Draft, *, bend: float, shaping: int, pacing: int, tick: Callable[[], None]
-) -> Forecast:
-    """The best of the drafts on the way from ``draft``: first places and speeds, then speeds alone.
+def searched(task: Task, draft: Draft, *, bend: float, flights: int, tick: Callable[[], None]) -> Forecast:
+    """The best of the drafts on the way from ``draft``.
 
     Args:
         task: what to fit.
         draft: where to begin.
         bend: weight against places that ask for sudden turns.
-        shaping: how many flights to move places after.
-        pacing: how many more to set speeds after.
-        tick: called after each flight in the model.
+        flights: how many flights in the model.
+        tick: called after each.
     """
-    pacer = _pacer(task, draft) if task.timed else None
-    if pacer is not None:
-        draft = replace(draft, speed_m_s=np.append(np.nan, pacer.caps_m_s[1:]))
-    best: Forecast | None = None
-    for flight in range(shaping + (pacing if pacer else 0)):
-        flown = task.fly(draft)
+    best = last = task.fly(_in_haste(task, draft) if task.timed else draft)
+    pacer = _pacer(task, last) if task.timed else None
+    for _ in range(flights - 1):
         tick()
-        if best is None or flown.objective_m < best.objective_m:
-            best = flown
-        probing = pacer is not None and flight == 0
-        if flight < shaping and not probing:
-            draft = _shaped(task, draft, flown, _bends(task, flown, bend))
+        draft = _shaped(task, last.draft, last, _bends(task, last, bend))
         if pacer is not None:
-            draft = pacer.paced(flown, draft)
-    assert best is not None, "there is at least one flight"
+            draft = pacer.plan(last, draft)
+        last = task.fly(draft, pacer.choose if pacer else None)
+        if pacer is not None:
+            pacer.learn(last.flown)
+        if last.objective_m < best.objective_m:
+            best = last
+    tick()
     return best
 
 
-def _pacer(task: Task, draft: Draft) -> Pacer:
+def _in_haste(task: Task, draft: Draft) -> Draft:
+    """The draft at the highest speeds worth asking for."""
     leg = on_plan(draft, task.recording)[0]
+    caps = speed_caps_m_s(leg, len(draft), task.recording)
+    return replace(draft, speed_m_s=np.append(np.nan, caps[1:]))
+
+
+def _pacer(task: Task, hasty: Forecast) -> Pacer:
+    """What sets the speeds, knowing how long legs take at least."""
+    draft = hasty.draft
     places = np.flatnonzero(draft.hold_s[1:] > 0) + 1
     waits = dict(zip(places.tolist(), task.hovers, strict=True))
-    return Pacer(task.recording, waits, speed_caps_m_s(leg, len(draft), task.recording))
+    least_s = np.diff(hasty.passed_s, prepend=0.0) - np.append(0.0, draft.hold_s[1:])
+    return Pacer(task.recording, waits, least_s, draft.speed_m_s)
 
 
-def _bends(task: Task, flown: Forecast, bend: float) -> Floats:
+def _bends(task: Task, last: Forecast, bend: float) -> Floats:
     """Weights (n - 3,) against unevenness: where legs are short in time, uneven places mean jerks."""
     if not task.timed:
-        return np.full(max(len(flown.draft) - 3, 0), _EVEN_BEND)
-    legs_s = np.diff(flown.passed_s)
+        return np.full(max(len(last.draft) - 3, 0), _EVEN_BEND)
+    legs_s = np.diff(last.passed_s)
     three_s = np.convolve(legs_s, np.ones(3) / 3, "valid")
     return np.asarray(_EVEN_BEND + bend * np.minimum(1.0, (_LEG_S / np.maximum(three_s, 0.1)) ** 6))
 
 
-def _shaped(task: Task, draft: Draft, flown: Forecast, bend: Floats) -> Draft:
+def _shaped(task: Task, draft: Draft, last: Forecast, bend: Floats) -> Draft:
     """The draft moved so that both what is flown and what is planned come nearer to the fixes."""
-    weight = np.ones(len(flown.leg))
     pulls = [
-        Pull(flown.leg, flown.part, flown.ahead, flown.flown_off_m, weight),
-        Pull(flown.leg, flown.part, flown.ahead, flown.planned_off_m, PLAN_SHARE * weight),
+        Pull(last.leg, last.part, last.ahead, off_m, share * _urgency(off_m))
+        for off_m, share in ((last.flown_off_m, 1.0), (last.planned_off_m, PLAN_SHARE))
     ]
     moved = pulled(draft, pulls, bend, _GAIN)
     if np.ptp(task.recording.up_m) > 0:
-        moved = raised(moved, flown.leg, flown.part, task.recording.up_m)
+        moved = raised(moved, last.leg, last.part, task.recording.up_m)
     return moved
+
+
+def _urgency(off_m: Floats) -> Floats:
+    """Weights (n,) that grow with the distance, so that no fix is left far from the path."""
+    apart = np.linalg.norm(off_m, axis=1)
+    usual = np.sqrt((apart**2).mean())
+    return np.asarray(np.clip(apart / max(usual, 1e-6), _LEAST_URGENCY, _MOST_URGENCY))

@@ -1,0 +1,103 @@
+"""A draft flown in the model of ArduCopter, with its speeds set beforehand or chosen on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flight_replay.errors import MissionError
+from flight_replay.fit.draft import Draft
+from flight_replay.geodesy import Floats
+from flight_replay.mission import FIRST_SEQ, Command
+from flight_replay.simulator.auto import LocalItem
+from flight_replay.simulator.copter import Copter
+from flight_replay.simulator.limits import Limits
+
+Choose = Callable[[int, float], float]
+"""Speed, m/s, for the leg to a place, if that begins at a time, s, since the first place was reached."""
+_LONGEST_S = 100_000.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flown:
+    """Where the vehicle was: times (k,) from reaching the first place, places (k, 3) north, east, up.
+
+    ``passed_s`` (n,) is when each of the draft's n places was reached.
+    """
+
+    draft: Draft
+    time_s: Floats
+    place_m: Floats
+    passed_s: Floats
+
+
+def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = None) -> Flown:
+    """Fly a draft that begins where the vehicle hovers.
+
+    Args:
+        draft: at least one place.
+        limits: what the vehicle may do.
+        step_s: duration of the model's steps.
+        choose: sets the speed of every leg at the moment that it begins; the draft's own speeds if
+            None. The draft that comes back has the speeds that were flown.
+
+    Raises:
+        MissionError: the flight does not end.
+    """
+    speeds = draft.speed_m_s.copy()
+    items, seqs = _items(draft, every_speed=choose is not None)
+    towards = dict(zip(seqs, range(len(seqs)), strict=True))
+    copter = Copter(limits, position_m=_vector(draft.places_m[0]), step_s=step_s)
+    run = copter.start_auto(items)
+    rows = [copter.position_m]
+    first_s: float | None = None
+    while not run.completed:
+        following = towards.get(run.current_seq, -1) + 1
+        if first_s is None and following > 1:
+            first_s = _reached_s(run.reached, seqs[0])
+        if choose is not None and 0 < following < len(seqs):
+            since_s = 0.0 if first_s is None else copter.time_s - first_s
+            speeds[following] = round(choose(following, since_s), 2)
+            items[seqs[following] - FIRST_SEQ - 1] = _speed(seqs[following] - 1, speeds[following])
+        copter.step()
+        rows.append(copter.position_m)
+        if copter.time_s > _LONGEST_S:
+            raise MissionError("the fitted flight does not end; fit a shorter part of the log")
+    passed = np.array([_reached_s(run.reached, seq) for seq in seqs])
+    begin = round(passed[0] / step_s)
+    place = np.array(rows[begin:])
+    return Flown(
+        replace(draft, speed_m_s=speeds),
+        step_s * np.arange(len(place), dtype=float),
+        place,
+        passed - passed[0],
+    )
+
+
+def _items(draft: Draft, *, every_speed: bool) -> tuple[list[LocalItem], list[int]]:
+    """Mission items with the draft's speed changes, or one before each leg, and the numbers of the places."""
+    items: list[LocalItem] = []
+    seqs = []
+    for i, place in enumerate(draft.places_m):
+        if np.isfinite(draft.speed_m_s[i]) or (every_speed and i > 0):
+            items.append(_speed(len(items) + FIRST_SEQ, float(draft.speed_m_s[i])))
+        command = Command.SPLINE_WAYPOINT if draft.spline[i] else Command.WAYPOINT
+        north, east, up = _vector(place)
+        seqs.append(len(items) + FIRST_SEQ)
+        items.append(LocalItem(seqs[-1], command, (float(draft.hold_s[i]), 0.0, 0.0, 0.0), (north, east), up))
+    return items, seqs
+
+
+def _speed(seq: int, speed_m_s: float) -> LocalItem:
+    return LocalItem(seq, Command.CHANGE_SPEED, (1.0, speed_m_s, 0.0, 0.0), None, None)
+
+
+def _vector(place_m: Floats) -> tuple[float, float, float]:
+    north, east, up = place_m.tolist()
+    return north, east, up
+
+
+def _reached_s(reached: list[tuple[int, float]], seq: int) -> float:
+    return next(time_s for item, time_s in reached if item == seq)
