@@ -143,3 +143,12 @@ def test_wind_is_felt_and_told() -> None:
     station.channel.request(dialect.MAVLINK_MSG_ID_WIND)
     wind = station.last("WIND")
     assert (wind.direction, wind.speed) == pytest.approx((0, 8), abs=0.01)
+
+
+def test_items_that_this_copter_cannot_fly_are_passed_over() -> None:
+    """Commands that ArduCopter stores and this model has no motion for are reached at once."""
+    _, station = sim()
+    station.fly()
+    station.upload([place(20, 0), place(20, 5, command=94), act(183, 5, 1500), place(0, 0)])
+    station.mode(AUTO)
+    assert order_of(station, 4) == ["1 WP", "2 PayloadPlace", "3 SetServo", "4 WP"]

@@ -157,10 +157,10 @@ class MissionControl:
         reached = [seq for seq, _ in run.reached[self._told :]]
         self._told = len(run.reached)
         for seq in reached:
-            command = self._items[seq - FIRST_SEQ].command
-            if command in SAYS_REACHED:
+            item = self._items[seq - FIRST_SEQ]
+            if item.command in SAYS_REACHED:
                 vehicle.say(_INFO, f"Reached command #{seq}")
-            if is_navigation(command):
+            if item.is_navigation:
                 self._tell_started()
         if reached:
             # Of one instant ArduCopter sends but the last.

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from flight_replay.simulator.mission_items import StoredItem
-from flight_replay.simulator.mission_rules import RULES, TAKEOFFS
+from flight_replay.simulator.mission_rules import TAKEOFFS
 
 CAPACITY = 650
 """Items including home that ArduPilot's SITL and boards with 16 KB hold (StorageManager.cpp)."""
 
 _SKIPPED_BEFORE_TAKEOFF = frozenset({93, 218})  # NAV_DELAY, DO_AUX_FUNCTION (AP_Mission::is_takeoff_next)
 _LOOK_AHEAD = 16
+_LAST_NAVIGATION, _SET_YAW_SPEED = 95, 213
 
 
 def is_navigation(command: int) -> bool:
     """Whether the vehicle flies this item, rather than doing it on the way (AP_Mission::is_nav_cmd)."""
-    return command <= 95 or command in {213}
+    return command <= _LAST_NAVIGATION or command == _SET_YAW_SPEED
 
 
 class MissionStore:
@@ -64,7 +65,7 @@ class MissionStore:
     def next_navigation(self, seq: int) -> int | None:
         """The first item to fly at or behind a place."""
         for place in range(max(seq, 1), len(self._items)):
-            if is_navigation(self._items[place].command) and self._items[place].command in RULES:
+            if is_navigation(self._items[place].command):
                 return place
         return None
 
