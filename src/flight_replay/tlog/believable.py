@@ -43,7 +43,7 @@ _TOLD_S = 10.0  # how long a receiver's last word holds
 _FASTEST_M_S = 60.0  # multicopters beyond this are built for records, and report their speed
 _VELOCITY_FACTOR = 1.5  # between two records a vehicle may have been faster than at either
 _SLACK_M = 20.0  # estimators correct themselves by metres at once
-_SLACK_E7 = 1_700  # less than that in both directions together: 1e-7 degrees are 11.2 mm at most
+_SLACK_E7 = 1_200  # both ways less than that: 1e-7 degrees are 11.2 mm at most
 _LOOK_BACK = 8  # how many runs of positions before it a run may follow
 
 
@@ -55,10 +55,8 @@ def judge(positions: Positions, fixes: Fixes, clock: Clock) -> NDArray[np.int8]:
     verdict[~_beyond(lat, _HAIR_E7) & ~_beyond(lon, _HAIR_E7)] = Verdict.NEAR_ZERO
     verdict[_without_fix(positions, fixes, clock)] = Verdict.NO_FIX
     verdict[positions.is_empty] = Verdict.EMPTY
-    left = clock.order[verdict[clock.order] == Verdict.NONE]
-    verdict[left[_wrong_side_of_jumps(positions.select(left), clock.time_s[left], clock.section[left])]] = (
-        Verdict.JUMP
-    )
+    left = clock.in_order(verdict == Verdict.NONE)
+    verdict[left[_wrong_side_of_jumps(positions, clock, left)]] = Verdict.JUMP
     return verdict
 
 
@@ -88,16 +86,18 @@ def _without_fix(positions: Positions, fixes: Fixes, clock: Clock) -> Flags:
     return np.cumsum(steps[:-1]) > 0
 
 
-def _wrong_side_of_jumps(positions: Positions, time_s: Floats, section: NDArray[np.int32]) -> Flags:
-    """Which positions (n,), in order of time, lie on the wrong side of an impossible jump.
+def _wrong_side_of_jumps(positions: Positions, clock: Clock, left: Index) -> Flags:
+    """Which of the positions ``left`` (m,), in order of time, lie on the wrong side of an impossible jump.
 
     Jumps cut each section into runs. Of all chains of runs that can follow each other, the one with
     most positions is believed: an outlier is left out, and so is a false start before a jump.
     """
-    wrong = np.zeros(len(positions), np.bool_)
-    step_e7 = [np.abs(np.diff(column.astype(np.int64))) for column in (positions.lat_e7, positions.lon_e7)]
-    far = np.flatnonzero((step_e7[0] + step_e7[1] > _SLACK_E7) & (section[1:] == section[:-1]))
-    moves = _Moves(positions, time_s)
+    wrong = np.zeros(len(left), np.bool_)
+    section = clock.section[left]
+    is_far = section[1:] == section[:-1]
+    is_far &= _is_step(positions.lat_e7[left]) | _is_step(positions.lon_e7[left])
+    moves = _Moves(positions, clock.time_s, left)
+    far = np.flatnonzero(is_far)
     cuts = far[~moves.possible(far, far + 1)] + 1
     for jumped in np.unique(section[cuts]):
         begin, end = np.searchsorted(section, [jumped, jumped + 1])
@@ -108,14 +108,20 @@ def _wrong_side_of_jumps(positions: Positions, time_s: Floats, section: NDArray[
     return wrong
 
 
-class _Moves:
-    """Which moves between the positions of a vehicle are possible."""
+def _is_step(angle_e7: NDArray[np.int32]) -> Flags:
+    """Where an angle (n,) changes by so much that it may be a jump, shape (n - 1,)."""
+    return _beyond(np.diff(angle_e7), _SLACK_E7)
 
-    def __init__(self, positions: Positions, time_s: Floats) -> None:
-        self._positions, self._time_s = positions, time_s
+
+class _Moves:
+    """Which moves between the positions ``left`` of a vehicle are possible."""
+
+    def __init__(self, positions: Positions, time_s: Floats, left: Index) -> None:
+        self._positions, self._time_s, self._left = positions, time_s, left
 
     def possible(self, start: Index, end: Index) -> Flags:
         """Whether the vehicle can have moved from position ``start`` to ``end``, both (m,)."""
+        start, end = self._left[start], self._left[end]
         lat, lon = self._positions.lat_e7, self._positions.lon_e7
         apart_m = distance_m(lat[start] / 1e7, lon[start] / 1e7, lat[end] / 1e7, lon[end] / 1e7)
         fastest_m_s = np.maximum(np.maximum(self._reported_m_s(start), self._reported_m_s(end)), _FASTEST_M_S)

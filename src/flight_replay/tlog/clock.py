@@ -26,11 +26,18 @@ _LONGEST_REBOOT_US = 86_400_000_000  # beyond a day, stamps of two boots say not
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clock:
-    """Time and section of records in the order of the log, and the ``order`` of time; all (n,)."""
+    """Time and section of records in the order of the log, and the ``order`` of time, all (n,).
+
+    ``order`` is None where it is that of the log.
+    """
 
     time_s: Floats
     section: NDArray[np.int32]
-    order: Index
+    order: Index | None
+
+    def in_order(self, keep: Flags) -> Index:
+        """The indices that a mask (n,) keeps, in the order of time."""
+        return np.flatnonzero(keep) if self.order is None else self.order[keep[self.order]]
 
 
 def read_clock(positions: Positions) -> Clock:
@@ -40,21 +47,21 @@ def read_clock(positions: Positions) -> Clock:
     reboots = falls[~_is_late(clock_ms, falls)]
     bounds = np.concatenate([[0], reboots, [len(clock_ms)]])
     section = np.repeat(np.arange(len(reboots) + 1, dtype=np.int32), np.diff(bounds))
-    order = np.arange(len(clock_ms))
-    if len(falls) > len(reboots):
-        order = np.lexsort((clock_ms, section))
-    time_us = clock_ms * 1000
-    first_us, last_us = time_us[order[bounds[:-1]]], time_us[order[bounds[1:] - 1]]
+    order = np.lexsort((clock_ms, section)) if len(falls) > len(reboots) else None
+    firsts, lasts = bounds[:-1], bounds[1:] - 1
+    first_us, last_us = (clock_ms[ends if order is None else order[ends]] * 1000 for ends in (firsts, lasts))
     gap_us = _stamp_gaps_us(positions.stamp_us[reboots - 1], positions.stamp_us[reboots])
     shift_us = np.concatenate([[0], np.cumsum(last_us[:-1] + gap_us - first_us[1:])])
-    time_us += np.repeat(shift_us, np.diff(bounds))
-    return Clock(time_us / 1e6, section, order)
+    clock_ms *= 1000
+    clock_ms += shift_us[section]
+    return Clock(clock_ms / 1e6, section, order)
 
 
 def _unwrapped(time_ms: NDArray[np.int64]) -> NDArray[np.int64]:
     """The counter as if it had more bits, shape (n,)."""
     step = np.diff(time_ms)
-    wraps = np.flatnonzero(np.abs(step) > _WRAP_MS - _WRAP_GAP_MS) + 1
+    most = _WRAP_MS - _WRAP_GAP_MS
+    wraps = np.flatnonzero((step > most) | (step < -most)) + 1
     if not len(wraps):
         return time_ms
     turns = np.zeros(len(time_ms), np.int64)

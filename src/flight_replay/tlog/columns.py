@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import TypeVar
 
@@ -80,20 +79,22 @@ class Records:
     empty: dict[int, int]
 
 
-def joined(parts: Sequence[Records]) -> Records:
-    """Records of consecutive parts of a log as one."""
+def joined(parts: list[Records]) -> Records:
+    """Records of consecutive parts of a log as one; empties the list, so that they are not held twice."""
     empty: dict[int, int] = {}
     for part in parts:
         for vehicle, count in part.empty.items():
             empty[vehicle] = empty.get(vehicle, 0) + count
-    return Records(
-        _concatenated([part.positions for part in parts]),
-        _concatenated([part.heartbeats for part in parts]),
-        _concatenated([part.fixes for part in parts]),
-        empty,
-    )
+    positions = [part.positions for part in parts]
+    heartbeats = [part.heartbeats for part in parts]
+    fixes = [part.fixes for part in parts]
+    parts.clear()
+    return Records(_concatenated(positions), _concatenated(heartbeats), _concatenated(fixes), empty)
 
 
 def _concatenated(parts: list[AnyColumns]) -> AnyColumns:
-    names = [each.name for each in fields(parts[0])]
-    return type(parts[0])(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+    """Columns end to end, giving back the memory of each as soon as it is copied."""
+    kind = type(parts[0])
+    columns = {each.name: [getattr(part, each.name) for part in parts] for each in fields(kind)}
+    parts.clear()
+    return kind(**{each.name: np.concatenate(columns.pop(each.name)) for each in fields(kind)})

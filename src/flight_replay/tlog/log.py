@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flight_replay.errors import LogError
-from flight_replay.geodesy import Floats
 from flight_replay.tlog import source
 from flight_replay.tlog.believable import REASONS, Verdict, judge
-from flight_replay.tlog.clock import read_clock
+from flight_replay.tlog.clock import Clock, read_clock
 from flight_replay.tlog.columns import AnyColumns, Positions, Records
+from flight_replay.tlog.crc import Index
 from flight_replay.tlog.scan import scan
 from flight_replay.tlog.vehicles import VehicleCount, VehicleId, armed_at
 from flight_replay.track import Track
@@ -82,18 +81,18 @@ def read_log(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
-    """One vehicle's usable positions in order of time, with their time and section."""
+    """One vehicle's positions with their clock, and the indices of the ``usable`` ones in order of time."""
 
     key: int
     positions: Positions
-    time_s: Floats
-    section: NDArray[np.int32]
+    clock: Clock
+    usable: Index
     empty: int
     rejected: dict[str, int]
 
     @property
     def count(self) -> VehicleCount:
-        return VehicleCount(self.key >> 8, self.key & 255, len(self.positions))
+        return VehicleCount(self.key >> 8, self.key & 255, len(self.usable))
 
 
 def _read_vehicle(records: Records, key: int) -> _Found:
@@ -102,15 +101,9 @@ def _read_vehicle(records: Records, key: int) -> _Found:
     clock = read_clock(positions)
     verdict = judge(positions, _of(records.fixes, key), clock)
     counts = np.bincount(verdict, minlength=len(Verdict))
-    usable = clock.order[verdict[clock.order] == Verdict.NONE]
-    return _Found(
-        key,
-        positions.select(usable),
-        clock.time_s[usable],
-        clock.section[usable],
-        records.empty.get(key, 0),
-        {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]},
-    )
+    rejected = {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
+    usable = clock.in_order(verdict == Verdict.NONE)
+    return _Found(key, positions, clock, usable, records.empty.get(key, 0), rejected)
 
 
 def _of(columns: AnyColumns, key: int) -> AnyColumns:
@@ -146,16 +139,17 @@ def _nothing_of(records: Records, head: bytes) -> str:
 
 def _track(records: Records, found: _Found) -> Track:
     """A vehicle's fixes in SI units."""
-    positions = found.positions
+    positions, at = found.positions, found.usable
+    section = found.clock.section[at]
     return Track(
-        time_s=found.time_s,
-        lat_deg=positions.lat_e7 / 1e7,
-        lon_deg=positions.lon_e7 / 1e7,
-        alt_m=positions.alt_mm / 1e3,
-        amsl_m=positions.amsl_mm / 1e3,
-        north_m_s=positions.north_cm_s / 1e2,
-        east_m_s=positions.east_cm_s / 1e2,
-        up_m_s=positions.down_cm_s / -1e2,
-        section=found.section,
-        armed=armed_at(positions, _of(records.heartbeats, found.key), found.section),
+        time_s=found.clock.time_s[at],
+        lat_deg=positions.lat_e7[at] / 1e7,
+        lon_deg=positions.lon_e7[at] / 1e7,
+        alt_m=positions.alt_mm[at] / 1e3,
+        amsl_m=positions.amsl_mm[at] / 1e3,
+        north_m_s=positions.north_cm_s[at] / 1e2,
+        east_m_s=positions.east_cm_s[at] / 1e2,
+        up_m_s=positions.down_cm_s[at] / -1e2,
+        section=section,
+        armed=armed_at(positions.offset[at], section, _of(records.heartbeats, found.key)),
     )

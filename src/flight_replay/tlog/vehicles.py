@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.tlog.columns import Heartbeats, Positions
+from flight_replay.tlog.columns import Heartbeats
 from flight_replay.track import Armed
 
 
@@ -55,13 +55,15 @@ def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:
     return kept.select(own) if own.any() else kept
 
 
-def armed_at(positions: Positions, heartbeats: Heartbeats, section: NDArray[np.int32]) -> NDArray[np.int8]:
+def armed_at(
+    offset: NDArray[np.int64], section: NDArray[np.int32], heartbeats: Heartbeats
+) -> NDArray[np.int8]:
     """Whether the motors were armed at any time since the fix before, shape (n,), by the heartbeats.
 
     So a flight lasts from the first fix after they were reported armed to the first after disarmed.
     """
     heartbeats = _of_autopilot(heartbeats)
     told = np.append(heartbeats.armed.astype(np.int8), np.int8(Armed.UNKNOWN))
-    armed = told[np.searchsorted(heartbeats.offset, positions.offset) - 1]
+    armed = told[np.searchsorted(heartbeats.offset, offset) - 1]
     armed[1:] = np.where(section[1:] == section[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
     return np.asarray(armed)
