@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, fields
-from typing import TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,22 +80,47 @@ class Records:
     empty: dict[int, int]
 
 
-def joined(parts: list[Records]) -> Records:
-    """Records of consecutive parts of a log as one; empties the list, so that they are not held twice."""
-    empty: dict[int, int] = {}
-    for part in parts:
-        for vehicle, count in part.empty.items():
-            empty[vehicle] = empty.get(vehicle, 0) + count
-    positions = [part.positions for part in parts]
-    heartbeats = [part.heartbeats for part in parts]
-    fixes = [part.fixes for part in parts]
-    parts.clear()
-    return Records(_concatenated(positions), _concatenated(heartbeats), _concatenated(fixes), empty)
+class Gathered:
+    """Records of one part of a log after the other."""
+
+    def __init__(self) -> None:
+        self._positions = _Growing(Positions)
+        self._heartbeats = _Growing(Heartbeats)
+        self._fixes = _Growing(Fixes)
+        self._empty: Counter[int] = Counter()
+
+    def add(self, part: Records) -> None:
+        """Append a part's records."""
+        self._positions.add(part.positions)
+        self._heartbeats.add(part.heartbeats)
+        self._fixes.add(part.fixes)
+        self._empty.update(part.empty)
+
+    @property
+    def records(self) -> Records:
+        """All records so far."""
+        columns = self._positions.columns, self._heartbeats.columns, self._fixes.columns
+        return Records(*columns, dict(self._empty))
 
 
-def _concatenated(parts: list[AnyColumns]) -> AnyColumns:
-    """Columns end to end, giving back the memory of each as soon as it is copied."""
-    kind = type(parts[0])
-    columns = {each.name: [getattr(part, each.name) for part in parts] for each in fields(kind)}
-    parts.clear()
-    return kind(**{each.name: np.concatenate(columns.pop(each.name)) for each in fields(kind)})
+class _Growing(Generic[AnyColumns]):
+    """Columns in byte arrays, which grow in place: no record is ever held twice."""
+
+    def __init__(self, kind: type[AnyColumns]) -> None:
+        self._kind = kind
+        self._bytes = {each.name: bytearray() for each in fields(kind)}
+        self._dtypes: dict[str, np.dtype[Any]] = {}
+
+    def add(self, part: AnyColumns) -> None:
+        for name, grown in self._bytes.items():
+            column: NDArray[Any] = getattr(part, name)
+            self._dtypes[name] = column.dtype
+            grown.extend(column.tobytes())
+
+    @property
+    def columns(self) -> AnyColumns:
+        columns = {}
+        for name, grown in self._bytes.items():
+            dtype = self._dtypes[name]
+            columns[name] = np.ndarray((len(grown) // dtype.itemsize,), dtype, grown)
+        return self._kind(**columns)

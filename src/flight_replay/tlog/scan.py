@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flight_replay.tlog import messages
-from flight_replay.tlog.columns import Records, joined
+from flight_replay.tlog.columns import Gathered, Records
 from flight_replay.tlog.decode import decode
 from flight_replay.tlog.frames import Marked, Span, Walk, Window, mark
 from flight_replay.tlog.source import Source, Stream
@@ -52,14 +52,14 @@ def scan(
         blocks = _blocks_of_stream(source.stream, block_length)
     else:
         blocks = _blocks_of_file(source.descriptor, source.size, block_length)
-    parts, enter, length = [], 0, 0
+    gathered, enter, length = Gathered(), 0, 0
     for block in blocks:
         records, enter = block.read(enter)
-        parts.append(records)
+        gathered.add(records)
         length = block.offset + block.marked.span.stop - _LEAD
         if progress:
             progress(source.position or length, source.size)
-    return joined(parts), length
+    return gathered.records, length
 
 
 def _blocks_of_file(descriptor: int, size: int, block_length: int) -> Iterator[_Block]:
