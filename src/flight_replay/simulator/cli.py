@@ -11,6 +11,7 @@ from importlib.metadata import version
 from types import FrameType
 
 from flight_replay.errors import SimulatorError
+from flight_replay.simulator.addresses import parse_address
 from flight_replay.simulator.place import Start
 
 DEFAULT_LISTEN = "tcp:127.0.0.1:5760"
@@ -30,6 +31,14 @@ def home(text: str) -> Start:
     if not sane or len(rest) > 2:
         raise argparse.ArgumentTypeError(f"'{text}' is no place on earth; give LAT,LON,ALT,HDG")
     return Start(lat_deg, lon_deg, alt_m, heading_deg)
+
+
+def address(text: str) -> str:
+    """A connection string that can be listened on."""
+    try:
+        return str(parse_address(text))
+    except SimulatorError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def speedup(text: str) -> float:
@@ -53,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--listen",
         action="append",
+        type=address,
         metavar="ADDRESS",
         help=f"tcp:HOST:PORT waits for any number of clients, udp:HOST:PORT sends there, udpin:HOST:PORT "
         f"waits for a first datagram; repeatable, port 0 is any free one (default: {DEFAULT_LISTEN})",
