@@ -67,6 +67,12 @@ class MissionRun:
         return self._flight.navigation.destination
 
     @property
+    def landing(self) -> bool:
+        """Whether the vehicle descends to land."""
+        phase = self._phase
+        return isinstance(phase, Landing) or (isinstance(phase, Return) and phase.landing)
+
+    @property
     def done(self) -> bool:
         """Whether the vehicle has landed, so that its motors may stop."""
         return isinstance(self._phase, Landing | Return) and self._phase.done

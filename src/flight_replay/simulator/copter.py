@@ -97,6 +97,12 @@ class Copter:
         return self._body.on_ground
 
     @property
+    def landing(self) -> bool:
+        """Whether the vehicle descends to land."""
+        phase = self._phase
+        return isinstance(phase, Landing) or (isinstance(phase, Return | MissionRun) and phase.landing)
+
+    @property
     def target_m(self) -> Vector:
         """Where navigation wants the vehicle to be now."""
         control = self._flight.control

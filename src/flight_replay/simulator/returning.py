@@ -41,6 +41,11 @@ class Return:
             up = min(up, max(hypot(start[0], start[1]) * limits.rtl_cone_slope, lowest))
         return max(up, now, start[2] + _ROUNDING_M)
 
+    @property
+    def landing(self) -> bool:
+        """Whether the last part has begun."""
+        return self._landing is not None
+
     def step(self) -> None:
         """Fly one step of whichever part is on."""
         self._run()
