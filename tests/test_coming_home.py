@@ -10,7 +10,10 @@ from sim_station import (
     LAND,
     RTL,
     Station,
+    act,
+    place,
     sim,
+    takeoff,
 )
 
 from flight_replay.simulator.mavlink import dialect
@@ -83,3 +86,22 @@ def test_it_flies_anywhere_on_earth(start: Start) -> None:
     station.mode(AUTO)
     assert station.run(60, lambda: reached(station) == [1])
     assert math.dist(autopilot.flight.position_m, (60, 60, 10)) < 2.5
+
+
+def test_the_landed_state_follows_the_flight() -> None:
+    """EXTENDED_SYS_STATE goes from ground over take-off, air and landing to ground, in every way down."""
+    mission = [takeoff(10), place(5, 0, 10), act(20)]
+    for way in (RTL, LAND, AUTO):
+        autopilot, station = sim()
+        station.command(511, dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 200000)
+        station.fly(10)
+        station.run(3)
+        station.upload(mission)
+        station.mode(way)
+        assert station.run(120, lambda: not autopilot.armed)  # noqa: B023
+        station.run(1)
+        states = [message.landed_state for message in station.of("EXTENDED_SYS_STATE")]
+        changes = [
+            state for state, before in zip(states, [None, *states[:-1]], strict=True) if state != before
+        ]
+        assert changes == [1, 3, 2, 4, 1] if way != AUTO else changes[-3:] == [2, 4, 1]

@@ -108,6 +108,11 @@ class ModelFlight:
         return self._copter.motors
 
     @property
+    def landing(self) -> bool:
+        """Whether it descends to land."""
+        return self._copter.landing
+
+    @property
     def taking_off(self) -> bool:
         """Whether a take-off was ordered and is not done."""
         phase = self._copter.phase

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flight_replay.mission import FIRST_SEQ
+from flight_replay.mission import FIRST_SEQ, Command
 from flight_replay.simulator.auto import LocalItem
 from flight_replay.simulator.mavlink import dialect
 from flight_replay.simulator.mission_items import StoredItem
@@ -178,6 +178,8 @@ class MissionControl:
             self._autopilot.say(_INFO, f"Mission: {each.seq} {name_of(each.command)}")
         if item:
             self.seq, self._next_seq = item.seq, item.seq + 1
+            if item.command == Command.DELAY:
+                self._autopilot.say(_INFO, f"Delaying {item.params[0]:.0f} sec")
         return item is not None
 
     def _take_over_changes(self) -> None:

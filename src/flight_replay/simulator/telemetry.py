@@ -126,11 +126,14 @@ def gps_global_origin(autopilot: Autopilot) -> Message | None:
 
 
 def _extended_sys_state(autopilot: Autopilot) -> Message:
-    landed = (
-        dialect.MAV_LANDED_STATE_ON_GROUND if autopilot.flight.landed else dialect.MAV_LANDED_STATE_IN_AIR
-    )
-    if not autopilot.flight.landed and autopilot.mode == Mode.LAND:
+    flight = autopilot.flight
+    if flight.landed:
+        landed = dialect.MAV_LANDED_STATE_ON_GROUND
+    elif flight.landing:
         landed = dialect.MAV_LANDED_STATE_LANDING
+    else:
+        in_air = dialect.MAV_LANDED_STATE_IN_AIR
+        landed = dialect.MAV_LANDED_STATE_TAKEOFF if flight.taking_off else in_air
     return dialect.MAVLink_extended_sys_state_message(0, landed)
 
 
