@@ -16,8 +16,9 @@ _NEVER_S = float("-inf")
 class Deadline:
     """The end of a wait: ``limit_s`` of the vehicle's clock, within bounds by the clock here.
 
-    A clock that runs fast leaves at least ``least_wall_s`` here, so that lost packets can be sent
-    again; one that stands still, at most three times the limit.
+    Time in which the vehicle was not heard does not count. A clock that runs fast leaves at least
+    ``least_wall_s`` here, so that lost packets can be sent again; one that stands still, at most
+    three times the limit.
     """
 
     def __init__(self, watch: Watch, limit_s: float) -> None:
@@ -27,13 +28,13 @@ class Deadline:
 
     def restart(self) -> None:
         """Wait as long again from now."""
-        self._time_s, self._wall_s = self._watch.time_s, self._watch.wall_s
+        self._attended_s, self._wall_s = self._watch.attended_s, self._watch.wall_s
 
     @property
     def passed(self) -> bool:
         """Whether the wait is over."""
         wall_s = self._watch.wall_s - self._wall_s
-        vehicle_s = self._watch.time_s - self._time_s
+        vehicle_s = self._watch.attended_s - self._attended_s
         least_s = min(self._watch.deadlines.least_wall_s, self._limit_s)
         return wall_s > 3 * self._limit_s or (vehicle_s > self._limit_s and wall_s > least_s)
 

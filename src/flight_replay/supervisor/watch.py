@@ -32,6 +32,9 @@ from flight_replay.supervisor.plan import Deadlines
 
 _STEP_S = 0.1  # Longest nap by the clock here; news ends it.
 _WARNING = 4  # MAV_SEVERITY_WARNING: texts from here up are reasons, the rest is chatter.
+_GAP_S = 1.0  # Between two position reports farther apart than this the vehicle was not heard.
+_STRANGE_BEATS = 2  # One heartbeat may be from before a change, on a link that mixes packets.
+_REBOOT_SHOWS_S = 1.5  # A strange mode and disarmed is what a reboot looks like, until its clock tells.
 _OWN_MODES = frozenset({"RTL", "SMART_RTL", "LAND", "BRAKE", "AUTO_RTL"})
 
 
@@ -55,6 +58,7 @@ class Watch:
         self._heard_s = clock.monotonic_s()
         self._lost = False
         self._strange_beats = 0
+        self._strange_s = self._state_wall_s = 0.0
         self._ours: frozenset[str] = frozenset()
         self.mode: str | None = None
         self.armed: bool | None = None
@@ -63,6 +67,8 @@ class Watch:
         self.mission = MissionAt(0)
         self.reached: dict[int, float] = {}
         self.flown: list[VehicleState] = []
+        self.attended_s = 0.0
+        """Seconds of the vehicle's clock that went by while it was heard: what waits may count."""
         self.auto_start_s: float | None = None
         self._recording = False
         self.answers: dict[Request, Answer] = {}
@@ -99,10 +105,7 @@ class Watch:
         return self._strange_beats > 0
 
     def expect_mode(self, *modes: str) -> None:
-        """From now on any other mode, told twice running, is somebody else's wish: ``Interrupted``.
-
-        Twice, because a link that reorders may bring one heartbeat from before the change.
-        """
+        """From now on any other mode, told twice running, is somebody else's wish: ``Interrupted``."""
         self._ours = frozenset(modes)
         self._strange_beats = 0
 
@@ -133,7 +136,7 @@ class Watch:
         for item in news:
             self._take(item)
         self._notice_silence()
-        if self._strange_beats >= 2:
+        if self._mode_is_strange:
             self._explain_mode()
 
     def _heard(self) -> None:
@@ -155,6 +158,11 @@ class Watch:
                 "its own failsafe decides now: watch it, and check the link",
             )
 
+    @property
+    def _mode_is_strange(self) -> bool:
+        certain = self.armed or self.wall_s - self._strange_s > _REBOOT_SHOWS_S
+        return self._strange_beats >= _STRANGE_BEATS and certain
+
     def _explain_mode(self) -> None:
         if self.mode in _OWN_MODES:
             why = f": {self.failsafe}" if self.failsafe else ""
@@ -174,12 +182,16 @@ class Watch:
         self.was_armed = self.was_armed or (self.arm_asked and beat.armed)
         strange = bool(self._ours) and beat.mode not in self._ours
         self._strange_beats = self._strange_beats + 1 if strange else 0
+        if self._strange_beats == 1:
+            self._strange_s = self.wall_s
         if beat.mode == "AUTO":
             self._in_auto()
 
     @_take.register
     def _(self, state: VehicleState) -> None:
-        self.state = state
+        if self.state is not None and self.wall_s - self._state_wall_s < _GAP_S:
+            self.attended_s += max(state.time_s - self.state.time_s, 0.0)
+        self.state, self._state_wall_s = state, self.wall_s
         if self.auto_start_s is not None:
             self.flown.append(state)
         self.emit(state)

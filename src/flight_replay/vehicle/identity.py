@@ -13,6 +13,7 @@ from flight_replay.vehicle.port import Port
 from flight_replay.vehicle.sightings import Sighting, Sightings
 
 _VERSION_S = 8.0
+_NS_PER_S = 1e9
 _REQUEST_CAPABILITIES = 520  # MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, which 3.3 knows too.
 
 _MULTICOPTERS = {
@@ -103,14 +104,23 @@ def identify(port: Port, sighting: Sighting) -> Identity:
 
 
 def _ask_version(port: Port) -> Message | None:
-    """AUTOPILOT_VERSION, or None from a vehicle that never tells it."""
+    """AUTOPILOT_VERSION, or None from a vehicle that never tells it; on the way, learn the round trip.
+
+    TIMESYNC comes back with the time at which it was sent, so no loss can blur what it measures;
+    3.3 does not answer it.
+    """
     began_s = port.now_s()
-    with port.inbox("AUTOPILOT_VERSION") as inbox:
-        while port.now_s() < began_s + _VERSION_S:
+    with port.inbox("AUTOPILOT_VERSION", "TIMESYNC") as inbox:
+        while (asked_s := port.now_s()) < began_s + _VERSION_S:
+            port.send(dialect.MAVLink_timesync_message(0, int(asked_s * _NS_PER_S)))
             port.send(command(port, _REQUEST_CAPABILITIES, 1))
-            if (message := inbox.get(port.trip.again_s)) is not None:
-                port.trip.took(port.now_s() - began_s)
-                return message
+            again_s = asked_s + port.trip.again_s
+            while (message := inbox.get(again_s - port.now_s())) is not None:
+                if message.get_type() == "AUTOPILOT_VERSION":
+                    port.trip.guess(port.now_s() - began_s)
+                    return message
+                if message.tc1 != 0:
+                    port.trip.took(port.now_s() - message.ts1 / _NS_PER_S)
     return None
 
 

@@ -7,7 +7,8 @@ from flight_replay.vehicle.port import Port
 from flight_replay.vehicle.telemetry import Telemetry
 
 _AGAIN_S = 1.0
-_STALE_S = 3.0
+_STALE_S = 3.0  # Both in seconds of the vehicle's clock ...
+_SHORTEST_S = 0.3  # ... but no shorter than this here, for a link that loses packets.
 _STREAMS = {
     dialect.MAV_DATA_STREAM_EXTENDED_STATUS: (4, "SYS_STATUS"),
     dialect.MAV_DATA_STREAM_POSITION: (10, "GLOBAL_POSITION_INT"),
@@ -23,17 +24,20 @@ class Streams:
     """Keeps the reports coming: a request may get lost, and a reboot forgets them all."""
 
     def __init__(self, port: Port, telemetry: Telemetry) -> None:
+        """Ask over ``port`` for what ``telemetry`` hears."""
         self._port, self._telemetry = port, telemetry
         self._asked_s = float("-inf")
 
-    def keep(self) -> None:
-        """Ask if what was asked for does not come."""
+    def keep(self, speedup: float) -> None:
+        """Ask if what was asked for does not come; ``speedup`` is how fast the vehicle's clock runs."""
         now_s = self._port.now_s()
-        if now_s - self._asked_s < _AGAIN_S:
+        if now_s - self._asked_s < max(_AGAIN_S / speedup, _SHORTEST_S):
             return
         self._asked_s = now_s
         for stream, (rate_hz, sign) in _STREAMS.items():
-            if now_s - self._telemetry.heard_s.get(sign, float("-inf")) < _STALE_S:
+            if now_s - self._telemetry.heard_s.get(sign, float("-inf")) < max(
+                _STALE_S / speedup, _SHORTEST_S
+            ):
                 continue
             self._port.send(
                 dialect.MAVLink_request_data_stream_message(

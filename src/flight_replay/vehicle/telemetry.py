@@ -43,8 +43,7 @@ class Telemetry:
         self._news: deque[News] = deque(maxlen=_KEPT)
         self._arrived = threading.Condition()
         self._mode, self._armed = "", False
-        self._newest_s = float("-inf")
-        self._newer_s = float("-inf")
+        self._newest_s = self._newer_s = self._position_s = float("-inf")
         self._late = 0
         self.heard_s: dict[str, float] = {}  # When a message of each kind came last, by the clock here.
         self._prearm_known = self._prearm_good = False
@@ -66,10 +65,9 @@ class Telemetry:
             return
         self.heard_s[message.get_type()] = time.monotonic()
         handler = self._handlers.get(message.get_type())
-        news = handler(message) if handler else None
+        news = (self._reboot(message), handler(message) if handler else None)
         with self._arrived:
-            if news is not None:
-                self._news.append(news)
+            self._news += [item for item in news if item is not None]
             self._arrived.notify_all()
 
     def take(self, timeout_s: float) -> Sequence[News]:
@@ -81,23 +79,32 @@ class Telemetry:
             self._news.clear()
         return news
 
+    def _reboot(self, message: Message) -> News | None:
+        """Whether the vehicle's clock, which many messages tell, has begun anew."""
+        time_ms = getattr(message, "time_boot_ms", None)
+        if time_ms is None:
+            return None
+        now_s = time.monotonic()
+        if time_ms / 1e3 < self._newest_s:
+            self._late += 1
+            if self._late < _LATE_REPORTS or now_s - self._newer_s < _LATE_WALL_S:
+                return None
+            self._position_s = float("-inf")
+            self._newest_s, self._newer_s, self._late = time_ms / 1e3, now_s, 0
+            return Rebooted()
+        self._newest_s, self._newer_s, self._late = time_ms / 1e3, now_s, 0
+        return None
+
     def _heartbeat(self, message: Message) -> News:
         self._mode = mode_name(message.custom_mode)
         self._armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
         return Heartbeat(self._mode, self._armed)
 
     def _position(self, message: Message) -> News | None:
-        now_s = time.monotonic()
         time_s = message.time_boot_ms / 1e3
-        if time_s < self._newest_s:
-            self._late += 1
-            if self._late < _LATE_REPORTS or now_s - self._newer_s < _LATE_WALL_S:
-                return None
-            self._newest_s, self._newer_s, self._late = time_s, now_s, 0
-            return Rebooted()
-        self._newest_s, self._newer_s, self._late = time_s, now_s, 0
-        if message.lat == 0 and message.lon == 0:
-            return None  # No position yet.
+        if time_s < self._position_s or (message.lat == 0 and message.lon == 0):
+            return None  # Overtaken on the way, or no position yet.
+        self._position_s = time_s
         battery = self._drone.battery
         return VehicleState(
             time_s=time_s,

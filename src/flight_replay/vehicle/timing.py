@@ -45,6 +45,11 @@ class RoundTrip:
         fitting = int(self.typical_s / _PER_MESSAGE_S) if self._times_s else _LEAST_WINDOW
         return max(_LEAST_WINDOW, min(fitting, _MOST_WINDOW))
 
+    def guess(self, seconds: float) -> None:
+        """Something was answered after ``seconds``, perhaps at the second request: better than nothing."""
+        if not self._times_s:
+            self.took(seconds)
+
     def took(self, seconds: float) -> None:
         """A request that was sent once was answered after ``seconds``."""
         self._losses = 0

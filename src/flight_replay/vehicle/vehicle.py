@@ -59,13 +59,13 @@ class ConnectedVehicle:
         self._telemetry = Telemetry(sighting.system, sighting.component, self.drone, self._commands)
         link.add_receiver(self._telemetry.receive)
         self._streams = Streams(self._port, self._telemetry)
-        self._streams.keep()
+        self._streams.keep(link.speedup)
         self.identity: Identity = identify(self._port, sighting)
         self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int)
 
     def news(self, timeout_s: float) -> Sequence[News]:
         """Everything reported since the last call, in order; waits for the first until the timeout."""
-        self._streams.keep()
+        self._streams.keep(self.link.speedup)
         return self._telemetry.take(timeout_s)
 
     def ask_mode(self, mode: str) -> None:
