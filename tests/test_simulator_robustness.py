@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from sim_station import Station, place, sim
 
+from flight_replay.simulator.limits import PARAMETERS
 from flight_replay.simulator.mavlink import dialect
 
 ODD = (0.0, 1.0, -1.0, 2.5, 1e6, -1e9, 3.4e38, -3.4e38, math.nan, math.inf, -math.inf)
@@ -86,3 +87,20 @@ def test_odd_parameters(name: str, amount: float) -> None:
     station.send(dialect.MAVLink_request_data_stream_message(0, 0, 0, 4, 1))
     station.run(12)
     assert len(station.of("SYS_STATUS")) > 20
+
+
+@pytest.mark.parametrize("amount", [0.0, -1.0, 1e9, 1e-9])
+def test_odd_flight_parameters(amount: float) -> None:
+    """Set in the air, one after the other, to values that cannot be flown with, they break nothing."""
+    autopilot, station = sim()
+    station.fly(15)
+    station.upload([place(20, 0, 15), place(20, 20, 18, command=82), place(0, 20, 15)])
+    for name in (known for known in PARAMETERS if known in autopilot.parameters):
+        before = autopilot.parameters[name]
+        autopilot.parameters.assign(name, amount)
+        for mode in (3, 6, 4, 9):
+            station.mode(mode)
+            station.run(1)
+        autopilot.parameters.assign(name, before)
+        station.channel.request(dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT)
+    assert all(math.isfinite(part) for part in autopilot.flight.position_m)

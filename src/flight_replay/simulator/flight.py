@@ -7,17 +7,17 @@ and ``_shift_m`` lies between the two.
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin
+from math import pi, radians
 from typing import TYPE_CHECKING
 
 from flight_replay.simulator.copter import STEP_S, Copter
-from flight_replay.simulator.limits import Limits
+from flight_replay.simulator.flight_parameters import limits_of, wind_m_s
 from flight_replay.simulator.modes import Mode
 from flight_replay.simulator.place import Metres
 from flight_replay.simulator.takeoff import TakeOff
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from flight_replay.simulator.auto import LocalItem
     from flight_replay.simulator.auto_run import MissionRun
@@ -25,16 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["STEP_S", "ModelFlight"]
 
-_STRONGEST_WIND_M_S = 100.0
 _HAS_TARGET = frozenset({Mode.AUTO, Mode.GUIDED, Mode.RTL})
-
-
-def wind_m_s(parameters: Mapping[str, float]) -> Metres:
-    """The air's velocity, north, east and up; SIM_WIND_DIR is where it comes from (SIM_Aircraft.cpp)."""
-    speed = min(max(parameters["SIM_WIND_SPD"], -_STRONGEST_WIND_M_S), _STRONGEST_WIND_M_S)
-    direction, rise = radians(parameters["SIM_WIND_DIR"]), radians(parameters["SIM_WIND_DIR_Z"])
-    level = -speed * cos(rise)
-    return level * cos(direction), level * sin(direction), speed * sin(rise)
 
 
 class ModelFlight:
@@ -52,7 +43,7 @@ class ModelFlight:
     def _made(self, position_m: Metres, yaw_rad: float, velocity_m_s: Metres = (0.0, 0.0, 0.0)) -> Copter:
         parameters = self._autopilot.parameters
         return Copter(
-            Limits.from_parameters(parameters),
+            limits_of(parameters),
             position_m=position_m,
             yaw_rad=yaw_rad,
             velocity_m_s=velocity_m_s,
@@ -138,7 +129,7 @@ class ModelFlight:
         """Move STEP_S on."""
         if self._new_limits:
             self._new_limits = False
-            self._copter.change_limits(Limits.from_parameters(self._autopilot.parameters))
+            self._copter.change_limits(limits_of(self._autopilot.parameters))
             self._copter.change_wind(wind_m_s(self._autopilot.parameters))
         self._attitude_before = self._copter.attitude_rad
         self._copter.step()

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from flight_replay.simulator.flight import wind_m_s
+from flight_replay.simulator.flight_parameters import wind_m_s
 from flight_replay.simulator.mavlink import Message, dialect
 
 if TYPE_CHECKING:

@@ -1,0 +1,48 @@
+"""What of the parameters the flight goes by, kept to values with which something can fly.
+
+A station may set any parameter to any value. ArduPilot checks some of them before arming, limits
+others where it uses them, and falls out of the sky with the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import cos, radians, sin
+
+from flight_replay.simulator.limits import Limits
+from flight_replay.simulator.place import Metres
+
+_LEAST = 0.01
+# AP_MotorsMulticopter.h: AP_MOTORS_THST_HOVER_MIN and _MAX.
+_HOVER_THROTTLE = (0.125, 0.6875)
+# ANGLE_MAX, degrees: what the prearm check lets pass.
+_LEAN_DEG = (10.0, 80.0)
+_STRONGEST_WIND_M_S = 100.0
+
+
+def _within(value: float, bounds: tuple[float, float]) -> float:
+    return min(max(value, bounds[0]), bounds[1])
+
+
+def limits_of(parameters: Mapping[str, float]) -> Limits:
+    """The flight model's limits; nothing that it divides by is 0."""
+    limits = Limits.from_parameters(parameters)
+    return replace(
+        limits,
+        wp_speed_up_m_s=max(limits.wp_speed_up_m_s, _LEAST),
+        wp_speed_down_m_s=max(limits.wp_speed_down_m_s, _LEAST),
+        wp_accel_z_m_s2=max(limits.wp_accel_z_m_s2, _LEAST),
+        position_p=max(limits.position_p, _LEAST),
+        position_z_p=max(limits.position_z_p, _LEAST),
+        hover_throttle=_within(limits.hover_throttle, _HOVER_THROTTLE),
+        lean_angle_rad=_within(limits.lean_angle_rad, (radians(_LEAN_DEG[0]), radians(_LEAN_DEG[1]))),
+    )
+
+
+def wind_m_s(parameters: Mapping[str, float]) -> Metres:
+    """The air's velocity, north, east and up; SIM_WIND_DIR is where it comes from (SIM_Aircraft.cpp)."""
+    speed = _within(parameters["SIM_WIND_SPD"], (-_STRONGEST_WIND_M_S, _STRONGEST_WIND_M_S))
+    direction, rise = radians(parameters["SIM_WIND_DIR"]), radians(parameters["SIM_WIND_DIR_Z"])
+    level = -speed * cos(rise)
+    return level * cos(direction), level * sin(direction), speed * sin(rise)
