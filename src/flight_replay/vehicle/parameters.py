@@ -18,15 +18,15 @@ from flight_replay.vehicle.port import Inbox, Port
 _SHORTEST_AGAIN_S = 0.1  # ArduPilot reads parameters in a thread that is slower than its main loop.
 _PAUSE_S = 0.01  # Between requests, so that a slow radio keeps up.
 _TOLERANCE = 1e-4  # Relative: parameters are float32.
-_BEST_ODDS = 0.97  # However good the link seemed, two requests without an answer are few enough.
-_DOUBT = 1e-3
+_DOUBT = 1e-3  # Odds of taking a lost answer for an unknown name.
+_PUT_BACK_S = 4.0
 
 
 def read_parameters(port: Port, names: Iterable[str], limit_s: float = 15.0) -> dict[str, float]:
     """Values by name; names that the vehicle does not have are left out.
 
     ArduPilot does not answer for a parameter that it does not have: a name counts as unknown when
-    its silence is very unlikely to be lost packets, by how many other requests were answered.
+    its silence is very unlikely to be lost packets, by how often a known one was answered meanwhile.
     """
     reader = _Reader(port, list(dict.fromkeys(names)))
     end_s = port.now_s() + limit_s
@@ -41,13 +41,12 @@ def _again_s(port: Port) -> float:
 
 
 class _Reader:
-    """Rounds of requests for what is missing."""
+    """Rounds of requests for what is missing, each with one for a name that is known to be there."""
 
     def __init__(self, port: Port, names: list[str]) -> None:
         self._port = port
         self._names = names
-        self._rounds = 0
-        self._asked_for: dict[str, int] = {}
+        self._rounds = self._answered = 0  # Rounds with a known name, and those in which it was answered.
         self.values: dict[str, float] = {}
 
     @property
@@ -58,52 +57,61 @@ class _Reader:
     @property
     def sure(self) -> bool:
         """Whether what is missing is unknown to the vehicle rather than lost on the way."""
-        asked = sum(self._asked_for[name] for name in self.values)
-        odds = min(len(self.values) / asked, _BEST_ODDS) if asked else 0.0
-        return (1.0 - odds) ** self._rounds < _DOUBT
+        odds = (self._answered + 1) / (self._rounds + 2)  # Laplace's rule of succession.
+        return bool(self.values) and (1.0 - odds) ** self._rounds < _DOUBT
 
     def ask(self, inbox: Inbox) -> None:
         """One request for each missing name, and the time it takes to answer them."""
-        self._rounds += 1
-        for name in self.missing:
-            self._asked_for[name] = self._rounds
+        known = next(iter(self.values), None)
+        asked = [*self.missing, known] if known else self.missing
+        awaited = set(asked)
+        for name in asked:
             self._port.send(
                 dialect.MAVLink_param_request_read_message(
                     self._port.system, self._port.component, name.encode(), -1
                 )
             )
-            self._take(inbox, self._port.now_s() + _PAUSE_S, until_all=False)
-        self._take(inbox, self._port.now_s() + _again_s(self._port), until_all=True)
+            self._take(inbox, awaited, self._port.now_s() + _PAUSE_S)
+        self._take(inbox, awaited, self._port.now_s() + _again_s(self._port))
+        if known:
+            self._rounds += 1
+            self._answered += known not in awaited
 
-    def _take(self, inbox: Inbox, until_s: float, *, until_all: bool) -> None:
-        while not (until_all and not self.missing):
-            message = inbox.get(until_s - self._port.now_s())
-            if message is None:
-                return
-            if message.param_id in self._asked_for:
+    def _take(self, inbox: Inbox, awaited: set[str], until_s: float) -> None:
+        """Strike from ``awaited`` what comes, until a time or until all came."""
+        while awaited and (message := inbox.get(until_s - self._port.now_s())) is not None:
+            if message.param_id in self._names:
                 self.values[message.param_id] = message.param_value
+                awaited.discard(message.param_id)
 
 
-def write_parameter(port: Port, name: str, value: float, limit_s: float = 10.0) -> None:
-    """Set one parameter and see it confirmed.
+def write_parameters(port: Port, wanted: Mapping[str, float], limit_s: float = 10.0) -> None:
+    """Set parameters and see each confirmed.
 
     Raises:
-        VehicleError: The vehicle does not confirm the value in time.
+        VehicleError: The vehicle does not confirm all values in time.
     """
-    told: float | None = None
+    told: dict[str, float] = {}
     end_s = port.now_s() + limit_s
     with port.inbox("PARAM_VALUE") as inbox:
-        while port.now_s() < end_s:
-            port.send(_set_message(port, name, value))
+        while missing := [name for name, value in wanted.items() if not _is(told.get(name), value)]:
+            if port.now_s() >= end_s:
+                raise VehicleError(_refused(missing[0], wanted[missing[0]], told.get(missing[0])))
+            for name in missing:
+                port.send(_set_message(port, name, wanted[name]))
             again_s = min(end_s, port.now_s() + _again_s(port))
-            while (message := inbox.get(again_s - port.now_s())) is not None:
-                if message.param_id != name:
-                    continue
-                told = message.param_value
-                if math.isclose(told, value, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE):
-                    return
+            while missing and (message := inbox.get(again_s - port.now_s())) is not None:
+                told[message.param_id] = message.param_value
+                missing = [name for name in missing if not _is(told.get(name), wanted[name])]
+
+
+def _is(told: float | None, value: float) -> bool:
+    return told is not None and math.isclose(told, value, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
+
+
+def _refused(name: str, value: float, told: float | None) -> str:
     answer = "does not answer" if told is None else f"keeps {told:g}"
-    raise VehicleError(f"parameter {name} cannot be set to {value:g}: the vehicle {answer}; check the link")
+    return f"parameter {name} cannot be set to {value:g}: the vehicle {answer}; check the link"
 
 
 def _set_message(port: Port, name: str, value: float) -> Message:
@@ -126,12 +134,11 @@ def parameters_set(port: Port, wanted: Mapping[str, float]) -> Iterator[None]:
             f"the vehicle has no parameter {', '.join(unknown)}; its firmware is too old or new"
         )
     try:
-        for name, value in wanted.items():
-            write_parameter(port, name, value)
+        write_parameters(port, wanted)
         yield
     finally:
-        for name, value in before.items():
-            write_parameter(port, name, value)
+        # Ctrl-C has to end within 10 s, with the way home before this.
+        write_parameters(port, before, _PUT_BACK_S)
 
 
 def limits_as_parameters(port: Port, limits: Mapping[str, float]) -> dict[str, float]:

@@ -31,7 +31,7 @@ from flight_replay.vehicle.parameters import (
     limits_as_parameters,
     parameters_set,
     read_parameters,
-    write_parameter,
+    write_parameters,
 )
 from flight_replay.vehicle.port import LinkPort
 from flight_replay.vehicle.sightings import Sighting, Sightings
@@ -153,7 +153,7 @@ class ConnectedVehicle:
             VehicleError: It does not take the speed.
         """
         if self.parameters([_SPEEDUP]).get(_SPEEDUP, speedup) != speedup:
-            write_parameter(self._port, _SPEEDUP, speedup)
+            write_parameters(self._port, {_SPEEDUP: speedup})
         self.link.speedup = speedup
 
     def set_known_parameters(self, wanted: Mapping[str, float]) -> None:
@@ -162,8 +162,8 @@ class ConnectedVehicle:
         Raises:
             VehicleError: It does not take one of them.
         """
-        for name in read_parameters(self._port, wanted):
-            write_parameter(self._port, name, wanted[name])
+        known = read_parameters(self._port, wanted)
+        write_parameters(self._port, {name: wanted[name] for name in known})
 
     def limits_as_parameters(self, limits: Mapping[str, float]) -> dict[str, float]:
         """Parameters in the vehicle's naming scheme for fields of ``simulator.limits.Limits``, SI units."""
