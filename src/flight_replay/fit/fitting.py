@@ -1,4 +1,4 @@
-"""The fit in one go: flown part, hovers, first draft, search, and the answer in words and numbers."""
+"""The fit in one go: flown part, first drafts, search, and the answer in words and numbers."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from flight_replay.compare import Spread, in_order_distances, in_time, spread
-from flight_replay.decimate import MAX_POINTS
+from flight_replay.decimate import MAX_POINTS, spaced
 from flight_replay.errors import LogError
 from flight_replay.fit.draft import Draft
 from flight_replay.fit.flown import flown_part, recording_of
 from flight_replay.fit.forecast import Forecast
-from flight_replay.fit.knots import first_draft
+from flight_replay.fit.knots import enough_places, first_draft
 from flight_replay.fit.recording import Recording, hovers
+from flight_replay.fit.reduce import douglas_peucker, straight_draft
 from flight_replay.fit.result import FitResult
 from flight_replay.fit.search import Task, searched
 from flight_replay.geodesy import Floats
@@ -25,12 +26,15 @@ from flight_replay.track import Track
 
 WORK_FIXES = 1000
 """Fixes that the search looks at; the errors of the answer are those of all fixes."""
+RIVAL_FLIGHTS = 2
+"""Flights in the model for each of the classic routes that the fit has to beat."""
 _HOVER_SHARE = 3
-_STEP_S = 0.04
-_WORK_S = 9000.0
-"""Seconds of flight that the search may simulate; at least ``_FEWEST_FLIGHTS`` flights, whatever it takes."""
-_FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 16
-_BEND = 0.1
+_STEP_S, _LONGEST_STEP_S = 0.04, 0.1
+_MOST_STEPS = 50_000
+_WORK_S = 7000.0
+"""Seconds of flight that the search may simulate, unless that is less than ``_FEWEST_FLIGHTS`` flights."""
+_FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 24
+_BEND = 0.02
 
 Progress = Callable[[int, int], None]
 
@@ -62,60 +66,71 @@ def fit(  # noqa: PLR0913
     flown, notes = flown_part(track)
     timed = speed_m_s == RECORDED
     recording = recording_of(flown, None if altitude_m == RECORDED else float(altitude_m))
+    task = task_for(recording, max_points, limits or Limits(), timed=timed)
+    drafts = _drafts(task, recording, flown, max_points)
+    if speed_m_s is not None and speed_m_s != RECORDED:
+        drafts = [replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:])) for draft in drafts]
+    best = _best(task, drafts, progress or (lambda done, total: None))
+    return _result(best, flown, recording, notes)
+
+
+def task_for(recording: Recording, max_points: int, limits: Limits, *, timed: bool) -> Task:
+    """What the search looks at: some of the fixes, the longest hovers, steps that can be afforded."""
     work = recording.thinned(WORK_FIXES)
-    most = (max_points - 2) // _HOVER_SHARE
-    waits = hovers(work, most) if most > 0 else []
-    task = Task(work, flown.frame, waits, limits or Limits(), timed, _STEP_S)
-    best = _search(task, max_points, None if timed else speed_m_s, progress or (lambda done, total: None))
-    return _result(best, flown, recording, task, notes)
+    most_hovers = (max_points - 2) // _HOVER_SHARE
+    step_s = np.clip(recording.time_s[-1] / _MOST_STEPS, _STEP_S, _LONGEST_STEP_S)
+    return Task(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, float(step_s))
 
 
-def _search(task: Task, max_points: int, speed_m_s: float | Recorded | None, progress: Progress) -> Forecast:
-    """The best draft found with the flights that there is time for."""
-    recording = task.recording
-    if len(recording) < 2 or max_points < 2:
-        return task.fly(_single(recording))
-    draft = first_draft(recording, max_points, task.hovers, timed=task.timed)
-    if isinstance(speed_m_s, float):
-        draft = replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:]))
-    flights = int(np.clip(_WORK_S / max(recording.time_s[-1], 1.0), _FEWEST_FLIGHTS, _MOST_FLIGHTS))
-    done = 0
+def _drafts(task: Task, recording: Recording, flown: Track, max_points: int) -> list[Draft]:
+    """Where to begin: splines where they are wanted, and straight legs as the classic reducers have them."""
+    last = len(recording) - 1
+    if last == 0 or max_points < 2:
+        return [straight_draft(recording, np.array([last]))]
+    line = np.column_stack([recording.north_east_m, recording.up_m])
+    places = enough_places(task.recording, max_points, task.hovers, timed=task.timed)
+    return [
+        first_draft(task.recording, places, task.hovers, timed=task.timed),
+        straight_draft(recording, douglas_peucker(line, max_points)),
+        straight_draft(recording, spaced(flown, max_points=max_points)),
+    ]
+
+
+def _best(task: Task, drafts: list[Draft], progress: Progress) -> Forecast:
+    """The best forecast that comes of the first draft, or of one of its rivals."""
+    flights = int(np.clip(_WORK_S / max(task.recording.time_s[-1], 1.0), _FEWEST_FLIGHTS, _MOST_FLIGHTS))
+    total, done = flights + RIVAL_FLIGHTS * (len(drafts) - 1), 0
 
     def tick() -> None:
         nonlocal done
         done += 1
-        progress(done, flights)
+        progress(done, total)
 
-    return searched(task, draft, bend=_BEND, flights=flights, tick=tick)
-
-
-def _single(recording: Recording) -> Draft:
-    """One waypoint, where the recording ends."""
-    place = np.append(recording.north_east_m[-1], recording.up_m[-1])
-    return Draft(place[None], np.zeros(1, np.bool_), np.zeros(1), np.full(1, np.nan))
+    found = [
+        searched(task, draft, bend=_BEND, flights=RIVAL_FLIGHTS if rival else flights, tick=tick)
+        for rival, draft in enumerate(drafts)
+    ]
+    return min(found, key=lambda forecast: forecast.objective_m)
 
 
-def _result(
-    best: Forecast, flown: Track, recording: Recording, task: Task, notes: tuple[str, ...]
-) -> FitResult:
+def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str, ...]) -> FitResult:
     """The answer, its errors measured against every fix."""
-    frame = flown.frame
-    mission = best.draft.mission(frame)
-    final = replace(task, recording=recording).fly(best.draft)
-    path = planned_path(mission, frame)
+    mission = best.draft.mission(flown.frame)
+    path = planned_path(mission, flown.frame)
+    air = best.flown
     return FitResult(
         mission=mission,
         flown=flown,
-        frame=frame,
+        frame=flown.frame,
         planned=_spread(in_order_distances(recording.north_east_m, path.north_east_m)),
-        predicted_space=_spread(np.linalg.norm(final.flown_off_m, axis=1)),
+        predicted_space=_spread(in_order_distances(recording.north_east_m, air.place_m[:, :2])),
         predicted_time=_spread(
-            in_time(recording.time_s, recording.north_east_m, final.flown.time_s, final.flown.place_m[:, :2])
+            in_time(recording.time_s, recording.north_east_m, air.time_s, air.place_m[:, :2])
         ),
-        predicted_duration_s=float(final.passed_s[-1]),
-        objective_m=final.objective_m,
-        time_s=final.flown.time_s,
-        place_m=final.flown.place_m,
+        predicted_duration_s=float(best.passed_s[-1]),
+        objective_m=best.objective_m,
+        time_s=air.time_s,
+        place_m=air.place_m,
         notes=notes,
     )
 

@@ -65,6 +65,8 @@ def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = N
         rows.append(copter.position_m)
         if copter.time_s > _LONGEST_S:
             raise MissionError("the fitted flight does not end; fit a shorter part of the log")
+    if choose is not None:
+        speeds[1:][speeds[1:] == np.append(np.nan, speeds[1:-1])] = np.nan
     passed = np.array([_reached_s(run.reached, seq) for seq in seqs])
     begin = round(passed[0] / step_s)
     place = np.array(rows[begin:])

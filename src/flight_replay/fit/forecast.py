@@ -4,13 +4,14 @@ The objective, in metres, smaller is better:
 
     root mean square distance in space, flown
     + PLAN_SHARE x root mean square distance in space, planned
-    + TIME_SHARE x mean distance in time, flown (where the recorded speed is asked for)
+    + TIME_SHARE x mean distance in time, flown
 
 "Flown" is what the model of ArduCopter predicts, "planned" the path on paper, both matched in order
 to all fixes. The squares make one fix 2 m off count as much as four that are 1 m off. The
 planned part keeps the route true for vehicles that fly with other gains or in wind. The trade
 between space and time is ``TIME_SHARE``: ten metres late weigh as much as one metre beside the
-track, so corners that the vehicle can only crawl around are flown rounder.
+track, so corners that the vehicle can only crawl around are flown rounder. Where the recorded
+speed is not asked for, being early costs nothing, and being late as much.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class Forecast:
     ``leg`` and ``part`` (n,) say where the planned path has each fix: on the way to which place, and
     how far, 0 to 1 in the curve's own parameter. ``planned_off_m`` and ``flown_off_m`` (n, 2) point
     from the path to the fix, ``ahead`` (n, 2) along the planned path. ``flown_s`` (n,) is when the
-    vehicle flies by, ``late_m`` (n,) the distance in time.
+    vehicle flies by, ``late_m`` (n,) the distance in time that counts.
     """
 
     flown: Flown
@@ -54,7 +55,6 @@ class Forecast:
     flown_off_m: Floats
     flown_s: Floats
     late_m: Floats
-    timed: bool
 
     @property
     def draft(self) -> Draft:
@@ -70,8 +70,7 @@ class Forecast:
     def objective_m(self) -> float:
         """The number that the fit makes small; see the module."""
         flown, planned = _rms(self.flown_off_m), _rms(self.planned_off_m)
-        late = TIME_SHARE * float(self.late_m.mean()) if self.timed and len(self.late_m) else 0.0
-        return flown + PLAN_SHARE * planned + late
+        return flown + PLAN_SHARE * planned + TIME_SHARE * float(self.late_m.mean())
 
 
 def _rms(off_m: Floats) -> float:
@@ -84,8 +83,9 @@ def forecast(flown: Flown, recording: Recording, *, timed: bool) -> Forecast:
     Args:
         flown: in the metres of the recording.
         recording: at least one fix.
-        timed: whether time counts.
+        timed: whether being early counts.
     """
+    late_m = _late_m(flown, recording)
     leg, part, planned_off, ahead = on_plan(flown.draft, recording)
     flown_s, flown_off = _in_the_air(flown.time_s, flown.place_m[:, :2], recording)
     return Forecast(
@@ -96,8 +96,7 @@ def forecast(flown: Flown, recording: Recording, *, timed: bool) -> Forecast:
         ahead=ahead,
         flown_off_m=flown_off,
         flown_s=flown_s,
-        late_m=_late_m(flown, recording),
-        timed=timed,
+        late_m=late_m if timed else np.where(flown_s > recording.time_s, late_m, 0.0),
     )
 
 

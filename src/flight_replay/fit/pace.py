@@ -24,6 +24,8 @@ from flight_replay.geodesy import Floats
 SLOWEST_M_S = 0.25
 """ArduCopter ignores speed changes below 0.2 m/s."""
 FASTEST_M_S = 30.0
+WORTH_A_CHANGE = 1.5
+"""Speeds nearer to each other than this ratio are not worth an item of the mission."""
 _HASTE = 1.5
 _HASTE_M_S = 1.0
 _RECOVERY_S = 4.0
@@ -53,6 +55,7 @@ class Pacer:
         self._caps_m_s = caps_m_s
         self._factor = np.ones(len(caps_m_s))
         self._asked_s = np.zeros(len(caps_m_s))
+        self._place, self._in_force_m_s, self._before_m_s = 0, np.inf, np.inf
         self._goal_s: Floats = np.zeros(len(caps_m_s))
         self._arrival_s: Floats = self._goal_s
         self._length_m: Floats = self._goal_s
@@ -79,7 +82,12 @@ class Pacer:
         asked_s = nominal_s - (now_s - begin_s) * min(1.0, nominal_s / _RECOVERY_S)
         self._asked_s[place] = asked_s = max(asked_s, _LEAST_SHARE * nominal_s)
         speed = self._factor[place] * self._length_m[place] / asked_s
-        return float(min(max(speed, SLOWEST_M_S), self._caps_m_s[place]))
+        speed = float(min(max(speed, SLOWEST_M_S), self._caps_m_s[place]))
+        if place != self._place:
+            self._place, self._before_m_s = place, self._in_force_m_s
+        near = max(speed, self._before_m_s) <= WORTH_A_CHANGE * min(speed, self._before_m_s)
+        self._in_force_m_s = self._before_m_s if near else speed
+        return self._in_force_m_s
 
     def learn(self, flown: Flown) -> None:
         """Correct the speed of each leg by how much longer than asked for it took."""
@@ -96,12 +104,11 @@ class Pacer:
         for place, hover in self._waits.items():
             passing[place] = times[hover.last]
         passing[0], passing[-1] = 0.0, times[-1]
-        rising: Floats = np.asarray(np.maximum.accumulate(passing))
-        return rising
+        return np.asarray(np.maximum.accumulate(passing))
 
     def _holds_s(self, draft: Draft, passing_s: Floats) -> Floats:
         """Whole seconds to wait: what is left of each hover's leg when the vehicle comes as recorded."""
-        hold = draft.hold_s.copy()
+        hold = np.array(draft.hold_s)
         for place, hover in self._waits.items():
             coming_s = max(self._recording.time_s[hover.first] - passing_s[place - 1], self._least_s[place])
             hold[place] = max(_LEAST_HOLD_S, round(self._goal_s[place] - self._goal_s[place - 1] - coming_s))

@@ -10,8 +10,10 @@ from flight_replay.geodesy import Floats
 
 HOVER_RADIUS_M = 0.6
 """A vehicle that hovers wanders about as far, by its own GPS."""
-SHORTEST_HOVER_S = 6.0
-"""Shorter pauses are flown slowly: to stop and to start again takes about as long."""
+SHORTEST_HOVER_S = 20.0
+"""Shorter pauses are flown slowly: stops bind the curves around them, and starting again takes its time."""
+
+_MOST_CORNERS = 4000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,6 +31,18 @@ class Recording:
         """At most ``most`` of the fixes, evenly spread, both ends included."""
         keep = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.intp))
         return Recording(self.time_s[keep], self.north_east_m[keep], self.up_m[keep])
+
+    def nearest_m(self, places_m: Floats) -> Floats:
+        """The points (m, 2) of the line through the fixes that are nearest to places (m, 2)."""
+        corners = self.thinned(_MOST_CORNERS).north_east_m
+        start, step = corners[:-1], np.diff(corners, axis=0)
+        square = np.maximum((step**2).sum(axis=1), 1e-12)
+        found = np.empty_like(places_m)
+        for i, place in enumerate(places_m):
+            along = np.clip(((place - start) * step).sum(axis=1) / square, 0.0, 1.0)
+            feet = start + along[:, None] * step
+            found[i] = feet[np.argmin(((feet - place) ** 2).sum(axis=1))]
+        return found
 
     @property
     def speed_m_s(self) -> Floats:

@@ -13,9 +13,11 @@ from flight_replay.fit.forecast import PLAN_SHARE, Forecast, forecast, on_plan
 from flight_replay.fit.pace import Pacer, speed_caps_m_s
 from flight_replay.fit.recording import Hover, Recording
 from flight_replay.fit.shape import Pull, pulled, raised
-from flight_replay.geodesy import Floats, LocalFrame
+from flight_replay.geodesy import Floats
 from flight_replay.simulator.limits import Limits
 
+SURROUNDINGS_M = 4.0
+"""No waypoint is farther from the recording."""
 _GAIN = 0.6
 _EVEN_BEND = 0.003
 _LEG_S = 1.4
@@ -24,13 +26,12 @@ _LEAST_URGENCY, _MOST_URGENCY = 0.5, 5.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """What to fit: the recording in metres of ``frame``, its hovers, and what the vehicle may do.
+    """What to fit: the recording, its hovers, and what the vehicle may do.
 
     ``timed`` says whether the recorded speed is to be kept; ``step_s`` is the step of the model.
     """
 
     recording: Recording
-    frame: LocalFrame
     hovers: list[Hover]
     limits: Limits
     timed: bool
@@ -78,7 +79,7 @@ def _pacer(task: Task, hasty: Forecast) -> Pacer:
     """What sets the speeds, knowing how long legs take at least."""
     draft = hasty.draft
     places = np.flatnonzero(draft.hold_s[1:] > 0) + 1
-    waits = dict(zip(places.tolist(), task.hovers, strict=True))
+    waits = dict(zip(places.tolist(), task.hovers, strict=len(places) > 0))
     least_s = np.diff(hasty.passed_s, prepend=0.0) - np.append(0.0, draft.hold_s[1:])
     return Pacer(task.recording, waits, least_s, draft.speed_m_s)
 
@@ -98,10 +99,20 @@ def _shaped(task: Task, draft: Draft, last: Forecast, bend: Floats) -> Draft:
         Pull(last.leg, last.part, last.ahead, off_m, share * _urgency(off_m))
         for off_m, share in ((last.flown_off_m, 1.0), (last.planned_off_m, PLAN_SHARE))
     ]
-    moved = pulled(draft, pulls, bend, _GAIN)
+    moved = _kept_near(pulled(draft, pulls, bend, _GAIN), task.recording)
     if np.ptp(task.recording.up_m) > 0:
         moved = raised(moved, last.leg, last.part, task.recording.up_m)
     return moved
+
+
+def _kept_near(draft: Draft, recording: Recording) -> Draft:
+    """The draft with no place farther from the recording than ``SURROUNDINGS_M``."""
+    places = draft.places_m.copy()
+    feet = recording.nearest_m(places[:, :2])
+    off = places[:, :2] - feet
+    apart = np.linalg.norm(off, axis=1, keepdims=True)
+    places[:, :2] = feet + off * np.minimum(1.0, SURROUNDINGS_M / np.maximum(apart, 1e-9))
+    return replace(draft, places_m=places)
 
 
 def _urgency(off_m: Floats) -> Floats:
