@@ -35,6 +35,7 @@ def opened(connection_string: str, baud: int) -> Transport:
                 f"cannot find the host of {connection_string}: {error.strerror}; check its name"
             ) from error
         except OSError as error:
+            transport.close()
             raise VehicleError(
                 f"cannot open {connection_string}: {error.strerror or error}; "
                 "check that it exists and that no other program uses it"
