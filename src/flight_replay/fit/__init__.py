@@ -6,6 +6,7 @@ its trade between space and time are in ``forecast``.
 """
 
 from flight_replay.fit.fitting import fit
+from flight_replay.fit.raised import recorded_limits
 from flight_replay.fit.result import FitResult
 
-__all__ = ["FitResult", "fit"]
+__all__ = ["FitResult", "fit", "recorded_limits"]
