@@ -112,10 +112,10 @@ class _Growing(Generic[AnyColumns]):
         self._dtypes: dict[str, np.dtype[Any]] = {}
 
     def add(self, part: AnyColumns) -> None:
-        for name, grown in self._bytes.items():
+        for name in self._bytes:
             column: NDArray[Any] = getattr(part, name)
             self._dtypes[name] = column.dtype
-            grown.extend(column.tobytes())
+            self._bytes[name] += np.ascontiguousarray(column).view(np.uint8).data
 
     @property
     def columns(self) -> AnyColumns:

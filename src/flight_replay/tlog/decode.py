@@ -6,6 +6,7 @@ zeros off a payload's end, and they are put back here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from flight_replay.tlog import messages
 from flight_replay.tlog.columns import Fixes, Heartbeats, Positions, Records
 from flight_replay.tlog.crc import Bytes, Flags, Index, rows_at
-from flight_replay.tlog.frames import Marked, Walk
+from flight_replay.tlog.frames import Frames, Walk
 
 _STAMP_LENGTH = 8
 _ARMED_FLAG = 128  # MAV_MODE_FLAG_SAFETY_ARMED
@@ -31,16 +32,13 @@ def decode(walk: Walk, base: int) -> Records:
     return Records(positions, _heartbeats(walk, base), _fixes(walk, base), empty)
 
 
-class _Frames:
-    """Some frames of a marked span, by their index (n,): where they are, and what their bytes say.
+class _Decoder:
+    """What the bytes of frames (n,) say; MAVLink 2 has two bytes of flags before its sequence number."""
 
-    Behind the start mark, MAVLink 2 has two bytes of flags more than MAVLink 1.
-    """
-
-    def __init__(self, marked: Marked, index: Index) -> None:
-        self._data = marked.data
-        self.start = marked.start.take(index)
-        self._is_mavlink1 = marked.is_mavlink1.take(index)
+    def __init__(self, data: Bytes, frames: Frames) -> None:
+        self._data = data
+        self.start = frames.start
+        self._is_mavlink1 = frames.is_mavlink1
 
     @property
     def vehicle(self) -> NDArray[np.uint16]:
@@ -69,15 +67,16 @@ def _positions(walk: Walk, base: int) -> tuple[Positions, dict[int, int]]:
 
     Also counts the empty positions by vehicle, and leaves out what runs of them have between their ends.
     """
-    index = walk.candidates(messages.GLOBAL_POSITION_INT)
-    index, empty = _without_empty_runs(walk.marked, index[walk.finds(index)])
-    frames = _Frames(walk.marked, index)
-    rows = frames.payload(0, 28)
+    frames = walk.candidates(messages.GLOBAL_POSITION_INT)
+    frames = frames.take(np.flatnonzero(walk.finds(frames, messages.GLOBAL_POSITION_INT)))
+    frames, empty = _without_empty_runs(walk.data, frames)
+    decoder = _Decoder(walk.data, frames)
+    rows = decoder.payload(0, 28)
     number, half = rows.view("<i4"), rows.view("<i2")
     positions = Positions(
         offset=frames.start + base,
-        vehicle=frames.vehicle,
-        stamp_us=frames.stamp_us,
+        vehicle=decoder.vehicle,
+        stamp_us=decoder.stamp_us,
         time_ms=number[:, 0].view("<u4").copy(),
         lat_e7=number[:, 1].copy(),
         lon_e7=number[:, 2].copy(),
@@ -90,54 +89,57 @@ def _positions(walk: Walk, base: int) -> tuple[Positions, dict[int, int]]:
     return positions, empty
 
 
-def _without_empty_runs(marked: Marked, index: Index) -> tuple[Index, dict[int, int]]:
+def _without_empty_runs(data: Bytes, frames: Frames) -> tuple[Frames, dict[int, int]]:
     """Positions but for the inner ones of runs of empty ones, and the number of empty ones by vehicle."""
-    frames = _Frames(marked, index)
-    numbers = frames.payload(0, 12).view("<u4")
+    decoder = _Decoder(data, frames)
+    numbers = decoder.payload(0, 12).view("<u4")
     is_empty = (numbers[:, 1] | numbers[:, 2]) == 0
     if not is_empty.any():
-        return index, {}
-    vehicle = frames.vehicle
+        return frames, {}
+    vehicle = decoder.vehicle
     vehicles, counts = np.unique(vehicle[is_empty], return_counts=True)
     told = _run_ends(vehicle, np.where(is_empty, _falls(numbers[:, 0]), -1))
-    return index[told | ~is_empty], dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
+    kept = frames.take(np.flatnonzero(told | ~is_empty))
+    return kept, dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
 
 
 def _heartbeats(walk: Walk, base: int) -> Heartbeats:
     """Decode HEARTBEAT: behind four bytes of mode follow type, autopilot and flags."""
-    index = walk.candidates(messages.HEARTBEAT)
-    frames = _Frames(walk.marked, index)
-    vehicle, rows = frames.vehicle, frames.payload(4, 7)
+    frames = walk.candidates(messages.HEARTBEAT)
+    decoder = _Decoder(walk.data, frames)
+    vehicle, rows = decoder.vehicle, decoder.payload(4, 7)
     rows[:, 2] &= _ARMED_FLAG
     state = rows[:, 0].astype(np.int32) << 16 | rows[:, 1].astype(np.int32) << 8 | rows[:, 2]
-    kept = _checked_run_ends(walk, index, vehicle, state)
+    kept = _checked_run_ends(lambda some: walk.finds(frames.take(some), messages.HEARTBEAT), vehicle, state)
     rows = rows[kept]
     return Heartbeats(frames.start[kept] + base, vehicle[kept], rows[:, 1], rows[:, 0], rows[:, 2] != 0)
 
 
 def _fixes(walk: Walk, base: int) -> Fixes:
     """Decode GPS_RAW_INT, of whose own position nothing is read: cold receivers make them up."""
-    index = walk.candidates(messages.GPS_RAW_INT)
-    frames = _Frames(walk.marked, index)
-    vehicle, is_3d = frames.vehicle, frames.payload(28, 29)[:, 0] >= _FIX_TYPE_3D
-    kept = _checked_run_ends(walk, index, vehicle, is_3d)
+    frames = walk.candidates(messages.GPS_RAW_INT)
+    decoder = _Decoder(walk.data, frames)
+    vehicle, is_3d = decoder.vehicle, decoder.payload(28, 29)[:, 0] >= _FIX_TYPE_3D
+    kept = _checked_run_ends(lambda some: walk.finds(frames.take(some), messages.GPS_RAW_INT), vehicle, is_3d)
     return Fixes(frames.start[kept] + base, vehicle[kept], is_3d[kept])
 
 
-def _checked_run_ends(walk: Walk, index: Index, vehicle: NDArray[np.uint16], state: NDArray[Any]) -> Index:
-    """The records at which a vehicle's state begins or ends to be told.
+def _checked_run_ends(
+    are_records: Callable[[Index], Flags], vehicle: NDArray[np.uint16], state: NDArray[Any]
+) -> Index:
+    """The records at which a vehicle's state begins or ends to be told, as indices of candidates (n,).
 
     Only these are checked, and where one is no record, all that tell the same: whether other
     frames within a run are records makes no difference.
     """
-    checked = np.zeros(len(index), np.bool_)
-    is_left = np.ones(len(index), np.bool_)
+    checked = np.zeros(len(vehicle), np.bool_)
+    is_left = np.ones(len(vehicle), np.bool_)
     said = vehicle.astype(np.int64) << 32 | state
     while True:
         left = np.flatnonzero(is_left)
         ends = left[_run_ends(vehicle[left], state[left])]
         fresh = ends[~checked[ends]]
-        right = walk.finds(index[fresh])
+        right = are_records(fresh)
         if right.all():
             return ends
         is_left[fresh] = right
@@ -145,7 +147,7 @@ def _checked_run_ends(walk: Walk, index: Index, vehicle: NDArray[np.uint16], sta
         unsaid = np.sort(said[fresh[~right]])
         alike = unsaid.take(np.searchsorted(unsaid, said), mode="clip") == said
         alike = np.flatnonzero(alike & ~checked)
-        is_left[alike] = walk.finds(index[alike])
+        is_left[alike] = are_records(alike)
         checked[alike] = True
 
 

@@ -18,8 +18,8 @@ from flight_replay.tlog.crc import Bytes, Flags, Index, are_right
 from flight_replay.tlog.hidden import find_hidden, header_length, is_right_at
 
 _NO_MESSAGE = 255  # an id that no message has
-_NEAR = 3
-_FEW, _MANY = 8, 100  # from how many frames on columns are worth their overhead
+_FEW = 8
+_SLICE_LENGTH = 1 << 20  # bytes of which all that is made stays in a core's cache
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,15 +32,15 @@ class Span:
 
 
 class Window:
-    """Bytes of a log being looked at, with room to mark them; used again for the next bytes."""
+    """Bytes of a log being looked at, with room to mark some of them; used again for the next bytes."""
 
     def __init__(self, length: int) -> None:
         self.data: Bytes = np.zeros(length, np.uint8)
-        self._marks: Bytes = np.empty(length, np.uint8)
+        self._marks: Bytes = np.empty(_SLICE_LENGTH, np.uint8)
 
     def marks(self, start: int, stop: int) -> Index:
-        """Where the start marks in [start, stop) are."""
-        marks = self._marks[start:stop]
+        """Where the start marks in [start, stop) are, of no more bytes than a slice."""
+        marks = self._marks[: stop - start]
         np.subtract(self.data[start:stop], messages.MAVLINK2_MARK, out=marks)
         others = messages.MAVLINK1_MARK - messages.MAVLINK2_MARK
         places = np.flatnonzero(np.less_equal(marks, others, out=marks.view(np.bool_)))
@@ -49,25 +49,52 @@ class Window:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Marked:
-    """A span with its start marks and the frames that they would begin, in order, every column (n,).
+class Frames:
+    """Start marks in ascending order and the frames that they would begin, every column of shape (n,).
 
     ``end`` is behind the frame, or ``start`` where the header is that of no frame; ``message`` is
-    the id, or 255 where that takes more than a byte. ``wanted`` (m,) are the indices of frames of
-    wanted messages.
+    the id, or 255 where that takes more than a byte.
     """
 
-    data: Bytes
-    span: Span
     start: Index
     end: Index
     message: NDArray[np.uint8]
     is_mavlink1: Flags
-    wanted: Index
+
+    def take(self, index: Index) -> Frames:
+        """The frames of an index array."""
+        start, end = self.start.take(index), self.end.take(index)
+        return Frames(start, end, self.message.take(index), self.is_mavlink1.take(index))
+
+    def since(self, place: int) -> Frames:
+        """The frames that begin at ``place`` or later."""
+        first = np.searchsorted(self.start, place)
+        return Frames(self.start[first:], self.end[first:], self.message[first:], self.is_mavlink1[first:])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Marked:
+    """What may be frames of ``wanted`` messages in a span, and all ``reaching`` over another start mark."""
+
+    data: Bytes
+    span: Span
+    wanted: Frames
+    reaching: Frames
 
 
 def mark(window: Window, span: Span, wanted: Flags) -> Marked:
     """Find all that may be frames in a span, and those whose message is ``wanted``, by id (256,)."""
+    found, reaching = [], []
+    for start in range(span.start, span.stop, _SLICE_LENGTH):
+        frames = _candidates(window, Span(start, min(start + _SLICE_LENGTH, span.stop), span.end))
+        found.append(frames.take(np.flatnonzero(wanted.take(frames.message))))
+        over = np.flatnonzero(frames.end[:-1] > frames.start[1:])
+        reaching.append(frames.take(np.append(over, range(len(frames.start))[-1:]).astype(np.intp)))
+    return Marked(window.data, span, _joined(found), _joined(reaching))
+
+
+def _candidates(window: Window, span: Span) -> Frames:
+    """All start marks of a slice."""
     data = window.data
     start = window.marks(span.start, span.stop)
     message = data[5:].take(start)
@@ -80,33 +107,45 @@ def mark(window: Window, span: Span, wanted: Flags) -> Marked:
     end = start + length
     if span.stop + messages.LONGEST_FRAME > span.end:
         np.copyto(end, start, where=end > span.end)
-    return Marked(data, span, start, end, message, is_mavlink1, np.flatnonzero(wanted.take(message)))
+    return Frames(start, end, message, is_mavlink1)
+
+
+def _joined(parts: list[Frames]) -> Frames:
+    """The frames of consecutive slices."""
+    if not parts:
+        nowhere = np.zeros(0, np.intp)
+        return Frames(nowhere, nowhere, nowhere.astype(np.uint8), nowhere.astype(np.bool_))
+    return Frames(
+        np.concatenate([part.start for part in parts]),
+        np.concatenate([part.end for part in parts]),
+        np.concatenate([part.message for part in parts]),
+        np.concatenate([part.is_mavlink1 for part in parts]),
+    )
 
 
 class Walk:
-    """The walk over a marked span, beginning at ``enter``; frames go by their index (m,) in the span."""
+    """The walk over a marked span, beginning at ``enter``."""
 
     def __init__(self, marked: Marked, enter: int) -> None:
-        self.marked = marked
-        self._entered = int(np.searchsorted(marked.start, enter))
-        self._wanted = marked.wanted[np.searchsorted(marked.wanted, self._entered) :]
-        self._messages = marked.message.take(self._wanted)
+        self.data = marked.data
         self._stop = max(marked.span.stop, enter)
+        self._wanted = marked.wanted.since(enter)
+        self._reaching = marked.reaching.since(enter)
+        self._reach = np.maximum.accumulate(np.append(np.intp(0), self._reaching.end))
 
-    def candidates(self, message: int) -> Index:
+    def candidates(self, message: int) -> Frames:
         """What may be records of a wanted message."""
-        index = self._wanted.take(np.flatnonzero(self._messages == message))
-        complete = np.flatnonzero(self.marked.end.take(index) > self.marked.start.take(index))
-        return np.asarray(index.take(complete))
+        frames = self._wanted.take(np.flatnonzero(self._wanted.message == message))
+        return frames.take(np.flatnonzero(frames.end > frames.start))
 
-    def finds(self, index: Index) -> Flags:
-        """Whether the walk comes to each of the candidates and finds its CRC right."""
-        right = _are_right(self.marked, index)
-        doubtful = right if len(right) <= _MANY else right & self._may_be_hidden(index)
-        suspects = self.marked.start[index[doubtful]].tolist()
+    def finds(self, frames: Frames, message: int) -> Flags:
+        """Whether the walk comes to each of a message's candidates (n,) and finds its CRC right."""
+        right = _are_right(self.data, frames, int(messages.EXTRAS[message]))
+        reached = self._reach.take(np.searchsorted(self._reaching.start, frames.start)) > frames.start
+        suspects = frames.start[right & reached].tolist()
         hidden = self._hidden(suspects)[0] if suspects else None
         if hidden:
-            right &= ~np.isin(self.marked.start.take(index), list(hidden))
+            right &= ~np.isin(frames.start, list(hidden))
         return right
 
     @property
@@ -115,25 +154,7 @@ class Walk:
         return self._hidden([])[1]
 
     def _hidden(self, suspects: list[int]) -> tuple[set[int], int]:
-        starts, ends = self.marked.start[self._entered :], self.marked.end[self._entered :]
-        return find_hidden(self.marked.data, starts, ends, suspects, self._stop)
-
-    def _may_be_hidden(self, index: Index) -> Flags:
-        """Which frames another one may reach over that begins before: sure only where it says no.
-
-        The nearest neighbours are asked directly, which is all there is to ask in a tidy log; those
-        that reach over more marks than that are few.
-        """
-        start, end = self.marked.start, self.marked.end
-        places = start.take(index)
-        reached = np.zeros(len(index), np.bool_)
-        for back in range(1, _NEAR + 1):
-            reached |= end.take(np.maximum(index - back, 0)) > places
-        far = np.flatnonzero(end[: -_NEAR - 1] > start[_NEAR + 1 :])
-        firsts = np.searchsorted(index, far, "right")
-        lasts = np.searchsorted(places, end.take(far))
-        over = np.bincount(firsts, minlength=len(index) + 1) - np.bincount(lasts, minlength=len(index) + 1)
-        return np.asarray(reached | (np.cumsum(over[:-1]) > 0))
+        return find_hidden(self.data, self._reaching.start, self._reaching.end, suspects, self._stop)
 
 
 def _mavlink2_headers(data: Bytes, places: Index) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
@@ -148,25 +169,20 @@ def _mavlink2_headers(data: Bytes, places: Index) -> tuple[NDArray[np.int32], ND
     return np.where(known, length, 0), np.where(mid > 0, np.uint8(_NO_MESSAGE), low)
 
 
-def _are_right(marked: Marked, index: Index) -> Flags:
-    """Whether the CRC of each frame (m,) is right; all are of messages whose id fits one byte.
+def _are_right(data: Bytes, frames: Frames, extra: int) -> Flags:
+    """Whether the CRC of each of a message's frames (n,) is right.
 
-    Frames of the same message, version and length are checked together. Where there are few of
-    them they are most likely none, and not worth columns.
+    Frames of the same version and length are checked together. Where there are few of them they
+    are most likely none, and not worth columns.
     """
-    right = np.zeros(len(index), np.bool_)
-    start, message = marked.start.take(index), marked.message.take(index)
-    shape = (
-        marked.data[1:].take(start).astype(np.uint16) | marked.is_mavlink1.take(index).astype(np.uint16) << 8
-    )
-    for each in np.flatnonzero(np.bincount(message)).tolist():
-        members = np.flatnonzero(message == each)
-        shapes = shape.take(members)
-        counts = np.bincount(shapes, minlength=1)
-        few = members[counts.take(shapes) <= _FEW]
-        right[few] = [is_right_at(marked.data, place) for place in start.take(few).tolist()]
-        for common in np.flatnonzero(counts > _FEW).tolist():
-            alike = members[shapes == common]
-            length = header_length(common >> 8 == 1) + common % 256
-            right[alike] = are_right(marked.data, start.take(alike), length, int(messages.EXTRAS[each]))
+    right = np.zeros(len(frames.start), np.bool_)
+    shape = data[1:].take(frames.start).astype(np.intp)
+    shape[frames.is_mavlink1] += 256
+    counts = np.bincount(shape, minlength=1)
+    few = np.flatnonzero((counts <= _FEW).take(shape))
+    right[few] = [is_right_at(data, place) for place in frames.start.take(few).tolist()]
+    for common in np.flatnonzero(counts > _FEW).tolist():
+        alike = np.flatnonzero(shape == common)
+        length = header_length(common >= 256) + common % 256
+        right[alike] = are_right(data, frames.start.take(alike), length, extra)
     return right

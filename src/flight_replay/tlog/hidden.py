@@ -21,8 +21,8 @@ def find_hidden(
 
     Args:
         data: Bytes.
-        starts: Start marks in them, shape (n,), ascending.
-        ends: Where the frames that begin there would end, shape (n,).
+        starts: Where frames begin that reach over something, right or not, shape (n,), ascending.
+        ends: Where they end, shape (n,).
         suspects: Starts of right frames.
         stop: Where the walk ends, unless a frame reaches over it.
     """
