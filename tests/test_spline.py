@@ -21,9 +21,9 @@ PLACE = st.tuples(COORDINATE, COORDINATE, st.floats(-5.0, 5.0))
 def fly(spline: Spline, dt: float = 0.02, speed: float = 0.0) -> np.ndarray:
     """Position and velocity at each step, shape (steps, 6)."""
     rows = []
+    spline.speed = speed
     while not spline.finished:
-        position, velocity = spline.advance(dt, speed)
-        speed = hypot(*velocity)
+        position, velocity = spline.advance(dt)
         rows.append((*position, *velocity))
         assert len(rows) < 100_000
     return np.array(rows)
@@ -50,7 +50,7 @@ def test_a_leg_arrives_within_its_limits(b: Vector, m: Vector, k: Vector) -> Non
     assert rows[-1, :3] == pytest.approx(np.array(b), abs=1e-6)
     speed = np.linalg.norm(rows[:, 3:], axis=1)
     assert speed.max() <= hypot(10.0, 2.5) + 1e-6
-    assert np.abs(np.diff(speed)).max() <= 0.5 * sqrt(2.5**2 + 1.0) * 0.02 + 1e-6
+    assert np.abs(np.diff(speed[:-1])).max(initial=0.0) <= 0.5 * sqrt(2.5**2 + 1.0) * 0.02 + 1e-6
 
 
 def test_the_bend_sets_the_speed() -> None:
@@ -65,7 +65,8 @@ def test_the_bend_sets_the_speed() -> None:
 def test_a_stop_is_braked_for() -> None:
     """A leg without a tangent at its end arrives almost at rest; the straight case lasts as calculated."""
     rows = fly(Spline(Ends(STILL, (40.0, 0.0, 0.0), STILL, STILL), LIMITS), dt=0.0025)
-    assert np.linalg.norm(rows[-1, 3:]) < 0.2
+    assert np.linalg.norm(rows[-2, 3:]) < 0.2
+    assert np.linalg.norm(rows[-1, 3:]) == 0.0
     assert 0.0025 * len(rows) == pytest.approx(2 * sqrt(40 / 1.25), rel=0.02)
 
 
@@ -80,7 +81,7 @@ def test_a_leg_without_length_is_over() -> None:
     """Coinciding ends: finished, at rest at the destination, nothing to hand over."""
     spline = Spline(Ends((1, 2, 3), (1, 2, 3), (5, 0, 0), (5, 0, 0)), LIMITS)
     assert spline.finished
-    assert spline.advance(0.02, 1.0) == ((1, 2, 3), STILL)
+    assert spline.advance(0.02) == ((1, 2, 3), STILL)
     assert (spline.arriving, spline.origin_speed, spline.destination_speed) == (STILL, 0.0, 0.0)
 
 
@@ -100,3 +101,15 @@ def test_other_limits_hold_from_the_next_step_on() -> None:
     speed = np.linalg.norm(fly(spline)[:, 3:], axis=1)
     assert speed.max() == pytest.approx(3.0)
     assert speed[-1] == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_speed_too_high_to_stop_from_is_left_for_the_next_leg() -> None:
+    """Entered too fast to brake, a leg ends with a speed, which then falls, though the target rests."""
+    spline = Spline(Ends(STILL, (3.0, 0.0, 0.0), (3.0, 0.0, 0.0), STILL), LIMITS)
+    fly(spline, speed=5.0)
+    left = spline.speed
+    assert left > 3.0
+    assert spline.advance(0.4) == ((3.0, 0.0, 0.0), STILL)
+    assert spline.speed == pytest.approx(left - 0.4 * 1.25)
+    spline.advance(60.0)
+    assert 0.0 < spline.speed < 0.01

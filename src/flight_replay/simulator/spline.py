@@ -21,6 +21,8 @@ _NOWHERE = (0.0, 0.0, 0.0)
 _FOREVER_S = 1e6
 # ArduCopter's main loop runs at 400 Hz (SCHED_LOOP_RATE).
 _ARDUPILOT_STEP_S = 0.0025
+# A 32-bit curve ends some 0.01 mm off its destination, so that the target never quite rests there.
+_REST_M_S = 0.002
 
 Coefficients = tuple[Vector, Vector, Vector, Vector]
 
@@ -100,7 +102,7 @@ def _direction(n: float, e: float, u: float) -> Vector | None:
 
 
 class Spline:
-    """Motion along one spline leg.
+    """Motion along one spline leg; ``speed``, m/s, is what it has now, and may be set to begin with.
 
     ``assumed_speed`` is what the look ahead from the origin takes for the destination's speed
     before that is known: ArduPilot leaves the value of the spline planned before (m/s).
@@ -108,7 +110,7 @@ class Spline:
 
     __slots__ = (
         "_coefficients", "_destination", "_limits", "_place",
-        "arriving", "destination_speed", "finished", "origin_speed", "time", "unused_s",
+        "arriving", "destination_speed", "finished", "origin_speed", "speed", "time", "unused_s",
     )  # fmt: skip
 
     def __init__(self, ends: Ends, limits: PathLimits, assumed_speed: float = 0.0) -> None:
@@ -117,7 +119,8 @@ class Spline:
         self.time = self.unused_s = 0.0
         self.finished = ends.origin == ends.destination
         self.arriving = _NOWHERE if self.finished else ends.arriving
-        self.origin_speed = self.destination_speed = 0.0
+        self.origin_speed = self.destination_speed = self.speed = 0.0
+        self._place: _Place | None = None
         if self.finished:
             return
         self._coefficients = hermite(ends)
@@ -147,15 +150,20 @@ class Spline:
         braking = sqrt(2.0 * place.accel * distance + self.destination_speed**2)
         return clamp(min(place.speed_max, braking), speed - place.accel * dt, speed + place.accel * dt)
 
-    def advance(self, dt: float, speed: float) -> tuple[Vector, Vector]:
-        """Target position and velocity ``dt`` seconds on; ``speed`` is that of the step before.
+    def advance(self, dt: float) -> tuple[Vector, Vector]:
+        """Target position and velocity ``dt`` seconds on.
 
         Source: SplineCurve::advance_target_along_track, which moves on with the speed from before
         each of its shorter steps.
         """
-        if self.finished:
+        place, speed = self._place, self.speed
+        if place is None:
             return self._destination, _NOWHERE
-        place = self._place
+        if self.finished:
+            # The speed falls on, for the next leg to start with. On board its direction is that of
+            # rounding errors, so that here the target just rests.
+            self.speed = max(speed - place.accel * dt, _REST_M_S)
+            return self._destination, _NOWHERE
         soon = self._next_speed(place, speed, dt, speed * dt)
         distance = 0.5 * ((speed + soon) * dt + (speed - soon) * _ARDUPILOT_STEP_S)
         self.time += place.time_for(distance)
@@ -164,6 +172,6 @@ class Spline:
             self.time = 1.0
             self.finished = True
         self._place = place = _Place(self._coefficients, self.time, self._limits)
-        speed = self._next_speed(place, speed, dt, 0.0)
-        n, e, u = place.unit
+        self.speed = speed = self._next_speed(place, speed, dt, 0.0)
+        n, e, u = place.unit if place.rate > 0 or not self.finished else _NOWHERE
         return place.position, (n * speed, e * speed, u * speed)

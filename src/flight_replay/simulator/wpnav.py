@@ -18,9 +18,6 @@ from flight_replay.simulator.straight_legs import StraightLegs
 from flight_replay.simulator.track_clock import TrackClock
 
 _NOWHERE = (0.0, 0.0, 0.0)
-# The target of a spline never quite rests: its 32-bit curve ends some 0.01 mm off the destination.
-# A straight leg from there is planned from that speed, which makes it slower than one from rest.
-_SPLINE_REST_M_S = 0.002
 
 
 class WaypointNavigation:
@@ -98,12 +95,11 @@ class WaypointNavigation:
         """Fly a straight leg from the last destination (set_wp_destination)."""
         if not self.reached:
             self.start(self._speed)
-        legs, control = self._legs, self._control
+        legs = self._legs
         self._origin, self.destination = self.destination, destination
         if self._spline is not None:
             leg = SCurve(minus(destination, self._origin), self._path_limits)
-            speed = hypot(control.vn, control.ve, control.vu)
-            leg.limit_origin_speed(max(speed, _SPLINE_REST_M_S))
+            leg.limit_origin_speed(self._spline.speed)
             legs.begin(leg, previous=SCurve())
         elif self.fast and self._next_spline is None and not legs.following.finished:
             legs.begin(legs.following, previous=legs.current)
@@ -127,7 +123,9 @@ class WaypointNavigation:
             self.start(self._speed)
         leaving = self._leaving if self.fast else _NOWHERE
         self._origin, self.destination = self.destination, destination
+        speed = self._target_speed
         self._spline = Spline(Ends(self._origin, destination, leaving, arriving), self._path_limits)
+        self._spline.speed = speed
         self.fast = any(arriving)
         self.reached = False
 
@@ -138,6 +136,11 @@ class WaypointNavigation:
         self._assumed_speed = spline.destination_speed
         self.fast = True
         (self._spline or self._legs.current).limit_destination_speed(spline.origin_speed)
+
+    @property
+    def _target_speed(self) -> float:
+        control = self._control
+        return self._spline.speed if self._spline else hypot(control.vn, control.ve, control.vu)
 
     @property
     def _leaving(self) -> Vector:
@@ -153,8 +156,7 @@ class WaypointNavigation:
         control.update()
         accel = _NOWHERE
         if self._spline is not None:
-            speed = hypot(control.vn, control.ve, control.vu)
-            position, velocity = self._spline.advance(dt, speed)
+            position, velocity = self._spline.advance(dt)
             finished, unused_s = self._spline.finished, self._spline.unused_s
         else:
             turn = self._limits if self.fast else None
