@@ -88,10 +88,11 @@ def replay(
     duration_s: float = 12.0,
     connect_s: float = 8.0,
     seed: int = 1,
+    **parameters: float,
 ) -> Outcome:
-    """Connect, check, upload, fly and return, as the command line does."""
+    """Connect, check, upload, fly and return, as the command line does; ``parameters`` are the vehicle's."""
     with (
-        launch.run(START, speedup=speedup, faults=faults) as running,
+        launch.run(START, speedup=speedup, faults=faults, parameters=parameters) as running,
         fault_link(running.connection, weather, trips, seed) as link,
     ):
         outcome = Outcome(link)

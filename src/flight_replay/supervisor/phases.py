@@ -14,7 +14,7 @@ from flight_replay.supervisor.plan import ENOUGH_OF_TARGET
 from flight_replay.supervisor.watch import Watch
 
 _AGAIN_S = 1.2  # Heartbeats show once a second what came of a request.
-_ARM_PATIENCE_S = 3.5  # ArduCopter 3.3 shows arming after 3 s, and a second request starts them anew.
+_ARM_PATIENCE_S = 5.0  # ArduCopter 3.3 shows arming after 3 to 4 s; a second request begins them anew.
 _PREARM_REPORT_S = 5.0
 _OFF_GROUND_M = 1.0
 _GAIN_M = 0.5  # Less height than this is no climb.

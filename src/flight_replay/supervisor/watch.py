@@ -92,6 +92,11 @@ class Watch:
         return self.state.alt_m if self.state else 0.0
 
     @property
+    def silence(self) -> str:
+        """How long nothing was heard, in words, if the link is lost."""
+        return f": nothing was heard from it for {self.wall_s - self._heard_s:.0f} s" if self._lost else ""
+
+    @property
     def may_be_armed(self) -> bool:
         """Whether motors that we asked to run do, or may yet: an arming under way takes 3 s to show."""
         if not self.arm_asked or self.was_armed:

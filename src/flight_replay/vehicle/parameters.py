@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from flight_replay.errors import VehicleError
 from flight_replay.simulator.limits import PARAMETERS
@@ -136,9 +136,12 @@ def parameters_set(port: Port, wanted: Mapping[str, float]) -> Iterator[None]:
     try:
         write_parameters(port, wanted)
         yield
-    finally:
-        # Ctrl-C has to end within 10 s, with the way home before this.
-        write_parameters(port, before, _PUT_BACK_S)
+    except BaseException:
+        # What went wrong is what counts; and Ctrl-C has to end within 10 s.
+        with suppress(VehicleError):
+            write_parameters(port, before, _PUT_BACK_S)
+        raise
+    write_parameters(port, before)
 
 
 def limits_as_parameters(port: Port, limits: Mapping[str, float]) -> dict[str, float]:
