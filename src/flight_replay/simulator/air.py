@@ -5,7 +5,7 @@ Sources: libraries/SITL/SIM_Frame.cpp and SIM_Motor.cpp, default frame "+" of 3 
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt, tan
+from math import cos, pi, sqrt, tan
 
 from flight_replay.simulator.limits import GRAVITY_M_S2
 from flight_replay.simulator.path_limits import Vector
@@ -52,7 +52,9 @@ class Air:
         self.wind_m_s = wind_m_s
         self._linear, self._square = _drag_coefficients(home_amsl_m)
 
-    def acceleration(self, velocity: Vector, lean: tuple[float, float], yaw: float, lift: float) -> Vector:
+    def acceleration(
+        self, velocity: Vector, lean: tuple[float, float], nose: tuple[float, float], lift: float
+    ) -> Vector:
         """Acceleration by thrust, gravity and drag, north, east, up, m/s².
 
         Drag is square along each body axis, plus linear in speed and in the root of the thrust.
@@ -61,7 +63,7 @@ class Air:
         Args:
             velocity: of the airframe, m/s.
             lean: horizontal part of the thrust over its vertical part, north and east.
-            yaw: heading, rad.
+            nose: the heading's cosine and sine.
             lift: vertical part of the thrust in still air, m/s².
         """
         wn, we, wu = self.wind_m_s
@@ -74,7 +76,7 @@ class Air:
             thrust = max(0.0, thrust - GRAVITY_M_S2 * (up / _OUTFLOW_M_S) ** 2)
         linear, square = self._linear * sqrt(thrust / GRAVITY_M_S2), self._square
         n, e, u = n - up * tn, e - up * te, u - up * tu
-        hn, he = cos(yaw), sin(yaw)
+        hn, he = nose
         tilt = hn * tn + he * te
         xn, xe, xu = hn - tilt * tn, he - tilt * te, -tilt * tu
         ahead = (n * xn + e * xe + u * xu) / (xn * xn + xe * xe + xu * xu)

@@ -19,15 +19,17 @@ from flight_replay.simulator.path_limits import Vector
 _THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
 # Time by which the airframe's lean follows the attitude controller's target: the rate loop's own.
 _LEAN_LAG_S = 0.03
+# Angle, rad, and rate, rad/s, below which a turn is over.
+_NO_TURN = 1e-5
 
 
 class Airframe:
     """Position, velocity, lean and heading; ``step`` moves them on."""
 
     __slots__ = (
-        "_air", "_keep_lean", "_keep_throttle", "_limits", "_target_e", "_target_n", "_target_rate_e",
-        "_target_rate_n", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n", "on_ground",
-        "throttle", "u", "ve", "vn", "vu", "yaw",
+        "_air", "_keep_lean", "_keep_throttle", "_limits", "_nose", "_target_e", "_target_n",
+        "_target_rate_e", "_target_rate_n", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n",
+        "on_ground", "throttle", "u", "ve", "vn", "vu", "yaw",
     )  # fmt: skip
 
     def __init__(
@@ -42,7 +44,7 @@ class Airframe:
         self.vn = self.ve = self.vu = 0.0
         self.lean_n = self.lean_e = 0.0
         self._target_n = self._target_e = self._target_rate_n = self._target_rate_e = 0.0
-        self.yaw, self._yaw_rate = yaw_rad, 0.0
+        self.yaw, self._yaw_rate, self._nose = yaw_rad, 0.0, (cos(yaw_rad), sin(yaw_rad))
         self.on_ground = self.u <= 0
         self.throttle = 0.0 if self.on_ground else limits.hover_throttle
         self.accel_u = 0.0
@@ -83,7 +85,7 @@ class Airframe:
         # The throttle is divided by the cosine of the lean (AC_AttitudeControl::get_throttle_boosted).
         lift = GRAVITY_M_S2 * self.throttle / self._limits.hover_throttle
         an, ae, self.accel_u = self._air.acceleration(
-            (vn, ve, vu), (self.lean_n, self.lean_e), self.yaw, lift
+            (vn, ve, vu), (self.lean_n, self.lean_e), self._nose, lift
         )
         self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + self.accel_u * dt
         self.n += 0.5 * dt * (vn + self.vn)
@@ -125,9 +127,13 @@ class Airframe:
         """Turn the heading with ArduCopter's limits of yaw rate and acceleration."""
         limits, dt = self._limits, self.dt
         error = (yaw_rad - self.yaw + pi) % (2.0 * pi) - pi
+        if abs(error) < _NO_TURN and abs(self._yaw_rate) < _NO_TURN and rate_rad_s == 0.0:
+            self._yaw_rate = 0.0
+            return
         # The rate fed forward counts as an error that it would remove.
         ahead = rate_rad_s * max(limits.attitude_input_s, 0.01)
         self._yaw_rate = self._turned(
             error + ahead, self._yaw_rate, limits.yaw_accel_rad_s2, limits.yaw_slew_rad_s
         )
         self.yaw = (self.yaw + self._yaw_rate * dt + pi) % (2.0 * pi) - pi
+        self._nose = cos(self.yaw), sin(self.yaw)

@@ -82,6 +82,12 @@ class Copter:
         return self._body.vn, self._body.ve, self._body.vu
 
     @property
+    def motion(self) -> tuple[float, float, float, float, float, float, float]:
+        """Time, position and velocity at once."""
+        body = self._body
+        return self.steps * self.step_s, body.n, body.e, body.u, body.vn, body.ve, body.vu
+
+    @property
     def attitude_rad(self) -> tuple[float, float, float]:
         """Roll, pitch, yaw."""
         return self._body.attitude_rad

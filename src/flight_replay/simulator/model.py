@@ -49,21 +49,16 @@ class _Recorder:
 
     def __init__(self, copter: Copter) -> None:
         self.copter = copter
-        self.rows: list[tuple[float, ...]] = []
-        self._keep()
-
-    def _keep(self) -> None:
-        copter = self.copter
-        self.rows.append((copter.time_s, *copter.position_m, *copter.velocity_m_s))
+        self.rows = [copter.motion]
 
     def run(self, done: Callable[[], bool]) -> None:
         """Step until ``done``."""
         copter = self.copter
-        end = copter.time_s + _LONGEST_S
+        end = copter.steps + _LONGEST_S / copter.step_s
         while not done():
             copter.step()
-            self._keep()
-            if copter.time_s > end:
+            self.rows.append(copter.motion)
+            if copter.steps > end:
                 raise MissionError("The mission does not end; take out its endless jumps or delays.")
 
     def auto(
