@@ -135,6 +135,16 @@ def test_positions_without_a_3d_fix_are_rejected(tmp_path: Path, fix_type: int) 
     assert len(log.track) == 11
 
 
+def test_a_receivers_word_holds_until_the_next_one(tmp_path: Path) -> None:
+    """A lost fix stays lost until the receiver says otherwise, however long that takes."""
+    flight = Flight()
+    flight.log.gps(0)
+    flight.along(100).log.gps(3)
+    log = flight.along(20, 125.0).read(tmp_path)
+    assert log.rejected == {"no 3D fix": 100}
+    assert len(log.track) == 20
+
+
 def test_a_receivers_last_word_holds_for_a_while_only(tmp_path: Path) -> None:
     """A log that tells of the receiver just once, before it had a fix, keeps what follows later."""
     flight = Flight()

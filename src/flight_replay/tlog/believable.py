@@ -39,7 +39,7 @@ REASONS = {
 _HAIR_E7 = 200_000  # 0.02 degrees, 2.2 km: positions without a fix were seen 0.01 degrees from 0, 0
 _QUARTER_TURN_E7 = 900_000_000
 _HALF_TURN_E7 = 1_800_000_000
-_TOLD_S = 10.0  # how long a receiver's last word holds
+_TOLD_S = 10.0  # how long a receiver's last word of all holds
 _FASTEST_M_S = 60.0  # multicopters beyond this are built for records, and report their speed
 _VELOCITY_FACTOR = 1.5  # between two records a vehicle may have been faster than at either
 _SLACK_M = 20.0  # estimators correct themselves by metres at once
@@ -68,22 +68,23 @@ def _beyond(value: NDArray[np.int32], limit: int) -> Flags:
 def _without_fix(positions: Positions, fixes: Fixes, clock: Clock) -> Flags:
     """Where the receiver's last word before the position was less than a 3D fix.
 
-    The last word of a row of such words holds until the next one, but no longer than a while by
-    the clock of the position that follows it: some logs tell of the receiver only once.
+    A word holds until the next one; the last of the log for a while only, counted from the
+    position that follows it, because some logs tell of the receiver just once.
     """
     lost = ~fixes.is_3d
     begins = np.flatnonzero(lost & ~np.concatenate([[False], lost[:-1]]))
     if not len(begins):
         return np.zeros(len(positions), np.bool_)
-    lasts = np.flatnonzero(lost & ~np.concatenate([lost[1:], [False]]))
-    following = np.searchsorted(positions.offset, np.append(fixes.offset, np.iinfo(np.int64).max))
-    time_s = np.maximum.accumulate(clock.time_s)
-    told_s = np.append(time_s, np.inf)[following[lasts]] + _TOLD_S
-    ends = np.minimum(following[lasts + 1], np.searchsorted(time_s, told_s, "right"))
-    steps = np.zeros(len(positions) + 1, np.int32)
-    np.add.at(steps, following[begins], 1)
-    np.add.at(steps, np.maximum(ends, following[lasts]), -1)
-    return np.cumsum(steps[:-1]) > 0
+    ends = np.flatnonzero(lost & ~np.concatenate([lost[1:], [False]])) + 1
+    following = np.append(np.searchsorted(positions.offset, fixes.offset), len(positions))
+    if lost[-1]:
+        time_s = np.maximum.accumulate(clock.time_s)
+        told_s = np.append(time_s, np.inf)[following[-2]] + _TOLD_S
+        following[-1] = np.searchsorted(time_s, told_s, "right")
+    changes = np.zeros(len(positions) + 1, np.int32)
+    np.add.at(changes, following[begins], 1)
+    np.add.at(changes, following[ends], -1)
+    return np.cumsum(changes[:-1]) > 0
 
 
 def _wrong_side_of_jumps(positions: Positions, clock: Clock, left: Index) -> Flags:
@@ -99,7 +100,7 @@ def _wrong_side_of_jumps(positions: Positions, clock: Clock, left: Index) -> Fla
     moves = _Moves(positions, clock.time_s, left)
     far = np.flatnonzero(is_far)
     cuts = far[~moves.possible(far, far + 1)] + 1
-    for jumped in np.unique(section[cuts]):
+    for jumped in np.flatnonzero(np.bincount(section[cuts])):
         begin, end = np.searchsorted(section, [jumped, jumped + 1])
         firsts = np.concatenate([[begin], cuts[(cuts > begin) & (cuts < end)]])
         lasts = np.append(firsts[1:], end) - 1

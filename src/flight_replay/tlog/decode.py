@@ -97,10 +97,10 @@ def _without_empty_runs(data: Bytes, frames: Frames) -> tuple[Frames, dict[int, 
     if not is_empty.any():
         return frames, {}
     vehicle = decoder.vehicle
-    vehicles, counts = np.unique(vehicle[is_empty], return_counts=True)
+    counts = np.bincount(vehicle[is_empty])
     told = _run_ends(vehicle, np.where(is_empty, _falls(numbers[:, 0]), -1))
     kept = frames.take(np.flatnonzero(told | ~is_empty))
-    return kept, dict(zip(vehicles.tolist(), counts.tolist(), strict=True))
+    return kept, {key: int(counts[key]) for key in np.flatnonzero(counts).tolist()}
 
 
 def _heartbeats(walk: Walk, base: int) -> Heartbeats:

@@ -165,7 +165,7 @@ def _mavlink2_headers(data: Bytes, places: Index) -> tuple[NDArray[np.int32], ND
     """
     payload, flags, low, mid, high = (data[at:].take(places) for at in (1, 2, 7, 8, 9))
     known = (messages.EXTRAS.take(mid.astype(np.uint16) << 8 | low) >= 0) & (high == 0)
-    length = payload + flags * np.int32(messages.SIGNATURE_LENGTH) + messages.MAVLINK2_OVERHEAD
+    length = flags.astype(np.int32) * messages.SIGNATURE_LENGTH + payload + messages.MAVLINK2_OVERHEAD
     return np.where(known, length, 0), np.where(mid > 0, np.uint8(_NO_MESSAGE), low)
 
 

@@ -62,7 +62,7 @@ def read_log(
         records, length = scan(opened, progress)
         name, head = opened.name, opened.head
     found = sorted(
-        (_read_vehicle(records, int(key)) for key in np.unique(records.positions.vehicle)),
+        (_read_vehicle(records, int(key)) for key in np.flatnonzero(np.bincount(records.positions.vehicle))),
         key=lambda each: -each.count.fixes,
     )
     if not found:
