@@ -103,7 +103,8 @@ def opened(path: Path | str) -> Iterator[Source]:
     with file:
         status = os.fstat(file.fileno())
         size = status.st_size if stat.S_ISREG(status.st_mode) else 0
-        yield Source(str(path), file, size, file.fileno() if size else None)
+        at_offsets = size > 0 and hasattr(os, "preadv")  # not on every system
+        yield Source(str(path), file, size, file.fileno() if at_offsets else None)
 
 
 def what_it_is(head: bytes) -> str:
