@@ -14,8 +14,10 @@ from flight_replay.geodesy import Floats
 
 Indices = NDArray[np.intp]
 
-PIECE_M = 0.25
-"""Longest piece of path within which the order of fixes is left to the second step."""
+SHORTEST_PIECE_M, LONGEST_PIECE_M = 0.01, 0.25
+"""Within a piece of path the order of fixes is left to a second step, which costs less than its length."""
+CELLS = 8_000_000
+"""So many pairs of fix and piece are looked at where that makes pieces shorter."""
 WHOLE_CELLS = 20_000_000
 """Up to so many pairs of fix and piece, every pair is looked at."""
 COARSE_FIXES, COARSE_PIECES = 1500, 4000
@@ -40,18 +42,23 @@ class Matching:
     piece: Indices
 
 
-def in_order(fixes_m: ArrayLike, path_m: ArrayLike, piece_m: float = PIECE_M) -> Matching:
+def in_order(fixes_m: ArrayLike, path_m: ArrayLike, piece_m: float | None = None) -> Matching:
     """Match fixes (n, 2) to the lines through a path's points (m, 2), m >= 1, never going back.
 
-    The sum of distances is the smallest there is to about 1 mm per fix; with pieces longer than
-    ``PIECE_M`` it is found sooner, and less exactly. Time and memory grow with n times m up to
-    ``WHOLE_CELLS``, beyond that with n plus m: the path is then searched within ``BAND_M`` of where
-    a coarse matching lies, and wider wherever the answer touches that bound.
+    The sum of distances is the smallest there is to about 1 mm per fix. Time and memory grow with n
+    times m up to ``WHOLE_CELLS``, beyond that with n plus m: the path is then searched within
+    ``BAND_M`` of where a coarse matching lies, and wider wherever the answer touches that bound.
+
+    Args:
+        fixes_m: what to match.
+        path_m: what to match it to.
+        piece_m: the path is searched in pieces of at most this length; the longer, the sooner and
+            the less exactly. None: as short as time allows.
     """
     fixes, path = np.asarray(fixes_m, float).reshape(-1, 2), np.asarray(path_m, float).reshape(-1, 2)
     if not len(path):
         raise ValueError("a path needs at least one point")
-    pieces = _Pieces.of(path, piece_m)
+    pieces = _Pieces.of(path, piece_m or _affordable_piece_m(fixes, path))
     if not len(fixes):
         return Matching(np.zeros(0), np.zeros(0), np.zeros(0, np.intp))
     chosen = _choose(fixes, pieces)
@@ -59,6 +66,12 @@ def in_order(fixes_m: ArrayLike, path_m: ArrayLike, piece_m: float = PIECE_M) ->
     reach = pieces.start_m[chosen] + along[:, None] * pieces.unit[chosen]
     distance = np.linalg.norm(fixes - reach, axis=1)
     return Matching(distance, pieces.begin_m[chosen] + along, pieces.parent[chosen])
+
+
+def _affordable_piece_m(fixes: Floats, path: Floats) -> float:
+    """Length of pieces with which ``CELLS`` pairs of fix and piece are looked at."""
+    length_m = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    return min(max(length_m * len(fixes) / CELLS, SHORTEST_PIECE_M), LONGEST_PIECE_M)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

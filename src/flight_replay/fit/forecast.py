@@ -28,7 +28,7 @@ from flight_replay.fit.recording import Recording
 from flight_replay.geodesy import Floats
 from flight_replay.matching import in_order
 
-PLAN_SHARE = 0.7
+PLAN_SHARE = 0.5
 TIME_SHARE = 0.1
 CURVE_TOLERANCE_M = 0.02
 """How well curves are drawn while fitting; the planned error of the answer is measured finer."""

@@ -86,7 +86,7 @@ def _pacer(task: Task, hasty: Forecast) -> Pacer:
 
 def _bends(task: Task, last: Forecast, bend: float) -> Floats:
     """Weights (n - 3,) against unevenness: where legs are short in time, uneven places mean jerks."""
-    if not task.timed:
+    if not task.timed or len(last.draft) < 4:
         return np.full(max(len(last.draft) - 3, 0), _EVEN_BEND)
     legs_s = np.diff(last.passed_s)
     three_s = np.convolve(legs_s, np.ones(3) / 3, "valid")
@@ -95,6 +95,8 @@ def _bends(task: Task, last: Forecast, bend: float) -> Floats:
 
 def _shaped(task: Task, draft: Draft, last: Forecast, bend: Floats) -> Draft:
     """The draft moved so that both what is flown and what is planned come nearer to the fixes."""
+    if len(draft) < 2:
+        return draft
     pulls = [
         Pull(last.leg, last.part, last.ahead, off_m, share * _urgency(off_m))
         for off_m, share in ((last.flown_off_m, 1.0), (last.planned_off_m, PLAN_SHARE))
