@@ -89,3 +89,14 @@ def test_shaping_jerk_is_what_lean_acceleration_allows() -> None:
     assert weak.correction_jerk_m_s3 == pytest.approx(0.5 * (2.5 * radians(10) * GRAVITY_M_S2) ** 0.5)
     assert Limits().correction_jerk_m_s3 == 5.0
     assert Limits.from_parameters({"WPNAV_ACCEL_Z": 10}).correction_jerk_z_m_s3 == pytest.approx(0.8 * pi)
+
+
+def test_parameters_that_cannot_be_flown_with_fall_back() -> None:
+    """Zero gains and times take the defaults, lean and hover throttle keep to their ranges."""
+    zeros = Limits.from_parameters(
+        dict.fromkeys(("PSC_POSXY_P", "PSC_POSZ_P", "TKOFF_SLEW_TIME", "WPNAV_SPEED_UP"), 0.0)
+    )
+    assert zeros == Limits()
+    odd = Limits.from_parameters({"ANGLE_MAX": 100, "MOT_THST_HOVER": 0.9})
+    assert odd.lean_angle_rad == pytest.approx(radians(10))
+    assert odd.hover_throttle == 0.6875

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 
+from flight_replay.simulator.control import clamp
 from flight_replay.simulator.parameter_names import PARAMETERS
 
 __all__ = ["GRAVITY_M_S2", "MIN_RADIUS_M", "MIN_SPEED_M_S", "PARAMETERS", "Limits"]
@@ -20,7 +21,22 @@ _DEG = pi / 180.0
 # AC_WPNav.cpp: WPNAV_WP_SPEED_MIN and WPNAV_WP_RADIUS_MIN.
 MIN_SPEED_M_S = 0.2
 MIN_RADIUS_M = 0.05
-_DEFAULT_ACCEL_M_S2 = 2.5
+# Parameters.cpp: the range of ANGLE_MAX; AP_MotorsMulticopter.cpp: AP_MOTORS_THST_HOVER_MIN and _MAX.
+_LEAN_ANGLES_RAD = (10.0 * _DEG, 80.0 * _DEG)
+_HOVER_THROTTLES = (0.125, 0.6875)
+# Of these ArduCopter refuses or ignores what is not above zero.
+_POSITIVE = (
+    "wp_accel_m_s2",
+    "wp_accel_z_m_s2",
+    "wp_speed_up_m_s",
+    "wp_speed_down_m_s",
+    "position_p",
+    "position_z_p",
+    "velocity_z_p",
+    "shaping_jerk_m_s3",
+    "shaping_jerk_z_m_s3",
+    "takeoff_slew_s",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,14 +99,17 @@ class Limits:
         return limits._made_flyable()
 
     def _made_flyable(self) -> Limits:
-        """Values that ArduCopter replaces when it starts to navigate (AC_WPNav::wp_and_spline_init)."""
-        accel = self.wp_accel_m_s2 if self.wp_accel_m_s2 > 0 else _DEFAULT_ACCEL_M_S2
+        """Values that ArduCopter would not fly with, replaced or bounded as on board."""
+        default = Limits()
+        kept = {name: getattr(self, name) for name in _POSITIVE if getattr(self, name) > 0}
+        limits = replace(self, **{name: kept.get(name, getattr(default, name)) for name in _POSITIVE})
         return replace(
-            self,
+            limits,
             wp_speed_m_s=max(self.wp_speed_m_s, MIN_SPEED_M_S),
             wp_radius_m=max(self.wp_radius_m, MIN_RADIUS_M),
-            wp_accel_m_s2=accel,
-            wp_jerk_m_s3=self.wp_jerk_m_s3 if self.wp_jerk_m_s3 > 0 else accel,
+            wp_jerk_m_s3=self.wp_jerk_m_s3 if self.wp_jerk_m_s3 > 0 else limits.wp_accel_m_s2,
+            lean_angle_rad=clamp(self.lean_angle_rad, *_LEAN_ANGLES_RAD),
+            hover_throttle=clamp(self.hover_throttle, *_HOVER_THROTTLES),
         )
 
     @property

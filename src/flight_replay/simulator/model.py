@@ -16,8 +16,8 @@ from flight_replay.simulator.flat import FlatFrame
 from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.path_limits import Vector
 
-# Longer than any battery lasts: a mission that does not end by then never will.
-_LONGEST_S = 36_000.0
+# Longer than batteries last: a mission that does not end by then never will.
+_LONGEST_S = 14_400.0
 # GUIDED hands over to AUTO at this share of the take-off altitude, as DroneKit's example does.
 _HIGH_ENOUGH = 0.95
 
