@@ -87,7 +87,7 @@ def mark(window: Window, span: Span, wanted: Flags) -> Marked:
     found, reaching = [], []
     for start in range(span.start, span.stop, _SLICE_LENGTH):
         frames = _candidates(window, Span(start, min(start + _SLICE_LENGTH, span.stop), span.end))
-        found.append(frames.take(np.flatnonzero(wanted.take(frames.message))))
+        found.append(frames.take(np.flatnonzero(wanted.take(frames.message) & (frames.end > frames.start))))
         over = np.flatnonzero(frames.end[:-1] > frames.start[1:])
         reaching.append(frames.take(np.append(over, range(len(frames.start))[-1:]).astype(np.intp)))
     return Marked(window.data, span, _joined(found), _joined(reaching))
@@ -135,8 +135,7 @@ class Walk:
 
     def candidates(self, message: int) -> Frames:
         """What may be records of a wanted message."""
-        frames = self._wanted.take(np.flatnonzero(self._wanted.message == message))
-        return frames.take(np.flatnonzero(frames.end > frames.start))
+        return self._wanted.take(np.flatnonzero(self._wanted.message == message))
 
     def finds(self, frames: Frames, message: int) -> Flags:
         """Whether the walk comes to each of a message's candidates (n,) and finds its CRC right."""

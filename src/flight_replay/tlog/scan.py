@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], None]
 
-BLOCK_LENGTH = 4 << 20
+BLOCK_LENGTH = 8 << 20
 _WANTED = np.zeros(256, np.bool_)
 _WANTED[[messages.GLOBAL_POSITION_INT, messages.HEARTBEAT, messages.GPS_RAW_INT]] = True
 _LEAD = 8  # the stamp of a record that begins a block
@@ -67,7 +67,7 @@ def _blocks_of_file(descriptor: int, size: int, block_length: int) -> Iterator[_
     spare: list[Window] = []
 
     def block(offset: int) -> _Block:
-        window = spare.pop() if spare else Window(_LEAD + block_length + _MARGIN)
+        window = spare.pop() if spare else Window(_LEAD + min(block_length, size) + _MARGIN)
         return _load(window, descriptor, offset, min(offset + block_length, size))
 
     for each in _ahead(block, range(0, size, block_length)):
@@ -80,7 +80,7 @@ def _load(window: Window, descriptor: int, offset: int, stop: int) -> _Block:
     missing = max(_LEAD - offset, 0)
     window.data[:missing] = 0
     got = os.preadv(descriptor, [window.data[missing:].data], offset - _LEAD + missing) + missing
-    window.data[got:] = 0
+    window.data[got : got + _MARGIN] = 0
     span = Span(_LEAD, max(min(stop - offset + _LEAD, got), _LEAD), got)
     return _Block(offset, window, mark(window, span, _WANTED))
 
@@ -114,7 +114,7 @@ def _blocks_of_stream(stream: Stream, block_length: int) -> Iterator[_Block]:
     while True:
         if not ended:
             held, ended = _fill(window, stream, held)
-        window.data[held:] = 0
+        window.data[held : held + _MARGIN] = 0
         stop = min(held, _LEAD + block_length)
         yield _Block(offset, window, mark(window, Span(_LEAD, stop, held), _WANTED))
         if ended and stop == held:
