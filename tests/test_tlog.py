@@ -303,15 +303,34 @@ def test_what_is_no_usable_log_is_told_in_one_sentence(tmp_path: Path, content: 
 
 
 def test_paths_that_cannot_be_read_are_told(tmp_path: Path) -> None:
-    """Missing files, directories and impossible names each get their sentence."""
+    """Missing files, directories and what is no file each get their sentence."""
     with pytest.raises(LogError, match="does not exist"):
         read_log(tmp_path / "missing.tlog")
     with pytest.raises(LogError, match="is a directory"):
         read_log(tmp_path)
-    with pytest.raises(LogError, match="cannot be opened"):
-        read_log("no\0name")
-    with pytest.raises(LogError, match="cannot be opened"):
+    with pytest.raises(LogError, match="cannot be read"):
         read_log(write(tmp_path, b"") / "below")
+
+
+def test_a_disk_that_fails_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An input error in the middle of a log is an expected failure."""
+    path = write(tmp_path, flight(LogWriter(), 10))
+
+    def fail(*_: Any) -> int:
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(os, "preadv", fail)
+    with pytest.raises(LogError, match=r"cannot be read \(.*Input/output error\); name a readable log"):
+        read_log(path)
+
+
+def test_systems_without_reads_at_offsets_read_in_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where there is no preadv, a plain file is read like a stream."""
+    path = write(tmp_path, flight(LogWriter(), 500))
+    monkeypatch.delattr(os, "preadv")
+    assert len(read_log(path).track) == 500
 
 
 def test_a_file_that_shrinks_while_it_is_read_ends_there(

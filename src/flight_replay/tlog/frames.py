@@ -18,7 +18,7 @@ from flight_replay.tlog.crc import Bytes, Flags, Index, are_right
 from flight_replay.tlog.hidden import find_hidden, header_length, is_right_at
 
 _NO_MESSAGE = 255  # an id that no message has
-_FEW = 8
+_FEW = 8  # frames that are not worth columns
 _SLICE_LENGTH = 1 << 20  # bytes of which all that is made stays in a core's cache
 
 
@@ -171,8 +171,8 @@ def _mavlink2_headers(data: Bytes, places: Index) -> tuple[NDArray[np.int32], ND
 def _are_right(data: Bytes, frames: Frames, extra: int) -> Flags:
     """Whether the CRC of each of a message's frames (n,) is right.
 
-    Frames of the same version and length are checked together. Where there are few of them they
-    are most likely none, and not worth columns.
+    Frames of the same version and length are checked together, but where there are few of them,
+    which are most likely none.
     """
     right = np.zeros(len(frames.start), np.bool_)
     shape = data[1:].take(frames.start).astype(np.intp)

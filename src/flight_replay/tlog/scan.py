@@ -67,7 +67,10 @@ def _blocks_of_file(descriptor: int, size: int, block_length: int) -> Iterator[_
     spare: list[Window] = []
 
     def block(offset: int) -> _Block:
-        window = spare.pop() if spare else Window(_LEAD + min(block_length, size) + _MARGIN)
+        try:
+            window = spare.pop()
+        except IndexError:
+            window = Window(_LEAD + min(block_length, size) + _MARGIN)
         return _load(window, descriptor, offset, min(offset + block_length, size))
 
     for each in _ahead(block, range(0, size, block_length)):
@@ -77,11 +80,12 @@ def _blocks_of_file(descriptor: int, size: int, block_length: int) -> Iterator[_
 
 def _load(window: Window, descriptor: int, offset: int, stop: int) -> _Block:
     """Read a block with its surroundings; before the beginning and behind the end there are zeros."""
-    missing = max(_LEAD - offset, 0)
-    window.data[:missing] = 0
-    got = os.preadv(descriptor, [window.data[missing:].data], offset - _LEAD + missing) + missing
-    window.data[got : got + _MARGIN] = 0
-    span = Span(_LEAD, max(min(stop - offset + _LEAD, got), _LEAD), got)
+    held = max(_LEAD - offset, 0)
+    window.data[:held] = 0
+    while got := os.preadv(descriptor, [window.data[held:].data], offset - _LEAD + held):
+        held += got
+    window.data[held : held + _MARGIN] = 0
+    span = Span(_LEAD, max(min(stop - offset + _LEAD, held), _LEAD), held)
     return _Block(offset, window, mark(window, span, _WANTED))
 
 

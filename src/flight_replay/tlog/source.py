@@ -87,24 +87,23 @@ def opened(path: Path | str) -> Iterator[Source]:
     """The log at a path, or on standard input for ``-``.
 
     Raises:
-        LogError: It cannot be opened or is a directory.
+        LogError: It cannot be opened or read, or is a directory.
     """
-    if str(path) == STANDARD_INPUT:
-        yield Source("standard input", sys.stdin.buffer)
-        return
     try:
-        file = Path(path).open("rb", buffering=0)  # noqa: SIM115 - closed below, apart from what opening raises
+        if str(path) == STANDARD_INPUT:
+            yield Source("standard input", sys.stdin.buffer)
+            return
+        with Path(path).open("rb", buffering=0) as file:
+            status = os.fstat(file.fileno())
+            size = status.st_size if stat.S_ISREG(status.st_mode) else 0
+            at_offsets = size > 0 and hasattr(os, "preadv")  # not on every system
+            yield Source(str(path), file, size, file.fileno() if at_offsets else None)
     except IsADirectoryError:
         raise LogError(f"{path} is a directory; name a log file in it") from None
     except FileNotFoundError:
         raise LogError(f"{path} does not exist; name a log with --tlog") from None
-    except (OSError, ValueError) as error:
-        raise LogError(f"{path} cannot be opened ({error}); name a readable log with --tlog") from error
-    with file:
-        status = os.fstat(file.fileno())
-        size = status.st_size if stat.S_ISREG(status.st_mode) else 0
-        at_offsets = size > 0 and hasattr(os, "preadv")  # not on every system
-        yield Source(str(path), file, size, file.fileno() if at_offsets else None)
+    except OSError as error:
+        raise LogError(f"{path} cannot be read ({error}); name a readable log with --tlog") from error
 
 
 def what_it_is(head: bytes) -> str:
