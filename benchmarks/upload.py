@@ -1,0 +1,149 @@
+"""How long a mission of 100 items takes on board over a bad link: this program, DroneKit and MAVProxy.
+
+    python benchmarks/upload.py [RUNS]
+
+All three talk to the same built-in copter through the same link (``tests/fault_link.py``) of frames that
+get lost or are late, at speed 1. Ours ends when the mission was read back and compared; the others'
+as soon as the copter says that it has received it, for they read nothing back. MAVProxy is left out
+where it is not installed.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from fault_link import FaultLink, Message, Trip, Weather, fault_link
+
+from flight_replay import formats, vehicle
+from flight_replay.errors import FlightReplayError
+from flight_replay.mission import Mission, waypoint
+from flight_replay.simulator import launch
+from flight_replay.simulator.place import Start
+from flight_replay.vehicle.drone import import_dronekit
+
+ITEMS = 100
+LIMIT_S = 150.0
+START_S = 8.0
+MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
+MISSION = Mission(tuple(waypoint(47.397742 + 9e-5 * i, 8.545594, 30.0) for i in range(1, ITEMS + 1)))
+WEATHERS = {
+    "clear": Weather(),
+    "20 % lost": Weather(loss=0.2),
+    "500 ms late": Weather(delay_s=0.5),
+    "20 % lost, 500 ms late": Weather(loss=0.2, delay_s=0.5),
+}
+
+
+def tells_reception(message: Message) -> bool:
+    return message.get_type() == "STATUSTEXT" and "light plan received" in message.text
+
+
+@contextmanager
+def link_to_copter(seed: int) -> Iterator[FaultLink]:
+    """A copter behind a link that is clear so far; its trip tells when a mission was received."""
+    start = Start(47.397742, 8.545594, 488.0)
+    trips = (Trip(tells_reception, lambda link: None),)
+    with launch.run(start) as running, fault_link(running.connection, None, trips, seed) as link:
+        yield link
+
+
+def ours(link: FaultLink, weather: Weather) -> float:
+    """Seconds until the mission is on board and compared, or the limit."""
+    with vehicle.connect(link.connection) as connected:
+        link.weather = weather
+        began_s = time.monotonic()
+        connected.upload(MISSION)
+        return time.monotonic() - began_s
+
+
+def dronekits(link: FaultLink, weather: Weather) -> float:
+    """Seconds of DroneKit's own clear and upload, after its download."""
+    dronekit = import_dronekit()
+    drone = dronekit.connect(link.connection, wait_ready=False)
+    try:
+        commands = drone.commands
+        commands.download()
+        time.sleep(1.0)
+        commands.clear()
+        for item in MISSION.items:
+            place = (item.lat_deg, item.lon_deg, item.alt_m)
+            commands.add(dronekit.Command(0, 0, 0, item.frame, item.command, 0, 0, *item.params, *place))
+        link.weather = weather
+        began_s = time.monotonic()
+        commands.upload(timeout=LIMIT_S)
+        return wait_received(link, began_s)
+    finally:
+        link.weather = Weather()
+        drone.close()
+
+
+def mavproxys(link: FaultLink, weather: Weather) -> float:
+    """Seconds of MAVProxy's ``wp load``, once it has fetched the parameters."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mission.waypoints"
+        formats.save(path, MISSION)
+        process = subprocess.Popen(
+            [sys.executable, str(MAVPROXY), "--master", link.connection, "--state-basedir", folder,
+             "--aircraft", "test", "--default-modules", "wp,param"],
+            cwd=folder, env={**os.environ, "HOME": folder, "TERM": "dumb"},
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, text=True,
+        )  # fmt: skip
+        assert process.stdin
+        try:
+            time.sleep(START_S)
+            link.weather = weather
+            began_s = time.monotonic()
+            process.stdin.write(f"wp load {path}\n")
+            process.stdin.flush()
+            return wait_received(link, began_s)
+        finally:
+            process.kill()
+            process.wait()
+            process.stdin.close()
+
+
+def wait_received(link: FaultLink, began_s: float) -> float:
+    while not link.trips[0].done and time.monotonic() - began_s < LIMIT_S:
+        time.sleep(0.01)
+    return time.monotonic() - began_s
+
+
+def measured(upload: Callable[[FaultLink, Weather], float], weather: Weather, runs: int) -> str:
+    """Median of several runs, and the failures among them."""
+    times_s: list[float] = []
+    failures = 0
+    for seed in range(runs):
+        with link_to_copter(seed) as link:
+            try:
+                times_s.append(upload(link, weather))
+            except (FlightReplayError, RuntimeError, TimeoutError) as error:
+                print(f"    {type(error).__name__}: {error}", file=sys.stderr)
+                failures += 1
+    failures += sum(seconds >= LIMIT_S for seconds in times_s)
+    shown = f"{median(times_s):.1f} s" if times_s else "none"
+    return shown + (f" ({failures} of {runs} failed)" if failures else "")
+
+
+def main() -> None:
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 3
+    peers: dict[str, Callable[[FaultLink, Weather], float]] = {"flight-replay": ours, "DroneKit": dronekits}
+    if MAVPROXY.exists():
+        peers["MAVProxy"] = mavproxys
+    print(f"| link | {' | '.join(peers)} |\n| --- |{' --- |' * len(peers)}")
+    for name, weather in WEATHERS.items():
+        row = [measured(upload, weather, runs) for upload in peers.values()]
+        print(f"| {name} | {' | '.join(row)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
