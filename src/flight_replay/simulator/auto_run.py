@@ -11,16 +11,15 @@ from collections.abc import Sequence
 from flight_replay.mission import FIRST_SEQ, Command
 from flight_replay.simulator.auto import LocalItem
 from flight_replay.simulator.auto_do import MissionDoing
+from flight_replay.simulator.auto_legs import MissionLegs
 from flight_replay.simulator.circle import Circle
 from flight_replay.simulator.landing import Landing
 from flight_replay.simulator.mission_walk import MissionWalk
-from flight_replay.simulator.path_limits import Vector, minus
+from flight_replay.simulator.path_limits import Vector
 from flight_replay.simulator.phases import Flight, Phase
 from flight_replay.simulator.returning import Return
 from flight_replay.simulator.takeoff import TakeOff
 
-_STRAIGHT_NEXT = frozenset({Command.WAYPOINT, Command.LOITER_UNLIMITED, Command.LOITER_TIME})
-_LOITERS = frozenset({Command.LOITER_UNLIMITED, Command.LOITER_TIME})
 _FIRST_CLIMB_M = 1.0
 
 
@@ -33,6 +32,7 @@ class MissionRun:
     def __init__(self, flight: Flight, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> None:
         self._flight = flight
         self._walk = MissionWalk(items)
+        self._legs = MissionLegs(flight, self._walk)
         self._do = MissionDoing(flight)
         self.reached: list[tuple[int, float]] = []
         self.completed = False
@@ -128,9 +128,12 @@ class MissionRun:
             self._phase = Return(flight)
         elif item.command == Command.LAND:
             self._start_landing(item)
+        elif item.command == Command.LOITER_TURNS:
+            self._navigate_again()
+            self._start_circle(item)
         elif item.command != Command.DELAY:
             self._navigate_again()
-            self._start_leg(item)
+            self._legs.start(item)
 
     def _navigate_again(self) -> None:
         """Let navigation begin anew where another phase has flown in between (ModeAuto::wp_start)."""
@@ -154,26 +157,6 @@ class MissionRun:
         flight.navigation.fly_straight((*item.north_east_m, flight.body.u))
         flight.heading.use_default()
 
-    def _start_leg(self, item: LocalItem) -> None:
-        """Fly to a place (do_nav_wp, do_spline_wp, do_loiter_unlimited, do_circle)."""
-        flight = self._flight
-        navigation = flight.navigation
-        if item.command == Command.LOITER_TURNS:
-            self._start_circle(item)
-            return
-        if item.command in _LOITERS:
-            n, e, _ = flight.control.stopping_point()
-            navigation.fly_straight(item.place((n, e, flight.body.u)))
-        else:
-            default = navigation.destination if navigation.reached else flight.position
-            place = item.place(default)
-            if item.command == Command.SPLINE_WAYPOINT:
-                navigation.fly_spline(place, self._arriving(item, place, navigation.destination))
-            else:
-                navigation.fly_straight(place)
-            self._announce(item, place)
-        flight.heading.use_default()
-
     def _start_circle(self, item: LocalItem) -> None:
         """Circle around a place; param1 turns, param3 radius, below 0 counterclockwise."""
         flight = self._flight
@@ -181,30 +164,6 @@ class MissionRun:
         radius_m = abs(radius) or flight.limits.circle_radius_m
         centre = item.place(flight.position)
         self._phase = Circle(flight, centre, radius_m, -turns if radius < 0 else turns)
-
-    def _following(self, item: LocalItem) -> LocalItem | None:
-        """The navigation item after this one, unless the vehicle stops here."""
-        return None if item.params[0] >= 1 else self._walk.peek(item.seq + 1)
-
-    def _arriving(self, item: LocalItem, place: Vector, origin: Vector) -> Vector:
-        """Tangent at the end of a spline leg (get_spline_from_cmd, AC_WPNav::set_spline_destination)."""
-        following = self._following(item)
-        if following is None:
-            return 0.0, 0.0, 0.0
-        return minus(
-            following.place(place), origin if following.command == Command.SPLINE_WAYPOINT else place
-        )
-
-    def _announce(self, item: LocalItem, place: Vector) -> None:
-        """Tell navigation of the leg after this one, if it need not stop (ModeAuto::set_next_wp)."""
-        following = self._following(item)
-        if following is None:
-            return
-        beyond = following.place(place)
-        if following.command in _STRAIGHT_NEXT:
-            self._flight.navigation.then_straight(beyond)
-        elif following.command == Command.SPLINE_WAYPOINT:
-            self._flight.navigation.then_spline(beyond, self._arriving(following, beyond, place))
 
     # ending items
 
