@@ -187,7 +187,15 @@ def test_long_runs_of_empty_positions_are_counted_but_not_kept(tmp_path: Path) -
     assert records.empty == {257: 3_001}
     assert len(records.positions) < 12
     assert len(records.heartbeats) + len(records.fixes) < 12
-    assert read_log(write(tmp_path, log)).track.section.tolist() == [1] * 4
+
+
+def test_boots_without_a_position_leave_no_mark_on_the_track(tmp_path: Path) -> None:
+    """Time begins with the first fix's own clock, and sections with its boot."""
+    log = flight(LogWriter().empty(90_000).empty(90_250).empty(500), 4, 2_000)
+    log.stamp_us = START_US + 70_000_000
+    track = read_log(write(tmp_path, flight(log, 4, 1_000))).track
+    assert track.time_s.tolist() == pytest.approx([2.0, 2.25, 2.5, 2.75, 72.75, 73.0, 73.25, 73.5])
+    assert track.section.tolist() == [0] * 4 + [1] * 4
 
 
 def _opened(data: bytes) -> Any:

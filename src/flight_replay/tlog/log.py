@@ -140,9 +140,12 @@ def _nothing_of(records: Records, head: bytes) -> str:
 def _track(records: Records, found: _Found) -> Track:
     """A vehicle's fixes in SI units."""
     positions, at = found.positions, found.usable
-    section = found.clock.section[at]
+    # The first fix keeps its vehicle's clock, and its boot is the first, whatever was before without one.
+    time_s, section = found.clock.time_s[at], found.clock.section[at]
+    time_s += positions.time_ms[at[0]] / 1e3 - time_s[0]
+    section -= section[0]
     return Track(
-        time_s=found.clock.time_s[at],
+        time_s=time_s,
         lat_deg=positions.lat_e7[at] / 1e7,
         lon_deg=positions.lon_e7[at] / 1e7,
         alt_m=positions.alt_mm[at] / 1e3,
