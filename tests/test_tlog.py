@@ -153,8 +153,11 @@ def test_heartbeats_of_an_unknown_autopilot_count_where_there_are_no_others(tmp_
     """A vehicle under another autopilot than ArduPilot is told armed by its own heartbeats."""
     log = LogWriter().position(0).heartbeat(True, 2, 12).position(250).heartbeat(False, 2, 12)
     log.position(500).position(750)
+    log.heartbeat(True, 2, 0).position(1_000)
     armed = read_log(write(tmp_path, log)).track.armed.tolist()
-    assert armed == [Armed.UNKNOWN, Armed.YES, Armed.YES, Armed.NO]
+    assert armed == [Armed.UNKNOWN, Armed.YES, Armed.YES, Armed.NO, Armed.NO]
+    generic = LogWriter().position(0).heartbeat(True, 2, 0).position(250)
+    assert read_log(write(tmp_path, generic)).track.armed.tolist() == [Armed.UNKNOWN, Armed.YES]
 
 
 def test_the_fix_at_which_disarming_is_seen_belongs_to_the_flight(tmp_path: Path) -> None:

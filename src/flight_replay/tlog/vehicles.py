@@ -41,18 +41,24 @@ class VehicleCount:
 
 
 _NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: ground stations, radios, gimbals and other components
-_ARDUPILOT = 3  # MAV_AUTOPILOT_ARDUPILOTMEGA
+_AUTOPILOTS = 3, 12  # MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
 # MAV_TYPE of what may share a vehicle's ids without being one: ground station, onboard controller,
 # gimbal, ADS-B, camera to Open Drone ID, battery to winch, illuminator, gripper, radio.
 _NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
 
 
 def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:
-    """The heartbeats that an autopilot sent; ArduPilot's own where there are any: others may be made up."""
+    """The heartbeats that an autopilot sent: of the first kind in ``_AUTOPILOTS`` that there is, else all.
+
+    Scripts that send heartbeats under the vehicle's ids name no autopilot, or the generic one.
+    """
     is_vehicle = ~np.isin(heartbeats.type, _NO_VEHICLE_TYPES)
     kept = heartbeats.select((heartbeats.autopilot != _NO_AUTOPILOT) & is_vehicle)
-    own = kept.autopilot == _ARDUPILOT
-    return kept.select(own) if own.any() else kept
+    for autopilot in _AUTOPILOTS:
+        own = kept.autopilot == autopilot
+        if own.any():
+            return kept.select(own)
+    return kept
 
 
 def armed_at(
