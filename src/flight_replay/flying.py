@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -58,6 +58,8 @@ def fly(options: Options, route: Route, console: Console, listener: Listener) ->
         _check(options, route, connected, console, listener)
         if options.connect:
             _keep_mission(connected, connection, options.baud, listener)
+        if route.raised:
+            stack.enter_context(_raised(connected, route.raised))
         connected.upload(route.mission, listener)
         record = supervise(connected, _WallClock(), _plan(options, route), listener)
         identity = connected.identity
@@ -135,6 +137,13 @@ def _check(
         console.say(line)
     if not options.yes:
         ask_consent(console)
+
+
+def _raised(connected: ConnectedVehicle, limits: Mapping[str, float]) -> AbstractContextManager[None]:
+    """Raise the vehicle's limits for this flight, where they are lower than these."""
+    wanted = connected.limits_as_parameters(limits)
+    now = connected.parameters(wanted)
+    return connected.parameters_set({name: value for name, value in wanted.items() if value > now[name]})
 
 
 def _keep_mission(connected: ConnectedVehicle, connection: str, baud: int, listener: Listener) -> None:

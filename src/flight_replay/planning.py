@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from flight_replay.events import Listener, Notice, Progress
 from flight_replay.flights import Flight, find_flights, select
 from flight_replay.options import Options
 from flight_replay.path import planned_path
 from flight_replay.route import Predicted, Route, home_of, spaced_route
 from flight_replay.sample import default_log
+from flight_replay.simulator.limits import Limits
 from flight_replay.tlog import Log, VehicleId, read_log
 from flight_replay.track import Track
 
@@ -33,11 +36,21 @@ def read(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...],
 
 def plan(options: Options, track: Track, listener: Listener) -> Route:
     """The route that the options ask for, and what a person should know of it."""
-    route = _fitted(options, track, listener) if options.route == "fit" else _spaced(options, track)
+    raised = _raised(track) if options.limits == "recorded" else {}
+    if options.route == "fit":
+        route = _fitted(options, track, Limits(**raised), listener)
+    else:
+        route = _spaced(options, track)
     listener(Notice(f" Generated {len(route.mission.places)} waypoints from tlog"))
     for note in route.notes:
         listener(Notice(f" {note}"))
-    return route
+    return replace(route, raised=raised)
+
+
+def _raised(track: Track) -> dict[str, float]:
+    from flight_replay.fit import recorded_limits
+
+    return recorded_limits(track, Limits())
 
 
 def _spaced(options: Options, track: Track) -> Route:
@@ -50,7 +63,7 @@ def _spaced(options: Options, track: Track) -> Route:
     )
 
 
-def _fitted(options: Options, track: Track, listener: Listener) -> Route:
+def _fitted(options: Options, track: Track, limits: Limits, listener: Listener) -> Route:
     from flight_replay.fit import fit
 
     found = fit(
@@ -58,14 +71,14 @@ def _fitted(options: Options, track: Track, listener: Listener) -> Route:
         max_points=options.max_points,
         altitude_m=options.altitude_m,
         speed_m_s=options.speed_m_s,
+        limits=limits,
         progress=lambda done, total: listener(Progress("fit", done, total, "flights")),
     )
-    mission = found.mission.with_home(home_of(found.flown))
     return Route(
         method="fit",
-        mission=mission,
+        mission=found.mission.with_home(home_of(found.flown)),
         covered=found.flown,
-        path=planned_path(mission, found.frame),
+        path=planned_path(found.mission, found.frame),
         planned_error=found.planned,
         predicted_duration_s=found.predicted_duration_s,
         predicted=Predicted(found.predicted_space, found.predicted_time),

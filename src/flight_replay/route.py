@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -42,6 +43,7 @@ class Route:
 
     ``predicted_duration_s`` is the time in AUTO that the vehicle is expected to need, ``predicted``
     the expected distances where the planning found them, ``notes`` are sentences for a person.
+    ``raised`` holds the fields of ``Limits`` that the vehicle must have raised to fly it, SI units.
     """
 
     method: str
@@ -51,6 +53,7 @@ class Route:
     planned_error: Spread
     predicted_duration_s: float
     predicted: Predicted | None = None
+    raised: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 

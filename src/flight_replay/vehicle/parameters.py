@@ -20,6 +20,7 @@ _PAUSE_S = 0.01  # Between requests, so that a slow radio keeps up.
 _TOLERANCE = 1e-4  # Relative: parameters are float32.
 _DOUBT = 1e-3  # Odds of taking a lost answer for an unknown name.
 _PUT_BACK_S = 4.0
+_SMALL_UNIT = 0.1
 
 
 def read_parameters(port: Port, names: Iterable[str], limit_s: float = 15.0) -> dict[str, float]:
@@ -148,4 +149,9 @@ def limits_as_parameters(port: Port, limits: Mapping[str, float]) -> dict[str, f
     """Parameters, in the vehicle's own naming scheme and units, that set fields of ``Limits`` (SI units)."""
     names = [name for name, (field, _) in PARAMETERS.items() if field in limits]
     there = read_parameters(port, names)
-    return {name: limits[PARAMETERS[name][0]] / PARAMETERS[name][1] for name in there}
+    return {name: _in_own_units(limits[PARAMETERS[name][0]], PARAMETERS[name][1]) for name in there}
+
+
+def _in_own_units(value: float, scale: float) -> float:
+    """A value in units of ``scale``, whole in small ones: parameters in hundredths may be integers."""
+    return float(round(value / scale)) if scale < _SMALL_UNIT else value / scale
