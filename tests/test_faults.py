@@ -130,7 +130,7 @@ SAYS = {
 }
 
 
-@pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS) - {"AUTO"}))
+@pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS)))
 def test_a_link_that_is_cut_for_ever_ends_the_program(moment: str) -> None:
     """The line says where the link was lost; in the air the loss is told within 5 s."""
     outcome = replay(None, None, Trip(MOMENTS[moment], lambda link: link.cut(FOREVER_S)))

@@ -94,6 +94,21 @@ def test_storage_of_an_old_binary_is_used(tmp_path: Path) -> None:
         assert "stored" in running.log.read_text()
 
 
+def test_a_binary_too_old_for_parameter_files_is_told_each_parameter(tmp_path: Path) -> None:
+    """It runs once to store them, and once more to fly with them."""
+    body = """
+from flight_replay.simulator.cli import main
+port = 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))
+print("Waiting for connection ....", open("runs", "a").write("x"), flush=True)
+main(["--listen", f"tcp:127.0.0.1:{port}", "--home", "47.5,8.25,400,90", "--speedup", "20"])
+"""
+    named = tmp_path / "mine.parm"
+    named.write_text("# comment\nWPNAV_SPEED,700 # slow\nNO_SUCH_NAME 3\n")
+    path = stand_in(tmp_path, body, options="--home --model")
+    with process.run(Binary(path, named), START) as running:
+        assert (running.log.parent / "runs").read_text() == "xx"
+
+
 FAILING = {
     "dies": (
         "print('no memory'); print('bad luck', file=sys.stderr, flush=True); sys.exit(3)",
