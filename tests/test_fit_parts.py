@@ -12,6 +12,7 @@ from flight_replay.fit.draft import Draft
 from flight_replay.fit.flown import FLOOR_M, believable_heights_m, flown_part, recording_of
 from flight_replay.fit.flying import flown
 from flight_replay.fit.forecast import forecast, on_plan
+from flight_replay.fit.keeping_up import where_it_lags
 from flight_replay.fit.knots import enough_places, first_draft
 from flight_replay.fit.pace import best_lateness_s
 from flight_replay.fit.recording import Recording, hovers
@@ -241,3 +242,17 @@ def test_the_nearest_place_of_a_recording() -> None:
     """A place beside the line through two fixes is nearest to the line, not to a fix."""
     recording = recording_of(track_through(np.array([[0.0, 0], [10, 0]]), np.array([0.0, 5])), 20.0)
     assert np.allclose(recording.nearest_m(np.array([[4.0, 3.0]])), [[4.0, 0.0]], atol=1e-6)
+
+
+def test_where_the_vehicle_lags_is_said() -> None:
+    """A recording flown twice as fast as the vehicle can is behind from somewhere on; a slow one nowhere."""
+    fast = recording_of(sped_up(wander(3), 2.0), 20.0)
+    slow = recording_of(along([(0, 0), (60, 0)], 0.5), 20.0)
+    lags = []
+    for recording in (fast, slow):
+        line = straight_draft(recording, douglas_peucker(recording.north_east_m, 12))
+        best = forecast(flown(line, Limits(), 0.05), recording, timed=True)
+        lags.append(where_it_lags(best, recording))
+    assert len(lags[0]) == 1
+    assert "behind by up to" in lags[0][0]
+    assert lags[1] == ()

@@ -13,6 +13,7 @@ from flight_replay.errors import LogError
 from flight_replay.fit.draft import Draft
 from flight_replay.fit.flown import flown_part, recording_of
 from flight_replay.fit.forecast import Forecast
+from flight_replay.fit.keeping_up import where_it_lags
 from flight_replay.fit.knots import enough_places, first_draft
 from flight_replay.fit.recording import Recording, hovers
 from flight_replay.fit.reduce import douglas_peucker, straight_draft
@@ -71,6 +72,8 @@ def fit(  # noqa: PLR0913
     if speed_m_s is not None and speed_m_s != RECORDED:
         drafts = [replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:])) for draft in drafts]
     best = _best(task, drafts, progress or (lambda done, total: None))
+    if timed:
+        notes = (*notes, *where_it_lags(best, task.recording))
     return _result(best, flown, recording, notes)
 
 

@@ -2,16 +2,17 @@
 
 The objective, in metres, smaller is better:
 
-    root mean square distance in space, flown
-    + PLAN_SHARE x root mean square distance in space, planned
+    distance in space, flown
+    + PLAN_SHARE x distance in space, planned
     + TIME_SHARE x mean distance in time, flown
 
 "Flown" is what the model of ArduCopter predicts, "planned" the path on paper, both matched in order
-to all fixes. The squares make one fix 2 m off count as much as four that are 1 m off. The
-planned part keeps the route true for vehicles that fly with other gains or in wind. The trade
-between space and time is ``TIME_SHARE``: ten metres late weigh as much as one metre beside the
-track, so corners that the vehicle can only crawl around are flown rounder. Where the recorded
-speed is not asked for, being early costs nothing, and being late as much.
+to all fixes; the distance of all is the fourth root of the mean fourth power, so that no fix is
+left far off: one at 2 m counts as much as sixteen at 1 m. The planned part keeps the route true for
+vehicles that fly with other gains or in wind. The trade between space and time is ``TIME_SHARE``:
+ten metres late weigh as much as one metre beside the track, so corners that the vehicle can only
+crawl around are flown rounder. Where the recorded speed is not asked for, being early costs
+nothing, and being late as much.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from flight_replay.fit.recording import Recording
 from flight_replay.geodesy import Floats
 from flight_replay.matching import in_order
 
-PLAN_SHARE = 0.5
+PLAN_SHARE = 0.6
 TIME_SHARE = 0.1
 CURVE_TOLERANCE_M = 0.02
 """How well curves are drawn while fitting; the planned error of the answer is measured finer."""
@@ -69,12 +70,12 @@ class Forecast:
     @property
     def objective_m(self) -> float:
         """The number that the fit makes small; see the module."""
-        flown, planned = _rms(self.flown_off_m), _rms(self.planned_off_m)
+        flown, planned = _peaky_mean(self.flown_off_m), _peaky_mean(self.planned_off_m)
         return flown + PLAN_SHARE * planned + TIME_SHARE * float(self.late_m.mean())
 
 
-def _rms(off_m: Floats) -> float:
-    return float(np.sqrt((off_m**2).sum(axis=1).mean()))
+def _peaky_mean(off_m: Floats) -> float:
+    return float(((off_m**2).sum(axis=1) ** 2).mean() ** 0.25)
 
 
 def forecast(flown: Flown, recording: Recording, *, timed: bool) -> Forecast:
