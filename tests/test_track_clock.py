@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flight_replay.simulator.air import Air
@@ -42,6 +42,7 @@ def test_distance_counts_as_lag_and_stops_the_clock() -> None:
     assert clock_after(30.0, behind_m=6.0, made_good_m_s=0.0) == pytest.approx(0.0, abs=0.001)
 
 
+@settings(deadline=None)
 @given(st.floats(-3, 3), st.floats(0.0, 5.0))
 def test_a_noisy_value_averages_within_its_bounds(mean: float, deviation: float) -> None:
     """The mean of a clamped value lies within 0 and 1, and at a half where the value does."""

@@ -17,8 +17,8 @@ from flight_replay.simulator.path_limits import Vector
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
 _THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
-# Time by which the airframe's lean follows the attitude controller's target: the rate loop's own.
-_LEAN_LAG_S = 0.03
+# Time by which the airframe's lean follows the attitude controller's target, 15 to 30 ms in SITL's logs.
+_LEAN_LAG_S = 0.02
 # Angle, rad, and rate, rad/s, below which a turn is over.
 _NO_TURN = 1e-5
 

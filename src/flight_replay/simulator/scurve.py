@@ -29,12 +29,16 @@ from flight_replay.simulator.scurve_segments import (
     still,
 )
 
+# Of 32-bit numbers: a stop counts as reached when what is left of the leg is below that. So slowly does
+# a leg end that this is 0.1 s before its time is up.
+_RESOLUTION = 1e-7
+
 
 class SCurve:
     """Motion along one straight leg, from rest to rest unless told otherwise; empty without length."""
 
     __slots__ = (
-        "_ends", "_limits", "_segments", "direction", "length", "position", "time", "top_speed",
+        "_ends", "_enough", "_limits", "_segments", "direction", "length", "position", "time", "top_speed",
     )  # fmt: skip
 
     def __init__(self, track: Vector = (0.0, 0.0, 0.0), limits: PathLimits | None = None) -> None:
@@ -42,6 +46,7 @@ class SCurve:
         self._segments: list[Segment] = []
         self._ends: list[float] = []
         self.length = length = hypot(*track) if limits else 0.0
+        self._enough = length * (1.0 - _RESOLUTION)
         self.direction = (0.0, 0.0, 0.0)
         if limits is None or length == 0:
             return
@@ -141,7 +146,7 @@ class SCurve:
     @property
     def finished(self) -> bool:
         """Whether time or length is used up."""
-        return not self._ends or self.time >= self._ends[END] or self.position >= self.length
+        return not self._ends or self.time >= self._ends[END] or self.position >= self._enough
 
 
 def _coasting(segment: Segment, time: float) -> State:

@@ -19,8 +19,9 @@ _ALONG_SHARE = 0.5
 _LONGEST_TANGENTS = 4.0
 _NOWHERE = (0.0, 0.0, 0.0)
 _FOREVER_S = 1e6
-# ArduCopter's main loop runs at 400 Hz (SCHED_LOOP_RATE).
-_ARDUPILOT_STEP_S = 0.0025
+# On board, with steps of 2.5 ms, a step goes by the speed from before it, and that by where the
+# step before began. A stop comes the sooner for it, by as much as 0.1 s.
+_STARTS_LATE_S, _BRAKES_LATE_S = 0.00125, 0.00375
 # A 32-bit curve ends some 0.01 mm off its destination, so that the target never quite rests there.
 _REST_M_S = 0.002
 
@@ -153,8 +154,7 @@ class Spline:
     def advance(self, dt: float) -> tuple[Vector, Vector]:
         """Target position and velocity ``dt`` seconds on.
 
-        Source: SplineCurve::advance_target_along_track, which moves on with the speed from before
-        each of its shorter steps.
+        Source: SplineCurve::advance_target_along_track.
         """
         place, speed = self._place, self.speed
         if place is None:
@@ -165,7 +165,8 @@ class Spline:
             self.speed = max(speed - place.accel * dt, _REST_M_S)
             return self._destination, _NOWHERE
         soon = self._next_speed(place, speed, dt, speed * dt)
-        distance = 0.5 * ((speed + soon) * dt + (speed - soon) * _ARDUPILOT_STEP_S)
+        late = _BRAKES_LATE_S if soon < speed else _STARTS_LATE_S
+        distance = 0.5 * (speed + soon) * dt + (speed - soon) * late
         self.time += place.time_for(distance)
         if self.time >= 1.0:
             self.unused_s = (self.time - 1.0) * place.rate / speed if speed > 0 else 0.0

@@ -18,6 +18,8 @@ _AHEAD_SHARE = 0.05
 # starts fast or slow, by 0.2 s on a leg from rest; the model takes the mean.
 _NOISE_M_S = 0.005
 _NOISE_MATTERS = 0.02
+# A square below 1.2e-7 cm²/s² is none (is_positive in AP_Math.h).
+_NO_SPEED_M_S = 3.45e-6
 _SQRT_HALF, _BELL = sqrt(0.5), 1.0 / sqrt(2.0 * pi)
 
 
@@ -34,7 +36,7 @@ class TrackClock:
         vn, ve, vu = control.vn, control.ve, control.vu
         speed = sqrt(vn * vn + ve * ve + vu * vu)
         wanted = 1.0
-        if speed > 0:
+        if speed > _NO_SPEED_M_S:
             behind = (control.n - body.n) * vn + (control.e - body.e) * ve + (control.u - body.u) * vu
             made_good = body.vn * vn + body.ve * ve + body.vu * vu
             wanted = _AHEAD_SHARE + (made_good - limits.position_p * behind) / (speed * speed)
