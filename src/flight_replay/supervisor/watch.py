@@ -8,14 +8,7 @@ from __future__ import annotations
 
 from functools import singledispatchmethod
 
-from flight_replay.events import (
-    LinkBack,
-    LinkLost,
-    Listener,
-    StatusText,
-    VehicleState,
-    WaypointReached,
-)
+from flight_replay.events import Listener, StatusText, VehicleState, WaypointReached
 from flight_replay.mission import FIRST_SEQ
 from flight_replay.supervisor.contract import (
     Answer,
@@ -29,6 +22,7 @@ from flight_replay.supervisor.contract import (
     Vehicle,
 )
 from flight_replay.supervisor.plan import Deadlines
+from flight_replay.supervisor.silence import Silence
 
 _STEP_S = 0.1  # Longest nap by the clock here; news ends it.
 _WARNING = 4  # MAV_SEVERITY_WARNING: texts from here up are reasons, the rest is chatter.
@@ -55,8 +49,7 @@ class Watch:
         self.emit = listener
         self.deadlines = deadlines
         self._clock = clock
-        self._heard_s = clock.monotonic_s()
-        self._lost = False
+        self._silence = Silence(clock, deadlines)
         self._strange_beats = 0
         self._strange_s = self._state_wall_s = 0.0
         self._ours: frozenset[str] = frozenset()
@@ -94,7 +87,7 @@ class Watch:
     @property
     def silence(self) -> str:
         """How long nothing was heard, in words, if the link is lost."""
-        return f": nothing was heard from it for {self.wall_s - self._heard_s:.0f} s" if self._lost else ""
+        return self._silence.words
 
     @property
     def may_be_armed(self) -> bool:
@@ -137,31 +130,17 @@ class Watch:
         """
         news = self.vehicle.news(timeout_s)
         if news:
-            self._heard()
+            self._silence.heard(self.emit)
         for item in news:
             self._take(item)
-        self._notice_silence()
-        if self._mode_is_strange:
-            self._explain_mode()
-
-    def _heard(self) -> None:
-        silent_s = self.wall_s - self._heard_s
-        if self._lost:
-            self._lost = False
-            self.emit(LinkBack(silent_s))
-        self._heard_s = self.wall_s
-
-    def _notice_silence(self) -> None:
-        silent_s = self.wall_s - self._heard_s
-        if silent_s >= self.deadlines.silence_s and not self._lost:
-            self._lost = True
-            self.emit(LinkLost(silent_s))
-        if silent_s >= self.deadlines.link_back_s:
+        if self._silence.check(self.emit):
             raise Interrupted(
                 "link lost",
-                f"nothing was heard from the vehicle for {silent_s:.0f} s; "
+                f"the link to the vehicle is lost, {self.silence}; "
                 "its own failsafe decides now: watch it, and check the link",
             )
+        if self._mode_is_strange:
+            self._explain_mode()
 
     @property
     def _mode_is_strange(self) -> bool:
@@ -219,15 +198,11 @@ class Watch:
     def _(self, at: MissionAt) -> None:
         self.mission = at
         if self.auto_start_s is not None:
-            # Whatever lies behind the current item was reached, though a bad link lost the word of it.
-            for seq in range(FIRST_SEQ, at.seq):
-                self._reach(seq)
-            if at.complete:
-                self._reach(at.seq)
+            self._reach_up_to(at.seq if at.complete else at.seq - 1)
 
     @_take.register
     def _(self, item: ItemReached) -> None:
-        self._reach(item.seq)
+        self._reach_up_to(item.seq)
 
     @_take.register
     def _(self, readiness: Readiness) -> None:
@@ -238,7 +213,9 @@ class Watch:
         self.readiness = None
         raise Interrupted("reboot", "the autopilot rebooted; check why before flying again")
 
-    def _reach(self, seq: int) -> None:
-        if seq not in self.reached:
-            self.reached[seq] = self.time_s
-            self.emit(WaypointReached(seq, self.time_s))
+    def _reach_up_to(self, last_seq: int) -> None:
+        """Note an item and all before it: of a waypoint and the command behind it, one word is sent."""
+        for seq in range(FIRST_SEQ, last_seq + 1):
+            if seq not in self.reached:
+                self.reached[seq] = self.time_s
+                self.emit(WaypointReached(seq, self.time_s))
