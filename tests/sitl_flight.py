@@ -21,7 +21,7 @@ _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _EKF_READY = dialect.EKF_ATTITUDE | dialect.EKF_POS_HORIZ_ABS
 _SILENT_S = 30.0
 _STAY_S = 4.0
-_SPEEDUP = "20"
+_SPEEDUP = "10"
 _AGAIN_S = 0.3  # By the wall clock: before the first message the vehicle's is unknown.
 
 
@@ -32,6 +32,7 @@ class Recorded:
     rows: list[tuple[float, float, float, float]] = field(default_factory=list)
     reached_s: dict[int, float] = field(default_factory=dict)
     armed_s: float = 0.0
+    high_s: float = 0.0
     auto_s: float = 0.0
     rtl_s: float = 0.0
     disarmed_s: float = 0.0
@@ -69,6 +70,7 @@ class SitlFlight:
         self.flown = Recorded()
         self._seen: dict[str, Any] = {}
         self._recording = False
+        self._mode, self._mode_s = -1, 0.0
         self._connect(port)
 
     def _connect(self, port: int) -> None:
@@ -113,6 +115,8 @@ class SitlFlight:
             if self._recording:
                 place = message.lat * 1e-7, message.lon * 1e-7, message.relative_alt * 1e-3
                 self.flown.rows.append((self.time_s, *place))
+        elif kind == "HEARTBEAT" and message.custom_mode != self._mode:
+            self._mode, self._mode_s = message.custom_mode, self.time_s
         elif kind == "MISSION_ITEM_REACHED":
             self.flown.reached_s[message.seq] = self.time_s
         return message
@@ -135,7 +139,7 @@ class SitlFlight:
         return self._seen.get("HEARTBEAT")
 
     def _in_mode(self, mode: int) -> bool:
-        return self._heartbeat() is not None and self._heartbeat().custom_mode == mode
+        return self._mode == mode
 
     def _armed(self) -> bool:
         return bool(self._heartbeat().base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
@@ -156,14 +160,15 @@ class SitlFlight:
         take_off = dialect.MAV_CMD_NAV_TAKEOFF
         self._command(take_off, 0, 0, 0, 0, 0, 0, up)
         self._until(lambda: self._high(0.95 * up), "take-off", 120.0)
-        self.flown.auto_s = self.time_s
+        self.flown.high_s = self.time_s
         self._set_mode(AUTO)
+        self.flown.auto_s = self._mode_s
         last = max(seq for seq, _ in mission.places)
         self._until(lambda: last in self.flown.reached_s, "end of the mission", 1800.0)
         end_s = self.time_s + _STAY_S
         self._until(lambda: self.time_s >= end_s, "time", 10.0)
-        self.flown.rtl_s = self.time_s
         self._set_mode(RTL)
+        self.flown.rtl_s = self._mode_s
         self._until(lambda: not self._armed(), "landing", 300.0)
         self.flown.disarmed_s = self.time_s
         return self.flown

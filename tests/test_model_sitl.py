@@ -50,7 +50,7 @@ def check(mission: Mission, parameters: dict[str, float], folder: Path) -> None:
         flown.north_east_m[own],
     )
     theirs, ours = last_s - truth.auto_s, flown.auto_s[1] - flown.auto_s[0]
-    takeoff_s, home_s = truth.auto_s - truth.armed_s, truth.disarmed_s - truth.rtl_s
+    takeoff_s, home_s = truth.high_s - truth.armed_s, truth.disarmed_s - truth.rtl_s
     assert off.mean() <= 0.15
     assert off.max() <= 0.6
     assert late.mean() <= 1.0
