@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 from pymavlink.dialects.v10 import all as mavlink1
 from pymavlink.dialects.v20 import all as mavlink2
 
-from flight_replay.tlog import frames as frames_module
 from flight_replay.tlog import messages, source
+from flight_replay.tlog import scan as scan_module
 from flight_replay.tlog.columns import Columns, Records
 from flight_replay.tlog.crc import are_right, is_right
 from flight_replay.tlog.scan import scan
@@ -177,7 +177,7 @@ def test_made_logs_are_read_as_by_a_walk_over_every_byte(
     """Mixed, signed, nested, torn and junk-ridden logs give the same fixes, whatever the blocks."""
     assume(not data.startswith(b"\x1f\x8b\x08"))  # which would be read as gzip
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(frames_module, "_SLICE_LENGTH", slice_length)
+        patch.setattr(scan_module, "SLICE_LENGTH", slice_length)
         assert_equal_to_slow(read(data, block_length), data)
         assert_equal_to_slow(read(data, block_length, tmp_path / "made.tlog"), data)
 

@@ -8,6 +8,7 @@ those wanted frames that another one could hide are looked at closely (``hidden.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,7 @@ from flight_replay.tlog.hidden import find_hidden, header_length, is_right_at
 
 _NO_MESSAGE = 255  # an id that no message has
 _FEW = 8  # frames that are not worth columns
-_SLICE_LENGTH = 1 << 20  # bytes of which all that is made stays in a core's cache
+SLICE_LENGTH = 1 << 20  # bytes of which all that is made stays in a core's cache
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ class Window:
 
     def __init__(self, length: int) -> None:
         self.data: Bytes = np.zeros(length, np.uint8)
-        self._marks: Bytes = np.empty(_SLICE_LENGTH, np.uint8)
+        self._marks: Bytes = np.empty(SLICE_LENGTH, np.uint8)
 
     def marks(self, start: int, stop: int) -> Index:
         """Where the start marks in [start, stop) are, of no more bytes than a slice."""
@@ -74,23 +75,34 @@ class Frames:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marked:
-    """What may be frames of ``wanted`` messages in a span, and all ``reaching`` over another start mark."""
+    """What may be frames of ``wanted`` messages, and all frames ``reaching`` over the start of another."""
 
     data: Bytes
-    span: Span
     wanted: Frames
     reaching: Frames
 
 
-def mark(window: Window, span: Span, wanted: Flags) -> Marked:
-    """Find all that may be frames in a span, and those whose message is ``wanted``, by id (256,)."""
+def mark(window: Window, slices: Iterable[Span], wanted: Flags) -> Marked:
+    """Find all that may be frames, and those whose message is ``wanted``, by id (256,).
+
+    ``slices`` follow each other, each of ``SLICE_LENGTH`` at most.
+    """
     found, reaching = [], []
-    for start in range(span.start, span.stop, _SLICE_LENGTH):
-        frames = _candidates(window, Span(start, min(start + _SLICE_LENGTH, span.stop), span.end))
-        found.append(frames.take(np.flatnonzero(wanted.take(frames.message) & (frames.end > frames.start))))
-        over = np.flatnonzero(frames.end[:-1] > frames.start[1:])
-        reaching.append(frames.take(np.append(over, range(len(frames.start))[-1:]).astype(np.intp)))
-    return Marked(window.data, span, _joined(found), _joined(reaching))
+    for span in slices:
+        frames = _candidates(window, span)
+        is_frame = frames.end > frames.start
+        found.append(frames.take(np.flatnonzero(wanted.take(frames.message) & is_frame)))
+        reaching.append(frames.take(_reaching(frames, is_frame, span.stop)))
+    return Marked(window.data, _joined(found), _joined(reaching))
+
+
+def _reaching(frames: Frames, is_frame: Flags, stop: int) -> Index:
+    """Which frames reach over the start of another, or of two marks whatever these are, or over ``stop``."""
+    start, end = frames.start, frames.end
+    over = end > stop
+    over[:-1] |= is_frame[1:] & (end[:-1] > start[1:])
+    over[:-2] |= end[:-2] > start[2:]
+    return np.flatnonzero(over)
 
 
 def _candidates(window: Window, span: Span) -> Frames:
@@ -124,11 +136,11 @@ def _joined(parts: list[Frames]) -> Frames:
 
 
 class Walk:
-    """The walk over a marked span, beginning at ``enter``."""
+    """The walk over marked bytes: it comes to ``enter``, and ends at ``stop`` or behind."""
 
-    def __init__(self, marked: Marked, enter: int) -> None:
+    def __init__(self, marked: Marked, enter: int, stop: int) -> None:
         self.data = marked.data
-        self._stop = max(marked.span.stop, enter)
+        self._stop = max(stop, enter)
         self._wanted = marked.wanted.since(enter)
         self._reaching = marked.reaching.since(enter)
         self._reach = np.maximum.accumulate(np.append(np.intp(0), self._reaching.end))
@@ -149,7 +161,7 @@ class Walk:
 
     @property
     def leave(self) -> int:
-        """Where the walk goes on: behind the span, or behind the record that reaches over its end."""
+        """Where the walk goes on: where it was to stop, or behind the record that reaches over that."""
         return self._hidden([])[1]
 
     def _hidden(self, suspects: list[int]) -> tuple[set[int], int]:

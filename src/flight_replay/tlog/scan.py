@@ -13,7 +13,7 @@ import numpy as np
 from flight_replay.tlog import messages
 from flight_replay.tlog.columns import Gathered, Records
 from flight_replay.tlog.decode import decode
-from flight_replay.tlog.frames import Marked, Span, Walk, Window, mark
+from flight_replay.tlog.frames import SLICE_LENGTH, Marked, Span, Walk, Window, mark
 from flight_replay.tlog.source import Source, Stream
 
 if TYPE_CHECKING:
@@ -31,16 +31,17 @@ _MOST_THREADS = 4
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """A part of a log whose start marks were found, ``offset`` bytes into the log."""
+    """Bytes ``offset`` to ``stop`` of a log, whose start marks were found in a window."""
 
     offset: int
+    stop: int
     window: Window
     marked: Marked
 
     def read(self, enter: int) -> tuple[Records, int]:
         """The records that a walk finds which comes to ``enter``, and where it goes on, places in the log."""
         base = self.offset - _LEAD
-        walk = Walk(self.marked, enter - base)
+        walk = Walk(self.marked, enter - base, self.stop - base)
         return decode(walk, base), walk.leave + base
 
 
@@ -56,7 +57,7 @@ def scan(
     for block in blocks:
         records, enter = block.read(enter)
         gathered.add(records)
-        length = block.offset + block.marked.span.stop - _LEAD
+        length = block.stop
         if progress:
             progress(source.position or length, source.size)
     return gathered.records, length
@@ -71,22 +72,32 @@ def _blocks_of_file(descriptor: int, size: int, block_length: int) -> Iterator[_
             window = spare.pop()
         except IndexError:
             window = Window(_LEAD + min(block_length, size) + _MARGIN)
-        return _load(window, descriptor, offset, min(offset + block_length, size))
+        stop = min(offset + block_length, size)
+        slices = _read_slices(window, descriptor, offset, stop)
+        return _Block(offset, stop, window, mark(window, slices, _WANTED))
 
     for each in _ahead(block, range(0, size, block_length)):
         yield each
         spare.append(each.window)
 
 
-def _load(window: Window, descriptor: int, offset: int, stop: int) -> _Block:
-    """Read a block with its surroundings; before the beginning and behind the end there are zeros."""
+def _read_slices(window: Window, descriptor: int, offset: int, stop: int) -> Iterator[Span]:
+    """Read a block with its surroundings, and yield each slice as soon as it is there and in the cache.
+
+    Before the log's beginning and behind its end there are zeros.
+    """
     held = max(_LEAD - offset, 0)
     window.data[:held] = 0
-    while got := os.preadv(descriptor, [window.data[held:].data], offset - _LEAD + held):
-        held += got
-    window.data[held : held + _MARGIN] = 0
-    span = Span(_LEAD, max(min(stop - offset + _LEAD, held), _LEAD), held)
-    return _Block(offset, window, mark(window, span, _WANTED))
+    block_stop = stop - offset + _LEAD
+    for start in range(_LEAD, block_stop, SLICE_LENGTH):
+        slice_stop = min(start + SLICE_LENGTH, block_stop)
+        behind = slice_stop + _MARGIN
+        while held < behind and (
+            got := os.preadv(descriptor, [window.data[held:behind].data], offset - _LEAD + held)
+        ):
+            held += got
+        window.data[held:behind] = 0
+        yield Span(start, max(min(slice_stop, held), start), held)
 
 
 def _ahead(block: Callable[[int], _Block], offsets: range) -> Iterator[_Block]:
@@ -120,7 +131,9 @@ def _blocks_of_stream(stream: Stream, block_length: int) -> Iterator[_Block]:
             held, ended = _fill(window, stream, held)
         window.data[held : held + _MARGIN] = 0
         stop = min(held, _LEAD + block_length)
-        yield _Block(offset, window, mark(window, Span(_LEAD, stop, held), _WANTED))
+        starts = range(_LEAD, stop, SLICE_LENGTH)
+        slices = (Span(start, min(start + SLICE_LENGTH, stop), held) for start in starts)
+        yield _Block(offset, offset + stop - _LEAD, window, mark(window, slices, _WANTED))
         if ended and stop == held:
             return
         window.data[: held - block_length] = window.data[block_length:held].copy()
