@@ -123,9 +123,9 @@ SAYS = {
     "connect": "no vehicle is heard",
     "upload": "the upload stopped at mission item",
     "read-back": "the vehicle did not send mission item",
-    "arming": "nothing was heard from the vehicle",
-    "take-off": "nothing was heard from the vehicle",
-    "AUTO": "nothing was heard from the vehicle",
+    "arming": "nothing was heard from it for",
+    "take-off": "nothing was heard from it for",
+    "AUTO": "nothing was heard from it for",
     "RTL": "did not confirm RTL: nothing was heard from it",
 }
 

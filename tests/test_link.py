@@ -188,3 +188,15 @@ def test_both_directions_are_recorded(vehicle: Vehicle, tmp_path: Path) -> None:
         senders.append((message.get_srcSystem(), message.get_srcComponent()))
         data = data[8 + length :]
     assert {(255, OUR_COMPONENT), (1, 1), (255, 190)} <= set(senders)
+
+
+def test_a_connection_that_died_silently_is_opened_again(
+    vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """TCP that brings nothing for seconds is made anew, whatever its socket says."""
+    monkeypatch.setattr("flight_replay.vehicle.link._SILENT_S", 0.3)
+    link = linked(vehicle)
+    vehicle.heard(1)
+    vehicle.accept()
+    vehicle.heard(1)
+    link.close()

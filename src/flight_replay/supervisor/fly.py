@@ -93,7 +93,8 @@ def _follow(watch: Watch, plan: Plan) -> FlightRecord:
     flown = tuple(watch.flown)
     confirmed = watch.mode == "RTL" if ended in _LET_GO else _send_home(watch, watch.deadlines.link_back_s)
     if problem is None and not confirmed:
-        problem = f"the vehicle did not confirm RTL{watch.silence}; take control of it with another station"
+        why = f": {watch.silence}" if watch.silence else ""
+        problem = f"the vehicle did not confirm RTL{why}; take control of it with another station"
     if plan.land and confirmed:
         try:
             wait_landed(watch)

@@ -19,6 +19,7 @@ _log = logging.getLogger(__name__)
 _NAP_S = 0.05
 _REOPEN_S = 0.3
 _CLOSE_S = 5.0  # More than a connection attempt takes.
+_SILENT_S = 6.0  # A vehicle sends a heartbeat every second.
 _BEATS_PER_S = 1.25  # Of the vehicle's time: ArduCopter 3.3 lands after 5 s of its time without one.
 _LEAST_BEAT_S = 0.01
 
@@ -40,6 +41,7 @@ class Link:
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._broken = False
+        self._heard_s = time.monotonic()
         self._mavlink1 = True
         self._thread = threading.Thread(target=self._run, name="flight-replay link", daemon=True)
         self.speedup = speedup
@@ -111,6 +113,7 @@ class Link:
             self._stop.wait(_REOPEN_S)
             return False
         self._broken = False
+        self._heard_s = time.monotonic()
         return True
 
     def _receive(self, timeout_s: float) -> None:
@@ -120,6 +123,11 @@ class Link:
             _log.debug("the link broke: %s", error)
             self._broken = True
             return
+        if data:
+            self._heard_s = time.monotonic()
+        elif self._transport.dies_silently and time.monotonic() - self._heard_s > _SILENT_S:
+            _log.debug("nothing was heard for %s s", _SILENT_S)
+            self._broken = True
         for message in self._mav.parse_buffer(data) or () if data else ():
             if message.get_type() != "BAD_DATA":
                 self._take(message)

@@ -19,6 +19,9 @@ _CHUNK = 65536
 class Transport(Protocol):
     """A way to carry bytes that can be opened again after it broke; ``OSError`` tells that it broke."""
 
+    dies_silently: bool
+    """Whether it can be dead without telling, so that a long silence is reason to open it again."""
+
     def open(self) -> None:
         """Open, or open again."""
 
@@ -65,6 +68,8 @@ def _address(connection_string: str, host_port: str) -> tuple[str, int]:
 class _Socket:
     """What the socket transports share: waiting, and closing."""
 
+    dies_silently = False
+
     def __init__(self, address: tuple[str, int]) -> None:
         self._address = address
         self._socket: socket.socket | None = None
@@ -91,7 +96,9 @@ class _Socket:
 
 
 class TcpClient(_Socket):
-    """A stream to a vehicle that listens."""
+    """A stream to a vehicle that listens; a connection that a router forgot stays open and silent."""
+
+    dies_silently = True
 
     def open(self) -> None:
         """Connect, in seconds at most."""
@@ -168,6 +175,8 @@ class UdpClient(_Socket):
 
 class Serial:
     """A serial port: a telemetry radio, or the autopilot's own USB."""
+
+    dies_silently = False
 
     def __init__(self, device: str, baud: int) -> None:
         self._device, self._baud = device, baud
