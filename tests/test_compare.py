@@ -96,6 +96,15 @@ def test_a_band_too_narrow_is_widened(monkeypatch):
     assert in_order(fixes, path).distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=0.02)
 
 
+def test_fixes_farther_apart_than_the_band_are_matched(monkeypatch):
+    """A fix every 100 m on a straight path is matched where it lies."""
+    monkeypatch.setattr(matching, "WHOLE_CELLS", 1000)
+    north = np.arange(0.0, 20_001.0, 100.0)
+    match = in_order(np.column_stack([north, np.ones(len(north))]), [[0, 0], [20_000, 0]])
+    assert match.along_m == pytest.approx(north)
+    assert match.distance_m == pytest.approx(np.ones(len(north)))
+
+
 def test_one_point_is_a_path():
     """A path of one point takes every fix; none at all is refused, and no fixes give no distances."""
     assert in_order_distances([[3, 4], [0, 1]], [[0, 0]]) == pytest.approx([5, 1])

@@ -180,10 +180,10 @@ def _coarse(fixes: Floats, pieces: _Pieces) -> tuple[Indices, Indices]:
     before = np.searchsorted(anchors, np.arange(n), side="right") - 1
     after = np.minimum(np.searchsorted(anchors, np.arange(n)), len(anchors) - 1)
     first, last = corners[chosen[before]], corners[chosen[after] + 1]
-    return (
-        np.searchsorted(pieces.begin_m, pieces.begin_m[first] - BAND_M),
-        np.searchsorted(pieces.begin_m, pieces.begin_m[last] + BAND_M, side="right"),
-    )
+    low = np.searchsorted(pieces.begin_m, pieces.begin_m[first] - BAND_M)
+    high = np.searchsorted(pieces.begin_m, pieces.begin_m[last] + BAND_M, side="right")
+    # Fixes far from each other: each band reaches to where the next begins.
+    return low, np.maximum(high, np.append(low[1:] + 1, 0))
 
 
 def _widen(chosen: Indices, low: Indices, high: Indices, m: int) -> tuple[Indices, Indices] | None:

@@ -12,7 +12,7 @@ from flight_replay.decimate import MAX_POINTS, spaced
 from flight_replay.errors import LogError
 from flight_replay.fit.draft import Draft
 from flight_replay.fit.flown import flown_part, recording_of
-from flight_replay.fit.forecast import Forecast
+from flight_replay.fit.forecast import Forecast, least_objective_m
 from flight_replay.fit.keeping_up import where_it_lags
 from flight_replay.fit.knots import enough_places, first_draft
 from flight_replay.fit.recording import Recording, hovers
@@ -30,8 +30,8 @@ WORK_FIXES = 1000
 RIVAL_FLIGHTS = 2
 """Flights in the model for each of the classic routes that the fit has to beat."""
 _HOVER_SHARE = 3
-_STEP_S, _LONGEST_STEP_S = 0.04, 0.1
-_MOST_STEPS = 50_000
+_STEP_S, _LONGEST_STEP_S = 0.05, 0.1
+_MOST_STEPS = 40_000
 _WORK_S = 7000.0
 """Seconds of flight that the search may simulate, unless that is less than ``_FEWEST_FLIGHTS`` flights."""
 _FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 24
@@ -109,11 +109,12 @@ def _best(task: Task, drafts: list[Draft], progress: Progress) -> Forecast:
         done += 1
         progress(done, total)
 
-    found = [
-        searched(task, draft, bend=_BEND, flights=RIVAL_FLIGHTS if rival else flights, tick=tick)
-        for rival, draft in enumerate(drafts)
-    ]
-    return min(found, key=lambda forecast: forecast.objective_m)
+    best = searched(task, drafts[0], bend=_BEND, flights=flights, tick=tick)
+    for rival in drafts[1:]:
+        if least_objective_m(rival, task.recording) < best.objective_m:
+            found = searched(task, rival, bend=_BEND, flights=RIVAL_FLIGHTS, tick=tick)
+            best = min(best, found, key=lambda forecast: forecast.objective_m)
+    return best
 
 
 def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str, ...]) -> FitResult:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import overload
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from flight_replay.fit.draft import Draft
 from flight_replay.geodesy import Floats
 from flight_replay.mission import FIRST_SEQ, Command
 from flight_replay.simulator.auto import LocalItem
+from flight_replay.simulator.auto_run import MissionRun
 from flight_replay.simulator.copter import Copter
 from flight_replay.simulator.limits import Limits
 
@@ -46,36 +48,68 @@ def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = N
     Raises:
         MissionError: the flight does not end.
     """
-    speeds = draft.speed_m_s.copy()
     items, seqs = _items(draft, every_speed=choose is not None)
-    towards = dict(zip(seqs, range(len(seqs)), strict=True))
     copter = Copter(limits, position_m=_vector(draft.places_m[0]), step_s=step_s)
-    run = copter.start_auto(items)
+    chosen = draft.speed_m_s.copy()
+    plan: Sequence[LocalItem] = items
+    if choose is not None:
+        plan = _OnTheWay(items, seqs, chosen, choose, lambda: _since_first_s(copter, run, seqs[0]))
+    run = copter.start_auto(plan)
     rows = [copter.position_m]
-    first_s: float | None = None
     while not run.completed:
-        following = towards.get(run.current_seq, -1) + 1
-        if first_s is None and following > 1:
-            first_s = _reached_s(run.reached, seqs[0])
-        if choose is not None and 0 < following < len(seqs):
-            since_s = 0.0 if first_s is None else copter.time_s - first_s
-            speeds[following] = round(choose(following, since_s), 2)
-            items[seqs[following] - FIRST_SEQ - 1] = _speed(seqs[following] - 1, speeds[following])
         copter.step()
         rows.append(copter.position_m)
         if copter.time_s > _LONGEST_S:
             raise MissionError("the fitted flight does not end; fit a shorter part of the log")
     if choose is not None:
-        speeds[1:][speeds[1:] == np.append(np.nan, speeds[1:-1])] = np.nan
+        chosen[1:][chosen[1:] == np.append(np.nan, chosen[1:-1])] = np.nan
     passed = np.array([_reached_s(run.reached, seq) for seq in seqs])
     begin = round(passed[0] / step_s)
     place = np.array(rows[begin:])
     return Flown(
-        replace(draft, speed_m_s=speeds),
+        replace(draft, speed_m_s=chosen),
         step_s * np.arange(len(place), dtype=float),
         place,
         passed - passed[0],
     )
+
+
+class _OnTheWay(Sequence[LocalItem]):
+    """Mission items whose speed changes are chosen as AUTO looks at them; ``chosen`` (n,) keeps the last."""
+
+    def __init__(
+        self,
+        items: list[LocalItem],
+        seqs: list[int],
+        chosen: Floats,
+        choose: Choose,
+        now_s: Callable[[], float],
+    ) -> None:
+        self._items = items
+        self._place = {seq - 1: place for place, seq in enumerate(seqs) if place > 0}
+        self._chosen, self._choose, self._now_s = chosen, choose, now_s
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    @overload
+    def __getitem__(self, index: int) -> LocalItem: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[LocalItem]: ...
+    def __getitem__(self, index: int | slice) -> LocalItem | list[LocalItem]:
+        if isinstance(index, slice):
+            return self._items[index]
+        place = self._place.get(index + FIRST_SEQ)
+        if place is None:
+            return self._items[index]
+        self._chosen[place] = speed = round(self._choose(place, self._now_s()), 2)
+        return _speed(index + FIRST_SEQ, speed)
+
+
+def _since_first_s(copter: Copter, run: MissionRun, first_seq: int) -> float:
+    """Seconds since the first place was reached, or 0 before."""
+    reached = [time_s for seq, time_s in run.reached[:2] if seq == first_seq]
+    return copter.time_s - reached[0] if reached else 0.0
 
 
 def _items(draft: Draft, *, every_speed: bool) -> tuple[list[LocalItem], list[int]]:

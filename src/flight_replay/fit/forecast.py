@@ -74,6 +74,11 @@ class Forecast:
         return flown + PLAN_SHARE * planned + TIME_SHARE * float(self.late_m.mean())
 
 
+def least_objective_m(draft: Draft, recording: Recording) -> float:
+    """What the objective of a draft comes to at least, by its planned path alone."""
+    return PLAN_SHARE * _peaky_mean(on_plan(draft, recording)[2])
+
+
 def _peaky_mean(off_m: Floats) -> float:
     return float(((off_m**2).sum(axis=1) ** 2).mean() ** 0.25)
 

@@ -55,7 +55,7 @@ class Pacer:
         self._caps_m_s = caps_m_s
         self._factor = np.ones(len(caps_m_s))
         self._asked_s = np.zeros(len(caps_m_s))
-        self._place, self._in_force_m_s, self._before_m_s = 0, np.inf, np.inf
+        self._speed_m_s = [np.inf] * len(caps_m_s)
         self._goal_s: Floats = np.zeros(len(caps_m_s))
         self._arrival_s: Floats = self._goal_s
         self._length_m: Floats = self._goal_s
@@ -83,11 +83,10 @@ class Pacer:
         self._asked_s[place] = asked_s = max(asked_s, _LEAST_SHARE * nominal_s)
         speed = self._factor[place] * self._length_m[place] / asked_s
         speed = float(min(max(speed, SLOWEST_M_S), self._caps_m_s[place]))
-        if place != self._place:
-            self._place, self._before_m_s = place, self._in_force_m_s
-        near = max(speed, self._before_m_s) <= WORTH_A_CHANGE * min(speed, self._before_m_s)
-        self._in_force_m_s = self._before_m_s if near else speed
-        return self._in_force_m_s
+        before = self._speed_m_s[place - 1]
+        near = max(speed, before) <= WORTH_A_CHANGE * min(speed, before)
+        self._speed_m_s[place] = before if near else speed
+        return self._speed_m_s[place]
 
     def learn(self, flown: Flown) -> None:
         """Correct the speed of each leg by how much longer than asked for it took."""
