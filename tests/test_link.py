@@ -48,7 +48,9 @@ class Vehicle:
         assert self.client
         messages: list[Any] = []
         while len(messages) < count:
-            messages += self.parser.parse_buffer(self.client.recv(4096)) or []
+            data = self.client.recv(4096)
+            assert data, "the link was closed"
+            messages += self.parser.parse_buffer(data) or []
         return messages
 
     def close(self) -> None:
@@ -194,8 +196,8 @@ def test_a_connection_that_died_silently_is_opened_again(
     vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """TCP that brings nothing for seconds is made anew, whatever its socket says."""
-    monkeypatch.setattr("flight_replay.vehicle.link._SILENT_S", 0.3)
-    link = linked(vehicle)
+    monkeypatch.setattr("flight_replay.vehicle.link._SILENT_S", 0.5)
+    link = linked(vehicle, speedup=20.0)
     vehicle.heard(1)
     vehicle.accept()
     vehicle.heard(1)
