@@ -118,7 +118,11 @@ class FaultLink:
 
     def _accept(self) -> None:
         program, _ = self._server.accept()
-        vehicle = socket.create_connection(self._address)
+        try:
+            vehicle = socket.create_connection(self._address, 1.0)
+        except OSError:
+            program.close()  # The vehicle is restarting.
+            return
         for source, sink, outward in ((program, vehicle, True), (vehicle, program, False)):
             source.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             side = _Side(source, sink, outward, decoder=ardupilotmega.MAVLink(None))
