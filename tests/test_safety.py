@@ -52,7 +52,9 @@ def test_a_battery_that_is_not_known_is_said_to_be() -> None:
 
 def test_a_far_away_first_waypoint_is_refused() -> None:
     """1000 m by default, or what was asked for."""
-    with pytest.raises(MissionError, match=r"1101 m from the vehicle, and 1000 m are allowed.*--max-distance"):
+    with pytest.raises(
+        MissionError, match=r"1101 m from the vehicle, and 1000 m are allowed.*--max-distance"
+    ):
         checked(route(110))
     checked(route(110), max_distance_m=1200.0)
     checked(route(1, 200))
@@ -79,6 +81,12 @@ def test_anything_but_a_multicopter_is_refused(identity: Identity, words: str) -
     """Its name is in the error."""
     with pytest.raises(VehicleError, match=words):
         checked(route(1), identity)
+
+
+def test_an_armed_vehicle_is_left_alone() -> None:
+    """Its mission may be the one that it flies: nothing is uploaded."""
+    with pytest.raises(VehicleError, match="armed already, in mode AUTO"):
+        check(COPTER, route(1), replace(HERE, armed=True, mode="AUTO"), takeoff_altitude_m=30.0)
 
 
 @pytest.mark.parametrize("vehicle_type", [2, 13, 14, 15, 29, 35])

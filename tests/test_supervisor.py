@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from fake_vehicle import FakeClock, FakeVehicle, route
@@ -10,6 +11,7 @@ from fake_vehicle import FakeClock, FakeVehicle, route
 from flight_replay import events
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Event
+from flight_replay.mission import Mission, change_speed, waypoint
 from flight_replay.supervisor import Deadlines, FlightRecord, Plan, fly
 from flight_replay.supervisor.contract import Heartbeat, MissionAt, Rebooted
 
@@ -340,3 +342,50 @@ def test_a_listener_that_fails_does_not_keep_the_vehicle_in_the_air() -> None:
     with pytest.raises(BrokenPipeError):
         fly(vehicle, vehicle.clock, plan, listener)
     assert vehicle.mode == "RTL"
+
+
+def test_a_vehicle_that_disarms_on_the_ground_is_armed_again() -> None:
+    """ArduCopter disarms itself after 10 s on the ground, which a slow link can take."""
+    flight = flown(FakeVehicle(FakeClock(), points=40, climbs=False))
+
+    def disarm() -> None:
+        flight.vehicle.armed, flight.vehicle.climbs = False, True
+
+    flight.vehicle.at.append((8.0, disarm))
+    assert flight.fly().problem is None
+    assert flight.vehicle.asked.count("arm") == 2
+
+
+def test_a_vehicle_that_keeps_disarming_is_given_up() -> None:
+    """Three times is enough; nothing is left to be sent home."""
+    flight = flown(FakeVehicle(FakeClock(), points=40, climbs=False))
+    for second in range(8, 60, 3):
+        flight.vehicle.at.append((second, lambda: setattr(flight.vehicle, "armed", False)))
+    with pytest.raises(VehicleError, match="disarmed before it climbed"):
+        flight.fly()
+    assert flight.vehicle.asked.count("arm") == 3
+    assert "RTL" not in flight.vehicle.asked
+
+
+def test_holds_in_the_mission_are_no_standstill() -> None:
+    """A wait of two minutes at a waypoint is progress enough, and an item without a place has no distance."""
+    flight = flown(FakeVehicle(FakeClock(), points=3, item_s=100.0), duration_s=None)
+    items = (waypoint(47.0, 8.0, 30.0, hold_s=120), change_speed(3.0), waypoint(47.001, 8.0, 30.0))
+    flight.plan = replace(flight.plan, mission=Mission(items))
+    assert flight.fly().ended == "mission complete"
+    distances = {
+        event.seq: event.distance_m
+        for event in flight.of(events.Heading)
+        if isinstance(event, events.Heading)
+    }
+    assert distances[2] is None
+
+
+def test_a_landing_that_does_not_end_is_told() -> None:
+    """A vehicle that hangs in the air on its way down leaves the record with a problem."""
+    flight = flown(FakeVehicle(FakeClock(), points=40), land=True)
+    move = flight.vehicle._move
+    flight.vehicle._move = lambda step_s: None if flight.vehicle.mode == "RTL" else move(step_s)  # type: ignore[method-assign]
+    record = flight.fly()
+    assert (record.rtl_confirmed, record.landed) == (True, False)
+    assert "did not land and disarm" in (record.problem or "")

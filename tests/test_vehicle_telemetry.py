@@ -87,14 +87,18 @@ def test_positions_are_in_si_units() -> None:
 
 def test_a_report_without_a_position_is_none() -> None:
     """0, 0 is what ArduPilot sends before it knows where it is."""
-    assert news_of(position(1000, 0, 0)) == []
+    assert news_of(heartbeat(), position(1000, 0, 0)) == [Heartbeat("GUIDED", True)]
+
+
+def test_a_position_before_the_first_heartbeat_is_none() -> None:
+    """Nothing is said of mode and motors before the vehicle told."""
+    assert news_of(position(1000)) == []
 
 
 def test_reports_out_of_order_are_left_out() -> None:
     """A position that was overtaken on the way is old news."""
-    times = [
-        state.time_s for state in news_of(position(1000), position(1300), position(1100), position(1500))
-    ]
+    news = news_of(heartbeat(), position(1000), position(1300), position(1100), position(1500))
+    times = [state.time_s for state in news if isinstance(state, VehicleState)]
     assert times == [1.0, 1.3, 1.5]
 
 
@@ -103,6 +107,7 @@ def test_a_clock_that_begins_anew_is_a_reboot(monkeypatch: pytest.MonkeyPatch) -
     clock = [100.0]
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     heard = telemetry()
+    heard.receive(heartbeat())
     heard.receive(position(90_000))
     for time_ms in range(1000, 3000, 200):
         clock[0] += 0.2

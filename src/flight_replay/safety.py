@@ -82,11 +82,15 @@ def check(
         max_distance_m: Farthest from home that the first waypoint may be, metres.
 
     Raises:
-        VehicleError: The vehicle is not a multicopter flown by ArduPilot.
+        VehicleError: The vehicle is not a multicopter flown by ArduPilot, or its motors run already.
         MissionError: The route begins too far away, leaves the fence, or has a place that cannot be flown to.
     """
     if not identity.is_multicopter:
         raise VehicleError(f"{identity.name} is not a multicopter flown by ArduPilot; connect one")
+    if at.armed:
+        raise VehicleError(
+            f"the vehicle is armed already, in mode {at.mode}; land and disarm it, then start again"
+        )
     for seq, item in mission.places:
         _check_place(seq, item)
     distances_m = _distances_m(mission, at)

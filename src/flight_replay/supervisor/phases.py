@@ -87,7 +87,7 @@ def arm(watch: Watch) -> None:
         answer = watch.answers.get(Request.ARM)
         if repeat.due(_AGAIN_S if answer and not answer.accepted else _ARM_PATIENCE_S):
             watch.answers.pop(Request.ARM, None)
-            watch.arm_asked = True
+            watch.begin_arming()
             watch.vehicle.ask_arm()
         if pace.due():
             watch.emit(Waiting(Phase.ARM, reason))

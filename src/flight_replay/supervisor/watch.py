@@ -107,6 +107,10 @@ class Watch:
         self._ours = frozenset(modes)
         self._strange_beats = 0
 
+    def begin_arming(self) -> None:
+        """The motors may start from now on."""
+        self.arm_asked, self.was_armed = True, False
+
     def forget_reason(self) -> None:
         """What comes from now on explains the step that begins now."""
         self.reason = ""

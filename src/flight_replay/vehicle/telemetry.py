@@ -102,8 +102,8 @@ class Telemetry:
 
     def _position(self, message: Message) -> News | None:
         time_s = message.time_boot_ms / 1e3
-        if time_s < self._position_s or (message.lat == 0 and message.lon == 0):
-            return None  # Overtaken on the way, or no position yet.
+        if time_s < self._position_s or not self._mode or (message.lat == 0 and message.lon == 0):
+            return None  # Overtaken on the way, before the first heartbeat, or no position yet.
         self._position_s = time_s
         battery = self._drone.battery
         return VehicleState(
