@@ -129,3 +129,31 @@ def test_a_reboot_before_arming_ends_the_flight() -> None:
         vehicle.link.send(reboot)
         with pytest.raises(VehicleError, match="rebooted"):
             supervisor.fly(vehicle, Clock(), Plan(mission=ROUTE, takeoff_altitude_m=8.0), events.append)
+
+
+def test_a_fence_on_the_map_is_read() -> None:
+    """Polygon and circle come back as areas, once the fence is switched on."""
+    corners = [(47.39, 8.53), (47.41, 8.53), (47.41, 8.56), (47.39, 8.56)]
+    items = [(5001, 4.0, *corner) for corner in corners] + [(5004, 30.0, 47.4, 8.55)]
+    with simulator("sitl", None, START, speedup=SPEEDUP) as connection:
+        with connect(connection, speedup=SPEEDUP) as vehicle:
+            if not vehicle.identity.takes_item_int:
+                pytest.skip("3.3 keeps its fence in another way")
+            vehicle.link.send(dialect.MAVLink_mission_count_message(1, 1, len(items), 1))
+            for seq, (command, first, lat, lon) in enumerate(items):
+                time.sleep(0.1)
+                place = round(lat * 1e7), round(lon * 1e7), 0.0
+                vehicle.link.send(
+                    dialect.MAVLink_mission_item_int_message(
+                        1, 1, seq, 0, command, 0, 1, first, 0, 0, 0, *place, 1
+                    )
+                )
+            assert vehicle.fence_areas() == ()
+            vehicle.set_known_parameters({"FENCE_ENABLE": 1.0, "FENCE_TYPE": 4.0})
+        time.sleep(0.5)
+        with connect(connection, speedup=SPEEDUP) as vehicle:
+            polygon, circle = vehicle.fence_areas()
+    assert [n for corner in polygon.corners for n in corner] == pytest.approx(
+        [n for corner in corners for n in corner]
+    )
+    assert (circle.radius_m, circle.stay_inside) == (30.0, False)

@@ -9,7 +9,7 @@ import pytest
 from flight_replay.errors import FlightReplayError, MissionError, VehicleError
 from flight_replay.events import VehicleState
 from flight_replay.mission import Frame, Home, Mission, MissionItem, change_speed, waypoint
-from flight_replay.safety import check
+from flight_replay.safety import MAX_DISTANCE_M, check
 from flight_replay.vehicle.identity import Identity
 
 COPTER = Identity(
@@ -28,8 +28,8 @@ def route(*steps: int, alt_m: float = 30.0) -> Mission:
     return Mission(tuple(items))
 
 
-def checked(mission: Mission, identity: Identity = COPTER, **options: float) -> object:
-    return check(identity, mission, HERE, takeoff_altitude_m=30.0, **options)
+def checked(mission: Mission, identity: Identity = COPTER, max_distance_m: float = MAX_DISTANCE_M) -> object:
+    return check(identity, mission, HERE, takeoff_altitude_m=30.0, max_distance_m=max_distance_m)
 
 
 def test_the_briefing_has_what_a_person_should_know() -> None:

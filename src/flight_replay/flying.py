@@ -128,6 +128,7 @@ def _check(
         connected.wait_position(_POSITION_S, listener),
         takeoff_altitude_m=options.takeoff_altitude_m,
         max_distance_m=options.max_distance_m,
+        areas=connected.fence_areas(),
     )
     if connected.identity.simulated:
         return

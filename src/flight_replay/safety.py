@@ -6,7 +6,7 @@ it is armed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ import numpy as np
 
 from flight_replay.errors import MissionError, VehicleError
 from flight_replay.events import VehicleState
+from flight_replay.fence import Area
 from flight_replay.geodesy import Floats, LocalFrame
 from flight_replay.mission import Frame, Mission, MissionItem
 
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 MAX_DISTANCE_M = 1000.0
 """How far from home a route may begin, unless asked otherwise."""
 _FLYABLE_FRAMES = frozenset({Frame.ABSOLUTE, Frame.RELATIVE, Frame.TERRAIN})
+
+
+_AREA_STEP_M = 1.0
 
 
 class _Fence(IntFlag):
@@ -64,13 +68,14 @@ class Briefing:
         )
 
 
-def check(
+def check(  # noqa: PLR0913
     identity: Identity,
     mission: Mission,
     at: VehicleState,
     *,
     takeoff_altitude_m: float,
     max_distance_m: float = MAX_DISTANCE_M,
+    areas: Sequence[Area] = (),
 ) -> Briefing:
     """Refuse a vehicle or a route that must not be flown; else, what to know before it is.
 
@@ -80,6 +85,7 @@ def check(
         at: Where the vehicle stands.
         takeoff_altitude_m: Metres above home.
         max_distance_m: Farthest from home that the first waypoint may be, metres.
+        areas: The polygons and circles of the vehicle's fence.
 
     Raises:
         VehicleError: The vehicle is not a multicopter flown by ArduPilot, or its motors run already.
@@ -99,7 +105,8 @@ def check(
             f"the first waypoint is {distances_m[0]:.0f} m from the vehicle, and {max_distance_m:.0f} m "
             "are allowed; bring the vehicle there, or allow more with --max-distance"
         )
-    heights_m = _heights_m(mission, at)
+    _check_areas(areas, mission, at)
+    heights_m = _heights_m(mission)
     _check_fence(identity.parameters, distances_m, np.append(heights_m, takeoff_altitude_m))
     return Briefing(
         vehicle=identity.name,
@@ -131,7 +138,22 @@ def _distances_m(mission: Mission, at: VehicleState) -> Floats:
     return np.asarray(np.hypot(north_east_m[:, 0], north_east_m[:, 1]))
 
 
-def _heights_m(mission: Mission, at: VehicleState) -> Floats:
+def _check_areas(areas: Sequence[Area], mission: Mission, at: VehicleState) -> None:
+    """Refuse a way (straight from place to place, from where the vehicle stands) into what is forbidden."""
+    frame = LocalFrame(at.lat_deg, at.lon_deg)
+    places = [(at.lat_deg, at.lon_deg), *((item.lat_deg, item.lon_deg) for _, item in mission.places)]
+    stops_m = frame.to_metres(*np.array(places).T)
+    for (seq, _), begin_m, end_m in zip(mission.places, stops_m[:-1], stops_m[1:], strict=True):
+        steps = max(int(np.linalg.norm(end_m - begin_m) / _AREA_STEP_M), 1)
+        way_m = begin_m + np.linspace(0, 1, steps + 1)[:, None] * (end_m - begin_m)
+        if any(area.forbids(way_m, frame).any() for area in areas):
+            raise MissionError(
+                f"the way to waypoint {seq} crosses the vehicle's fence; choose another part of the log, "
+                "or change the fence"
+            )
+
+
+def _heights_m(mission: Mission) -> Floats:
     """Height of each waypoint above home, metres, as far as it is known; over terrain counts as over home."""
     home_amsl_m = mission.home.alt_amsl_m if mission.home else 0.0
     return np.array(

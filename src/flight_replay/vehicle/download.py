@@ -1,4 +1,4 @@
-"""Reads the mission on board, several items under way at once: requests do not depend on each other."""
+"""Reads a list on board (mission or fence), several items under way: requests do not depend on each other."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from flight_replay.vehicle.port import Inbox, Port
 
 _QUIET_S = 12.0  # Without anything new this long (more than ArduPilot's 8 s for others), reading failed.
 _BUSY_S = 0.5
+MISSION = int(dialect.MAV_MISSION_TYPE_MISSION)
+FENCE = int(dialect.MAV_MISSION_TYPE_FENCE)
 
 
 class Reader:
-    """One reading of the mission on board; ``items`` includes home's slot, number 0."""
+    """One reading of the list that ``mission_type`` names; a mission includes home's slot, number 0."""
 
-    def __init__(self, port: Port, *, as_int: bool) -> None:
+    def __init__(self, port: Port, *, as_int: bool, mission_type: int = MISSION) -> None:
+        self._type = mission_type
         self._port, self._trip, self._as_int = port, port.trip, as_int
         self._found: dict[int, MissionItem] = {}
         self._asked_s: dict[int, float] = {}
@@ -33,7 +36,7 @@ class Reader:
             self._collect(inbox, count)
         self._port.send(
             dialect.MAVLink_mission_ack_message(
-                self._port.system, self._port.component, dialect.MAV_MISSION_ACCEPTED
+                self._port.system, self._port.component, dialect.MAV_MISSION_ACCEPTED, self._type
             )
         )
         return [self._found[seq] for seq in range(count)]
@@ -42,10 +45,10 @@ class Reader:
         port, end_s = self._port, self._port.now_s() + _QUIET_S
         refusal = ""
         while port.now_s() < end_s:
-            port.send(dialect.MAVLink_mission_request_list_message(port.system, port.component))
+            port.send(dialect.MAVLink_mission_request_list_message(port.system, port.component, self._type))
             asked_s = port.now_s()
             while (message := inbox.get(asked_s + self._trip.again_s - port.now_s())) is not None:
-                if message.get_type() == "MISSION_COUNT" and _is_mission(message):
+                if message.get_type() == "MISSION_COUNT" and self._is_ours(message):
                     self._trip.took(port.now_s() - asked_s)
                     return int(message.count)
                 if message.get_type() == "MISSION_ACK" and message.type != dialect.MAV_MISSION_ACCEPTED:
@@ -89,13 +92,13 @@ class Reader:
         port = self._port
         kind = dialect.MAVLink_mission_request_int_message if self._as_int else None
         kind = kind or dialect.MAVLink_mission_request_message
-        return kind(port.system, port.component, seq)
+        return kind(port.system, port.component, seq, self._type)
 
     def _take(self, message: Message, count: int) -> bool:
         """Whether the message brought an item that was missing."""
         kind = message.get_type()
         wanted = "MISSION_ITEM_INT" if self._as_int else "MISSION_ITEM"
-        if kind != wanted or not _is_mission(message) or message.seq >= count or message.seq in self._found:
+        if kind != wanted or not self._is_ours(message) or message.seq >= count or message.seq in self._found:
             return False
         if message.seq not in self._asked_s:
             return False
@@ -104,7 +107,6 @@ class Reader:
         self._found[message.seq] = item_of(message)
         return True
 
-
-def _is_mission(message: Message) -> bool:
-    """Whether a message is about the mission, not the fence or rally points."""
-    return bool(getattr(message, "mission_type", 0) == dialect.MAV_MISSION_TYPE_MISSION)
+    def _is_ours(self, message: Message) -> bool:
+        """Whether a message is about the list that is read."""
+        return bool(getattr(message, "mission_type", MISSION) == self._type)

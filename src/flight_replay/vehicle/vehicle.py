@@ -17,10 +17,12 @@ from flight_replay.events import (
     Waiting,
     ignore,
 )
+from flight_replay.fence import Area, areas_of
 from flight_replay.mission import Mission
 from flight_replay.record import Recorder
 from flight_replay.supervisor.contract import News
 from flight_replay.vehicle.commands import Commands
+from flight_replay.vehicle.download import FENCE, Reader
 from flight_replay.vehicle.drone import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
 from flight_replay.vehicle.link import Link
@@ -41,6 +43,7 @@ from flight_replay.vehicle.telemetry import Telemetry
 CONNECT_LIMIT_S = 30.0
 _TELL_S = 1.0
 _SPEEDUP = "SIM_SPEEDUP"
+_POLYGONS = 4  # The bit of FENCE_TYPE for areas on the map (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
 
 
@@ -116,6 +119,19 @@ class ConnectedVehicle:
             VehicleError: The vehicle does not tell.
         """
         return self._on_board.read()
+
+    def fence_areas(self) -> tuple[Area, ...]:
+        """The polygons and circles of the vehicle's fence, if they are switched on.
+
+        Raises:
+            VehicleError: The vehicle does not tell them, or they cannot be understood.
+        """
+        parameters = self.identity.parameters
+        if not parameters.get("FENCE_ENABLE") or not int(parameters.get("FENCE_TYPE", 0)) & _POLYGONS:
+            return ()
+        if not self.identity.takes_item_int:
+            return ()  # Firmware that old keeps its fence in another way, and no circles.
+        return areas_of(Reader(self._port, as_int=True, mission_type=FENCE).read())
 
     def wait_position(self, limit_s: float, listener: Listener = ignore) -> VehicleState:
         """Where the vehicle is, waiting until it knows: seconds here.
