@@ -15,7 +15,7 @@ import pytest
 
 SAMPLE = Path(__file__).parents[1] / "data" / "flight.tlog"
 ENDS_WITHIN_S = 10.0
-OPTIONS = ["--tlog", str(SAMPLE), "--speedup", "4", "--takeoff-altitude", "10"]
+OPTIONS = ["--tlog", str(SAMPLE), "--speedup", "8", "--takeoff-altitude", "10"]
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other signals")
 
