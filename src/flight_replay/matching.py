@@ -24,6 +24,8 @@ COARSE_FIXES, COARSE_PIECES = 1500, 4000
 """Size of the first look at more than that; the second keeps near what it found."""
 _BLOCK = 32
 """Fixes whose distances are found together."""
+_NEAR_M = 0.01
+"""Fixes nearer to a line than this weigh alike."""
 _STILL_M = 1e-3
 """Steps below this change the sum of distances by micrometres: it is flat around its least."""
 BAND_M = 40.0
@@ -215,20 +217,28 @@ def _within_pieces(fixes: Floats, pieces: _Pieces, chosen: Indices) -> Floats:
 def _pooled(ideal_m: Floats, aside_m: Floats) -> Floats:
     """Never falling places along a line with the smallest sum of distances to fixes beside it.
 
-    Adjacent violators are pooled: each pool stands at the place that suits all of its fixes.
+    Adjacent violators are pooled, by means that give fixes near the line more weight; then each pool
+    moves to the place that suits all of its fixes.
     """
-    pools: list[tuple[int, int, float]] = []
-    for i, place in enumerate(ideal_m.tolist()):
-        pool = (i, i + 1, place)
-        while pools and pools[-1][2] > pool[2]:
-            begin = pools.pop()[0]
-            pool = (begin, pool[1], _nearest_to_all(ideal_m[begin : pool[1]], aside_m[begin : pool[1]]))
-        pools.append(pool)
-    return np.concatenate([np.full(end - begin, place) for begin, end, place in pools])
+    weights = 1 / np.maximum(aside_m, _NEAR_M)
+    pools: list[tuple[int, float, float]] = []
+    for i, (weight, place) in enumerate(zip(weights.tolist(), ideal_m.tolist(), strict=True)):
+        begin, total, moment = i, weight, weight * place
+        while pools and pools[-1][2] * total > moment * pools[-1][1]:
+            begin, more, further = pools.pop()
+            total, moment = total + more, moment + further
+        pools.append((begin, total, moment))
+    begins = [begin for begin, _, _ in pools]
+    ends = [*begins[1:], len(ideal_m)]
+    places = [_nearest_to_all(ideal_m[b:e], aside_m[b:e]) for b, e in zip(begins, ends, strict=True)]
+    counts = np.subtract(ends, begins)
+    return np.repeat(np.maximum.accumulate(places), counts)
 
 
 def _nearest_to_all(ideal_m: Floats, aside_m: Floats) -> float:
     """The place along a line with the smallest sum of distances (Weiszfeld's iteration)."""
+    if len(ideal_m) == 1:
+        return float(ideal_m[0])
     place = float(ideal_m.mean())
     for _ in range(100):
         weight = 1 / np.maximum(np.hypot(ideal_m - place, aside_m), 1e-4)

@@ -7,14 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from flight_replay.compare import Spread, in_order_distances, spread
+from flight_replay.compare import Spread, spread
 from flight_replay.decimate import MAX_POINTS, SPACING_M, spaced
 from flight_replay.geodesy import Floats
-from flight_replay.mission import Home, Mission, MissionItem, change_speed, waypoint
+from flight_replay.matching import LONGEST_PIECE_M, in_order
+from flight_replay.mission import Command, Home, Mission, MissionItem, change_speed, waypoint
 from flight_replay.option_types import RECORDED, Recorded
 from flight_replay.path import Path, planned_path
 from flight_replay.simulator.limits import Limits
-from flight_replay.simulator.model import simulate
+from flight_replay.simulator.timetable import straight_duration_s
 from flight_replay.track import Track
 
 FLOOR_M = 5.0
@@ -25,6 +26,8 @@ MIN_SPEED_M_S = 0.5
 """Slowest speed worth asking for: ArduCopter ignores less than 0.2 m/s, 3.3 less than 1 m/s."""
 _STEP_S = 0.1
 """Steps of the flight model that are good enough for a duration: 0.2 % off on 3 m legs."""
+_SHORT_LEG_M = 6.0
+"""Straight legs up to this are flown so slowly that the vehicle is where its target is: 0.5 % off."""
 _LONGEST_SIMULATED_M = 50_000.0
 """Farther than copters fly; such a route is mostly flown at full speed."""
 
@@ -66,7 +69,8 @@ def route_through(method: str, mission: Mission, covered: Track) -> Route:
         covered: at least one fix.
     """
     path = planned_path(mission, covered.frame)
-    error = spread(in_order_distances(covered.north_east_m(), path.north_east_m))
+    matching = in_order(covered.north_east_m(), path.north_east_m, LONGEST_PIECE_M)
+    error = spread(matching.distance_m)
     assert error is not None, "a covered track has fixes"
     return Route(method, mission, covered, path, error, _duration_s(mission, path))
 
@@ -114,12 +118,23 @@ def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:
 
 
 def _duration_s(mission: Mission, path: Path) -> float:
-    """How long a vehicle at its defaults would take for the mission, seconds."""
+    """How long a vehicle at its defaults would take for the mission, from above home, seconds."""
     limits = Limits()
     if path.length_m > _LONGEST_SIMULATED_M:
         return path.length_m / limits.wp_speed_m_s
+    if all(item.command == Command.WAYPOINT for item in mission.items) and _longest_m(path) <= _SHORT_LEG_M:
+        places = np.column_stack([path.north_east_m, path.up_m]).tolist()
+        return straight_duration_s([(north, east, up) for north, east, up in places], limits)
+    # The model of the whole vehicle takes as long to import and run as all else in a dry run.
+    from flight_replay.simulator.model import simulate
+
     begin_s, end_s = simulate(mission, limits, step_s=_STEP_S).auto_s
     return end_s - begin_s
+
+
+def _longest_m(path: Path) -> float:
+    """Longest straight piece of the path."""
+    return float(np.linalg.norm(np.diff(path.north_east_m, axis=0), axis=1).max(initial=0.0))
 
 
 def _with_speeds(

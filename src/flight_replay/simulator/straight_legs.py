@@ -54,31 +54,31 @@ class StraightLegs:
             moves.append((following.direction, *following.advance(dt)))
             finished = finished or following.time >= leg.end_time - leg.time
             self.unused_s = 0.0
-        elif turn is not None and self._may_turn(turn):
+        elif turn is not None and may_turn(leg, following, turn):
             # The moment has come within the last step, on average in its middle.
             moves.append((following.direction, *following.advance(0.5 * dt)))
         return *_sum(origin, moves), finished
 
-    def _may_turn(self, limits: Limits) -> bool:
-        """Whether the next leg may begin: its overlap stays within radius, speed and acceleration."""
-        leg, following = self.current, self.following
-        if leg.empty or following.empty or leg.time < leg.turn_out_time - following.turn_in_time:
-            return False
-        half = 0.5 * (leg.end_time - leg.time)
-        if leg.position * 2.0 < leg.length or 2.0 * half >= 0.5 * following.end_time:
-            return False
-        position, speed, accel = leg.at(leg.time + half)
-        position2, speed2, accel2 = following.at(half)
-        n, e, u = leg.direction
-        n2, e2, u2 = following.direction
-        position -= leg.length
-        up = u * position + u2 * position2
-        return (
-            hypot(n * position + n2 * position2, e * position + e2 * position2, up) < limits.wp_radius_m
-            and hypot(n * speed + n2 * speed2, e * speed + e2 * speed2)
-            < min(leg.top_speed, following.top_speed)
-            and hypot(n * accel + n2 * accel2, e * accel + e2 * accel2) < limits.corner_accel_m_s2
-        )
+
+def may_turn(leg: SCurve, following: SCurve, limits: Limits) -> bool:
+    """Whether the following leg may begin now: the overlap stays within radius, speed and acceleration."""
+    if leg.empty or following.empty or leg.time < leg.turn_out_time - following.turn_in_time:
+        return False
+    half = 0.5 * (leg.end_time - leg.time)
+    if leg.position * 2.0 < leg.length or 2.0 * half >= 0.5 * following.end_time:
+        return False
+    position, speed, accel = leg.at(leg.time + half)
+    position2, speed2, accel2 = following.at(half)
+    n, e, u = leg.direction
+    n2, e2, u2 = following.direction
+    position -= leg.length
+    up = u * position + u2 * position2
+    return (
+        hypot(n * position + n2 * position2, e * position + e2 * position2, up) < limits.wp_radius_m
+        and hypot(n * speed + n2 * speed2, e * speed + e2 * speed2)
+        < min(leg.top_speed, following.top_speed)
+        and hypot(n * accel + n2 * accel2, e * accel + e2 * accel2) < limits.corner_accel_m_s2
+    )
 
 
 def _sum(origin: Vector, moves: list[Move]) -> tuple[Vector, Vector, Vector]:
