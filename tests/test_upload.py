@@ -257,3 +257,14 @@ def test_longitudes_beyond_180_degrees_are_wrapped() -> None:
 def test_we_are_nobody_elses_station() -> None:
     """Our component is not that of common ground stations, which share links with us."""
     assert (OUR_SYSTEM, OUR_COMPONENT) not in {(255, 0), (255, 190), (255, 230)}
+
+
+@pytest.mark.parametrize("as_int", [True, False], ids=["4.6", "3.3"])
+def test_a_link_that_became_slow_is_learnt_anew(as_int: bool) -> None:
+    """A round trip two hundred times that of the connection costs seconds, not a minute of repetitions."""
+    port = VirtualPort(Weather(delay_s=0.5))
+    for _ in range(20):
+        port.trip.took(0.005)
+    put(port, route(100), as_int=as_int)
+    assert port.now_s() < 25
+    assert len(port.sent) < 700

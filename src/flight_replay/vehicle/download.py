@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flight_replay.errors import VehicleError
 from flight_replay.mission import MissionItem
+from flight_replay.vehicle import echo
 from flight_replay.vehicle.items import item_of
 from flight_replay.vehicle.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
@@ -30,7 +31,7 @@ class Reader:
         Raises:
             VehicleError: The vehicle does not answer, or refuses.
         """
-        kinds = ("MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_ACK")
+        kinds = ("MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_ACK", echo.KIND)
         with self._port.inbox(*kinds) as inbox:
             count = self._count(inbox)
             self._collect(inbox, count)
@@ -48,6 +49,8 @@ class Reader:
             port.send(dialect.MAVLink_mission_request_list_message(port.system, port.component, self._type))
             asked_s = port.now_s()
             while (message := inbox.get(asked_s + self._trip.again_s - port.now_s())) is not None:
+                if echo.learn(port, message):
+                    continue
                 if message.get_type() == "MISSION_COUNT" and self._is_ours(message):
                     self._trip.took(port.now_s() - asked_s)
                     return int(message.count)
@@ -55,6 +58,7 @@ class Reader:
                     refusal = f": {MISSION_RESULTS.get(message.type, message.type)}"
                     inbox.get(_BUSY_S)
             self._trip.lost()
+            echo.ping(port)
         raise VehicleError(
             f"the vehicle did not tell its mission within {_QUIET_S:.0f} s{refusal}; check the link"
         )
@@ -84,6 +88,7 @@ class Reader:
                 continue
             if seq in self._asked_s:
                 self._trip.lost()
+                echo.ping(self._port)
             self._asked_s[seq] = now_s
             self._first_asked.setdefault(seq, now_s)
             self._port.send(self._request(seq))
@@ -96,6 +101,8 @@ class Reader:
 
     def _take(self, message: Message, count: int) -> bool:
         """Whether the message brought an item that was missing."""
+        if echo.learn(self._port, message):
+            return False
         kind = message.get_type()
         wanted = "MISSION_ITEM_INT" if self._as_int else "MISSION_ITEM"
         if kind != wanted or not self._is_ours(message) or message.seq >= count or message.seq in self._found:

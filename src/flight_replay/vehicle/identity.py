@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from flight_replay.errors import VehicleError
+from flight_replay.vehicle import echo
 from flight_replay.vehicle.commands import command
 from flight_replay.vehicle.mavlink import Message, dialect
 from flight_replay.vehicle.parameters import read_parameters
@@ -13,7 +14,6 @@ from flight_replay.vehicle.port import Port
 from flight_replay.vehicle.sightings import Sighting, Sightings
 
 _VERSION_S = 8.0
-_NS_PER_S = 1e9
 _REQUEST_CAPABILITIES = 520  # MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, which 3.3 knows too.
 
 _MULTICOPTERS = {
@@ -104,23 +104,17 @@ def identify(port: Port, sighting: Sighting) -> Identity:
 
 
 def _ask_version(port: Port) -> Message | None:
-    """AUTOPILOT_VERSION, or None from a vehicle that never tells it; on the way, learn the round trip.
-
-    TIMESYNC comes back with the time at which it was sent, so no loss can blur what it measures;
-    3.3 does not answer it.
-    """
+    """AUTOPILOT_VERSION, or None from a vehicle that never tells it; on the way, learn the round trip."""
     began_s = port.now_s()
-    with port.inbox("AUTOPILOT_VERSION", "TIMESYNC") as inbox:
+    with port.inbox("AUTOPILOT_VERSION", echo.KIND) as inbox:
         while (asked_s := port.now_s()) < began_s + _VERSION_S:
-            port.send(dialect.MAVLink_timesync_message(0, int(asked_s * _NS_PER_S)))
+            echo.ping(port)
             port.send(command(port, _REQUEST_CAPABILITIES, 1))
             again_s = asked_s + port.trip.again_s
             while (message := inbox.get(again_s - port.now_s())) is not None:
-                if message.get_type() == "AUTOPILOT_VERSION":
+                if not echo.learn(port, message):
                     port.trip.guess(port.now_s() - began_s)
                     return message
-                if message.tc1 != 0:
-                    port.trip.took(port.now_s() - message.ts1 / _NS_PER_S)
     return None
 
 

@@ -13,9 +13,8 @@ _FIRST_S = 0.7  # Before the first answer: about the round trip of a slow radio.
 _SHORTEST_S = 0.04
 _LONGEST_S = 3.0
 _MARGIN = 1.5
-_KEPT = 15
-_PATIENT_LOSSES = 4  # So many in a row mean a dead or slower link rather than bad luck.
-_BACK_OFF = 2.0
+_KEPT = 9
+_PATIENT_LOSSES = 4  # After each so many in a row, wait twice as long: the link may have become slower.
 _LEAST_WINDOW = 2  # One message ahead shows whether a message or its answer was lost.
 _MOST_WINDOW = 24
 _PER_MESSAGE_S = 0.04  # One more message under way for each such part of the round trip.
@@ -37,7 +36,7 @@ class RoundTrip:
     def again_s(self) -> float:
         """Seconds after which an unanswered request is sent again."""
         wait_s = max(self.typical_s * _MARGIN, _SHORTEST_S)
-        return min(wait_s * (_BACK_OFF if self._losses > _PATIENT_LOSSES else 1.0), _LONGEST_S)
+        return min(wait_s * 2.0 ** (self._losses // _PATIENT_LOSSES), _LONGEST_S)
 
     @property
     def window(self) -> int:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from flight_replay.errors import MissionError, VehicleError
 from flight_replay.mission import MissionItem
+from flight_replay.vehicle import echo
 from flight_replay.vehicle.items import item_message
 from flight_replay.vehicle.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
@@ -67,7 +68,7 @@ class Upload:
         """
         now_s = self._port.now_s
         end_s = now_s() + self._limits.total_s + self._limits.item_s * len(self._items)
-        with self._port.inbox("MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK") as inbox:
+        with self._port.inbox("MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK", echo.KIND) as inbox:
             self._send_count()
             moved_s = now_s()
             while True:
@@ -76,7 +77,10 @@ class Upload:
                 message = inbox.get(self._sent_last_s + self._trip.again_s - now_s())
                 if message is None:
                     self._trip.lost()
+                    echo.ping(self._port)
                     self._send_again()
+                elif echo.learn(self._port, message):
+                    continue
                 elif message.get_type() == "MISSION_ACK":
                     if self._take_ack(message, inbox):
                         progress(len(self._items))
