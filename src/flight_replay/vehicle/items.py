@@ -88,7 +88,7 @@ def _place_difference(sent: MissionItem, found: MissionItem, as_int: bool) -> st
 
 
 def _step_deg(degrees: float, as_int: bool) -> float:
-    """How far off a place may come back: floats are rounded on the way there, on board, and on the way back."""
+    """How far off a place may come back: floats are rounded on the way out, on board, and on the way back."""
     if as_int:
         return 1.1e-7
     return 2.5 * float(np.spacing(np.float32(abs(degrees)))) + 1.1e-7
