@@ -175,10 +175,12 @@ def test_a_track_without_fixes_cannot_be_fitted() -> None:
 
 
 def test_progress_runs_to_its_total() -> None:
-    """Every flight in the model is told, the last one as the last."""
+    """What is done grows until it is all that there is."""
     told: list[tuple[int, int]] = []
     fit(wander(6, fixes=30), max_points=8, progress=lambda done, total: told.append((done, total)))
-    assert [done for done, _ in told] == list(range(1, told[-1][1] + 1))
+    done = [each for each, _ in told]
+    assert done == sorted(done)
+    assert told[-1][0] == told[-1][1]
 
 
 @settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))

@@ -30,8 +30,8 @@ WORK_FIXES = 1000
 RIVAL_FLIGHTS = 2
 """Flights in the model for each of the classic routes that the fit has to beat."""
 _HOVER_SHARE = 3
-_STEP_S, _LONGEST_STEP_S = 0.05, 0.1
-_MOST_STEPS = 40_000
+# Durations of flights, and the steps of the model that can be afforded for each.
+_STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.025, 0.05, 0.05, 0.1))
 _WORK_S = 7000.0
 """Seconds of flight that the search may simulate, unless that is less than ``_FEWEST_FLIGHTS`` flights."""
 _FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 24
@@ -81,8 +81,8 @@ def task_for(recording: Recording, max_points: int, limits: Limits, *, timed: bo
     """What the search looks at: some of the fixes, the longest hovers, steps that can be afforded."""
     work = recording.thinned(WORK_FIXES)
     most_hovers = (max_points - 2) // _HOVER_SHARE
-    step_s = np.clip(recording.time_s[-1] / _MOST_STEPS, _STEP_S, _LONGEST_STEP_S)
-    return Task(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, float(step_s))
+    step_s = float(np.interp(recording.time_s[-1], *_STEPS_S))
+    return Task(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
 
 
 def _drafts(task: Task, recording: Recording, flown: Track, max_points: int) -> list[Draft]:
@@ -111,7 +111,10 @@ def _best(task: Task, drafts: list[Draft], progress: Progress) -> Forecast:
 
     best = searched(task, drafts[0], bend=_BEND, flights=flights, tick=tick)
     for rival in drafts[1:]:
-        if least_objective_m(rival, task.recording) < best.objective_m:
+        if least_objective_m(rival, task.recording) >= best.objective_m:
+            done += RIVAL_FLIGHTS
+            progress(done, total)
+        else:
             found = searched(task, rival, bend=_BEND, flights=RIVAL_FLIGHTS, tick=tick)
             best = min(best, found, key=lambda forecast: forecast.objective_m)
     return best

@@ -29,8 +29,8 @@ from flight_replay.fit.recording import Recording
 from flight_replay.geodesy import Floats
 from flight_replay.matching import in_order
 
-PLAN_SHARE = 0.6
-TIME_SHARE = 0.1
+PLAN_SHARE = 0.7
+TIME_SHARE = 0.15
 CURVE_TOLERANCE_M = 0.02
 """How well curves are drawn while fitting; the planned error of the answer is measured finer."""
 _FLOWN_SPACING_M = 0.25

@@ -21,6 +21,10 @@ SURROUNDINGS_M = 4.0
 _GAIN = 0.6
 _EVEN_BEND = 0.003
 _LEG_S = 1.4
+_SHAPING_SHARE = 0.6
+"""Where time counts, the last flights of the search leave the places alone and mend the speeds."""
+# Fixes pull as the fourth power in the objective has it, less where that would cost time.
+_URGENCY_POWER, _TIMED_URGENCY_POWER = 2.0, 1.0
 _LEAST_URGENCY, _MOST_URGENCY = 0.5, 5.0
 
 
@@ -54,9 +58,13 @@ def searched(task: Task, draft: Draft, *, bend: float, flights: int, tick: Calla
     """
     best = last = task.fly(_in_haste(task, draft) if task.timed else draft)
     pacer = _pacer(task, last) if task.timed else None
-    for _ in range(flights - 1):
+    for flight in range(1, flights):
         tick()
-        draft = _shaped(task, last.draft, last, _bends(task, last, bend))
+        if pacer is not None and flight == round(_SHAPING_SHARE * flights):
+            last = best
+        draft = last.draft
+        if pacer is None or flight < _SHAPING_SHARE * flights:
+            draft = _shaped(task, draft, last, _bends(task, last, bend))
         if pacer is not None:
             draft = pacer.plan(last, draft)
         last = task.fly(draft, pacer.choose if pacer else None)
@@ -97,8 +105,9 @@ def _shaped(task: Task, draft: Draft, last: Forecast, bend: Floats) -> Draft:
     """The draft moved so that both what is flown and what is planned come nearer to the fixes."""
     if len(draft) < 2:
         return draft
+    power = _TIMED_URGENCY_POWER if task.timed else _URGENCY_POWER
     pulls = [
-        Pull(last.leg, last.part, last.ahead, off_m, share * _urgency(off_m))
+        Pull(last.leg, last.part, last.ahead, off_m, share * _urgency(off_m, power))
         for off_m, share in ((last.flown_off_m, 1.0), (last.planned_off_m, PLAN_SHARE))
     ]
     moved = _kept_near(pulled(draft, pulls, bend, _GAIN), task.recording)
@@ -117,8 +126,8 @@ def _kept_near(draft: Draft, recording: Recording) -> Draft:
     return replace(draft, places_m=places)
 
 
-def _urgency(off_m: Floats) -> Floats:
+def _urgency(off_m: Floats, power: float) -> Floats:
     """Weights (n,) that grow with the distance, so that no fix is left far from the path."""
     apart = np.linalg.norm(off_m, axis=1)
     usual = np.sqrt((apart**2).mean())
-    return np.asarray(np.clip(apart / max(usual, 1e-6), _LEAST_URGENCY, _MOST_URGENCY))
+    return np.asarray(np.clip(apart / max(usual, 1e-6), _LEAST_URGENCY, _MOST_URGENCY) ** power)
