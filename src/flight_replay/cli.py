@@ -7,7 +7,6 @@ line on stderr, 2 wrong usage, 130 interrupted.
 from __future__ import annotations
 
 import json
-import logging
 import os
 import signal
 import sys
@@ -45,7 +44,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parse(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
-    logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL)
     try:
         with _ended_like_interrupted(), _console(options) as console:
             problem = replay(options, arguments, console)
@@ -86,8 +84,12 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
 
 
 def _fly(options: Options, route: Route, console: Console, listener: Listener) -> Flown:
-    # Half of the program is only needed in the air.
+    # Half of the program is only needed in the air, and only then libraries have something to log.
+    import logging
+
     from flight_replay import flying
+
+    logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL)
 
     return flying.fly(options, route, console, listener)
 

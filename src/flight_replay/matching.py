@@ -207,7 +207,8 @@ def _within_pieces(fixes: Floats, pieces: _Pieces, chosen: Indices) -> Floats:
     aside = np.abs(relative[:, 0] * unit[:, 1] - relative[:, 1] * unit[:, 0])
     along = np.clip(ideal, 0.0, pieces.length_m[chosen])
     falls = (np.diff(along) < 0) & (np.diff(chosen) == 0)
-    for piece in np.unique(chosen[1:][falls]):
+    crowded = chosen[1:][falls]
+    for piece in crowded[np.diff(crowded, prepend=-1) > 0]:
         begin, end = np.searchsorted(chosen, [piece, piece + 1])
         pooled = _pooled(ideal[begin:end], aside[begin:end])
         along[begin:end] = np.clip(pooled, 0.0, pieces.length_m[piece])

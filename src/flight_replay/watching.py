@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import sys
 from collections.abc import Iterator
@@ -13,8 +12,6 @@ from flight_replay.events import Event, Listener, Notice
 from flight_replay.options import Options
 from flight_replay.route import Route
 
-_log = logging.getLogger(__name__)
-
 
 def together(*listeners: Listener) -> Listener:
     """One listener that tells all of them, in order; one that fails must not end a flight."""
@@ -24,7 +21,9 @@ def together(*listeners: Listener) -> Listener:
             try:
                 listener(event)
             except Exception:
-                _log.exception("a watcher failed at %r", event)
+                import logging
+
+                logging.getLogger(__name__).exception("a watcher failed at %r", event)
 
     return tell
 
