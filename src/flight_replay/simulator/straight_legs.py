@@ -75,8 +75,7 @@ def may_turn(leg: SCurve, following: SCurve, limits: Limits) -> bool:
     up = u * position + u2 * position2
     return (
         hypot(n * position + n2 * position2, e * position + e2 * position2, up) < limits.wp_radius_m
-        and hypot(n * speed + n2 * speed2, e * speed + e2 * speed2)
-        < min(leg.top_speed, following.top_speed)
+        and hypot(n * speed + n2 * speed2, e * speed + e2 * speed2) < min(leg.top_speed, following.top_speed)
         and hypot(n * accel + n2 * accel2, e * accel + e2 * accel2) < limits.corner_accel_m_s2
     )
 
