@@ -389,3 +389,24 @@ def test_a_landing_that_does_not_end_is_told() -> None:
     record = flight.fly()
     assert (record.rtl_confirmed, record.landed) == (True, False)
     assert "did not land and disarm" in (record.problem or "")
+
+
+def test_a_vehicle_that_disarms_in_flight_is_no_success() -> None:
+    """A crash ends the flight with the vehicle's words, though its mode still is AUTO."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+
+    def crash() -> None:
+        flight.vehicle.say("Crash: Disarming")
+        flight.vehicle.armed = False
+
+    flight.vehicle.at.append((30.0, crash))
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("disarmed", False)
+    assert "Crash: Disarming" in (record.problem or "")
+
+
+def test_a_return_without_a_reason_is_told_as_what_it_is() -> None:
+    """RTL that nobody here asked for, and that the vehicle did not explain."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
+    assert "changed to RTL without being asked to from here" in (flight.fly().problem or "")

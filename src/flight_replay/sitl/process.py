@@ -31,10 +31,7 @@ _LAST_WORDS = 3
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """A simulator that runs and waits for its first client.
-
-    ``watchers`` are connection strings for ground stations.
-    """
+    """A simulator that runs and waits for its first client."""
 
     port: int
     process: subprocess.Popen[bytes]
@@ -44,11 +41,6 @@ class Process:
     def connection(self) -> str:
         """Where to connect to."""
         return f"tcp:127.0.0.1:{self.port}"
-
-    @property
-    def watchers(self) -> tuple[str, ...]:
-        """Where ground stations can watch."""
-        return tuple(f"tcp:127.0.0.1:{self.port + offset}" for offset in _SERIAL_PORTS[1:])
 
 
 @contextlib.contextmanager

@@ -51,7 +51,7 @@ class FlightRecord:
     """How a flight that got as far as AUTO went; times are seconds of the vehicle's clock.
 
     ``ended`` is "duration", "final waypoint", "mission complete", "pilot", "failsafe", "link lost",
-    "reboot", "mission changed" or "no progress"; ``problem`` is None when it ended as asked, else
+    "reboot", "disarmed", "mission changed" or "no progress"; ``problem`` is None when it ended as asked, else
     one sentence. ``reached`` holds (sequence number, time) of each item in the order reached,
     ``flown`` the positions reported in AUTO, ``auto_start_s`` the time when AUTO began.
     """

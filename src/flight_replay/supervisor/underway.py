@@ -25,6 +25,8 @@ def fly_mission(watch: Watch, plan: Plan, start_s: float) -> str:
         ended = _ended(watch, plan, start_s)
         if ended and not watch.mode_in_doubt:
             return ended
+        if watch.surely_disarmed:
+            raise Interrupted("disarmed", f"the vehicle disarmed in flight: {watch.reason or 'find out why'}")
         items = items or watch.mission.items
         if watch.mission.items != items:
             raise Interrupted("mission changed", "another station changed the mission during the flight")

@@ -29,6 +29,7 @@ _WARNING = 4  # MAV_SEVERITY_WARNING: texts from here up are reasons, the rest i
 _GAP_S = 1.0  # Between two position reports farther apart than this the vehicle was not heard.
 _STRANGE_BEATS = 2  # One heartbeat may be from before a change, on a link that mixes packets.
 _REBOOT_SHOWS_S = 1.5  # A strange mode and disarmed is what a reboot looks like, until its clock tells.
+_FAILSAFE_WORDS = ("failsafe", "breach", "crash")
 _OWN_MODES = frozenset({"RTL", "SMART_RTL", "LAND", "BRAKE", "AUTO_RTL"})
 
 
@@ -50,7 +51,7 @@ class Watch:
         self.deadlines = deadlines
         self._clock = clock
         self._silence = Silence(clock, deadlines)
-        self._strange_beats = 0
+        self._strange_beats = self._disarmed_beats = 0
         self._strange_s = self._state_wall_s = 0.0
         self._ours: frozenset[str] = frozenset()
         self.mode: str | None = None
@@ -96,6 +97,11 @@ class Watch:
             return self.arm_asked and bool(self.armed)
         answer = self.answers.get(Request.ARM)
         return answer is None or answer.accepted
+
+    @property
+    def surely_disarmed(self) -> bool:
+        """Whether the vehicle has said more than once that its motors do not run."""
+        return self._disarmed_beats >= _STRANGE_BEATS
 
     @property
     def mode_in_doubt(self) -> bool:
@@ -153,8 +159,8 @@ class Watch:
 
     def _explain_mode(self) -> None:
         if self.mode in _OWN_MODES:
-            why = f": {self.failsafe}" if self.failsafe else ""
-            raise Interrupted("failsafe", f"the vehicle changed to {self.mode} by itself{why}; it was let go")
+            why = f"by itself: {self.failsafe}" if self.failsafe else "without being asked to from here"
+            raise Interrupted("failsafe", f"the vehicle changed to {self.mode} {why}; it was let go")
         raise Interrupted(
             "pilot",
             f"the mode was changed to {self.mode} by somebody else, who has control of the vehicle now",
@@ -168,6 +174,7 @@ class Watch:
     def _(self, beat: Heartbeat) -> None:
         self.mode, self.armed = beat.mode, beat.armed
         self.was_armed = self.was_armed or (self.arm_asked and beat.armed)
+        self._disarmed_beats = 0 if beat.armed else self._disarmed_beats + 1
         strange = bool(self._ours) and beat.mode not in self._ours
         self._strange_beats = self._strange_beats + 1 if strange else 0
         if self._strange_beats == 1:
@@ -188,7 +195,7 @@ class Watch:
     def _(self, text: StatusText) -> None:
         if text.severity <= _WARNING:
             self.reason = text.text
-        if "failsafe" in text.text.lower():
+        if any(word in text.text.lower() for word in _FAILSAFE_WORDS):
             self.failsafe = text.text
         self.emit(text)
 
