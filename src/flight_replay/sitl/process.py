@@ -55,12 +55,7 @@ def run(binary: Binary, start: Start, *, speedup: float = 1.0) -> Iterator[Proce
         options = _options(binary.path)
         _prepare(binary, options, scratch, start)
         with _started(binary, options, scratch, start, speedup) as running:
-            try:
-                yield running
-            except Exception as error:
-                if running.process.poll() is not None:
-                    raise _ended(binary.path, running.process, running.log) from error
-                raise
+            yield running
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
 
@@ -129,6 +124,12 @@ def _started(binary: Binary, options: str, scratch: Path, start: Start, speedup:
     try:
         _wait_ready(binary.path, process, log)
         yield Process(_BASE_PORT + _PORTS_PER_INSTANCE * instance, process, log)
+    except SimulatorError:
+        raise
+    except Exception as error:
+        if process.poll() is not None:
+            raise _ended(binary.path, process, log) from error
+        raise
     finally:
         _stop(process)
 
