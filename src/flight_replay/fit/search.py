@@ -23,7 +23,8 @@ _EVEN_BEND = 0.003
 _LEG_S = 1.4
 _SHAPING_SHARE = 0.6
 """Where time counts, the last flights of the search leave the places alone and mend the speeds."""
-# Fixes pull as the fourth power in the objective has it, less where that would cost time.
+# Fixes pull as the fourth power in the objective has it, and the planned path as much as the flown
+# one; both less where that would cost time.
 _URGENCY_POWER, _TIMED_URGENCY_POWER = 2.0, 1.0
 _LEAST_URGENCY, _MOST_URGENCY = 0.5, 5.0
 
@@ -105,10 +106,10 @@ def _shaped(task: Task, draft: Draft, last: Forecast, bend: Floats) -> Draft:
     """The draft moved so that both what is flown and what is planned come nearer to the fixes."""
     if len(draft) < 2:
         return draft
-    power = _TIMED_URGENCY_POWER if task.timed else _URGENCY_POWER
+    power, plan_share = (_TIMED_URGENCY_POWER, PLAN_SHARE) if task.timed else (_URGENCY_POWER, 1.0)
     pulls = [
         Pull(last.leg, last.part, last.ahead, off_m, share * _urgency(off_m, power))
-        for off_m, share in ((last.flown_off_m, 1.0), (last.planned_off_m, PLAN_SHARE))
+        for off_m, share in ((last.flown_off_m, 1.0), (last.planned_off_m, plan_share))
     ]
     moved = _kept_near(pulled(draft, pulls, bend, _GAIN), task.recording)
     if np.ptp(task.recording.up_m) > 0:
