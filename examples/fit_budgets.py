@@ -1,0 +1,22 @@
+"""How many waypoints does a flight need? Fit it within several budgets and compare.
+
+python examples/fit_budgets.py [LOG]
+"""
+
+import sys
+from pathlib import Path
+
+from flight_replay.fit import fit
+from flight_replay.sample import default_log
+from flight_replay.tlog import read_log
+
+log = read_log(Path(sys.argv[1]) if len(sys.argv) > 1 else default_log())
+for budget in (25, 50, 100):
+    found = fit(log.track, max_points=budget, speed_m_s="recorded")
+    print(
+        f"{len(found.mission.places):4} waypoints: planned {found.planned.mean:.2f} m off, "
+        f"flown {found.predicted_space.mean:.2f} m in space and {found.predicted_time.mean:.1f} m in time, "
+        f"in {found.predicted_duration_s:.0f} s"
+    )
+for note in found.notes:
+    print(note)
