@@ -125,6 +125,7 @@ def test_long_texts_are_put_together() -> None:
         for n, piece in enumerate(pieces)
     ]
     assert news_of(*messages) == [StatusText(3, "".join(pieces))]
+    assert news_of(messages[0], *messages) == [StatusText(3, "".join(pieces))]
     assert news_of(sent(dialect.MAVLink_statustext_message(6, b"short"))) == [StatusText(6, "short")]
 
 

@@ -124,6 +124,8 @@ class Telemetry:
         text_id = getattr(message, "id", 0)
         if text_id == 0:
             return StatusText(message.severity, message.text.strip())
+        if message.chunk_seq == 0:
+            self._text[text_id] = []  # An earlier text of that number lost its end on the way.
         pieces = self._text.setdefault(text_id, [])
         pieces.append(message.text)
         if len(message.text) == 50:
