@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.server
 import io
 import platform
+import socket
 import sys
 import tarfile
 import threading
@@ -209,3 +210,28 @@ def test_a_python_without_dronekit_sitl_is_told(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "dronekit_sitl", None)
     with pytest.raises(SimulatorError, match="dronekit-sitl cannot be used on Python"):
         dronekit_sitl_source()
+
+
+def test_a_name_that_is_not_known_is_told(tmp_path: Path) -> None:
+    """Without a network the line is short."""
+    place = Source("https://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
+    with pytest.raises(SimulatorError, match=r"the name no-such-host\.invalid is not known here"):
+        download(place)
+
+
+def test_a_name_server_that_is_silent_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looking up a name has a time limit too."""
+    over = threading.Event()
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_: over.wait(10))
+    place = Source("https://slow.invalid/sitl", tmp_path / "cache", "linux")
+    with pytest.raises(SimulatorError, match="not found in time"):
+        download(place, silence_s=0.2)
+    over.set()
+
+
+def test_a_proxy_looks_up_names_itself(web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Behind a proxy the name need not be known here."""
+    monkeypatch.setenv("http_proxy", web.url.removesuffix("/sitl"))
+    web.answer = gives(GOOD)
+    place = Source("http://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
+    assert download(place).is_file()

@@ -9,10 +9,13 @@ from __future__ import annotations
 import contextlib
 import platform
 import shutil
+import socket
 import sys
 import tarfile
 import tempfile
+import threading
 import time
+import urllib.parse
 import urllib.request
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -117,7 +120,8 @@ def _scratch(folder: Path) -> Iterator[Path]:
 
 def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: float) -> None:
     """Copy what the address gives to a file, whole and in time."""
-    with urllib.request.urlopen(url, timeout=silence_s) as answer, path.open("wb") as file:
+    _resolve(url, silence_s)
+    with urllib.request.build_opener().open(url, timeout=silence_s) as answer, path.open("wb") as file:
         total = int(answer.headers.get("Content-Length") or 0)
         done = 0
         while chunk := answer.read(_CHUNK):
@@ -129,6 +133,28 @@ def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: fl
             listener(Progress("ArduPilot SITL", done, total, "bytes"))
     if total and done != total:
         raise OSError(f"it ended after {done} of {total} bytes")
+
+
+def _resolve(url: str, limit_s: float) -> None:
+    """Find the host's address in time: no time limit of a socket holds for that. A proxy does it itself."""
+    parts = urllib.parse.urlsplit(url)
+    if parts.scheme in urllib.request.getproxies():
+        return
+    failures: list[OSError] = []
+
+    def look_up() -> None:
+        try:
+            socket.getaddrinfo(parts.hostname, parts.port or parts.scheme)
+        except OSError as error:
+            failures.append(error)
+
+    thread = threading.Thread(target=look_up, daemon=True)
+    thread.start()
+    thread.join(limit_s)
+    if thread.is_alive():
+        raise TimeoutError(f"the name {parts.hostname} is not found in time")
+    if failures:
+        raise OSError(f"the name {parts.hostname} is not known here") from failures[0]
 
 
 def _unpack(archive: Path, folder: Path) -> None:
