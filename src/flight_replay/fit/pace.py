@@ -130,6 +130,16 @@ def speed_caps_m_s(leg: Indices, legs: int, recording: Recording) -> Floats:
     return np.clip(_HASTE * caps + _HASTE_M_S, 2 * SLOWEST_M_S, FASTEST_M_S)
 
 
+def worth_asking_for(speeds_m_s: Floats) -> Floats:
+    """The speeds (n,) without those so near to the one in force that they need no item; nan stands there."""
+    kept = np.full(len(speeds_m_s), np.nan)
+    in_force = np.inf
+    for i, speed in enumerate(speeds_m_s.tolist()):
+        if max(speed, in_force) > WORTH_A_CHANGE * min(speed, in_force):
+            kept[i] = in_force = speed
+    return kept
+
+
 def best_lateness_s(wanted_s: Floats, least_s: Floats, weight: Floats) -> Floats:
     """Lateness (n,) at each place with the smallest weighted sum of sizes, zero at the first.
 

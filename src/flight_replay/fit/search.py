@@ -10,7 +10,7 @@ import numpy as np
 from flight_replay.fit.draft import Draft
 from flight_replay.fit.flying import Choose, flown
 from flight_replay.fit.forecast import PLAN_SHARE, Forecast, forecast, on_plan
-from flight_replay.fit.pace import Pacer, speed_caps_m_s
+from flight_replay.fit.pace import Pacer, speed_caps_m_s, worth_asking_for
 from flight_replay.fit.recording import Hover, Recording
 from flight_replay.fit.shape import Pull, pulled, raised
 from flight_replay.geodesy import Floats
@@ -78,10 +78,13 @@ def searched(task: Task, draft: Draft, *, bend: float, flights: int, tick: Calla
 
 
 def _in_haste(task: Task, draft: Draft) -> Draft:
-    """The draft at the highest speeds worth asking for."""
+    """The draft at about the highest speeds worth asking for."""
+    return replace(draft, speed_m_s=np.append(np.nan, worth_asking_for(_caps_m_s(task, draft)[1:])))
+
+
+def _caps_m_s(task: Task, draft: Draft) -> Floats:
     leg = on_plan(draft, task.recording)[0]
-    caps = speed_caps_m_s(leg, len(draft), task.recording)
-    return replace(draft, speed_m_s=np.append(np.nan, caps[1:]))
+    return speed_caps_m_s(leg, len(draft), task.recording)
 
 
 def _pacer(task: Task, hasty: Forecast) -> Pacer:
@@ -90,7 +93,7 @@ def _pacer(task: Task, hasty: Forecast) -> Pacer:
     places = np.flatnonzero(draft.hold_s[1:] > 0) + 1
     waits = dict(zip(places.tolist(), task.hovers, strict=len(places) > 0))
     least_s = np.diff(hasty.passed_s, prepend=0.0) - np.append(0.0, draft.hold_s[1:])
-    return Pacer(task.recording, waits, least_s, draft.speed_m_s)
+    return Pacer(task.recording, waits, least_s, _caps_m_s(task, draft))
 
 
 def _bends(task: Task, last: Forecast, bend: float) -> Floats:
