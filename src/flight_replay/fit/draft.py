@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from flight_replay.geodesy import Floats, LocalFrame
 from flight_replay.mission import FIRST_SEQ, Home, Mission, change_speed, waypoint
 from flight_replay.path import Path, Stop, path_through
+from flight_replay.simulator.flat import FlatFrame
 
 Flags = NDArray[np.bool_]
 
@@ -37,7 +38,7 @@ class Draft:
         halts[-1] = True
         return halts
 
-    def mission(self, frame: LocalFrame) -> Mission:
+    def mission(self, frame: LocalFrame | FlatFrame) -> Mission:
         """The mission items of this route, with home at the origin of ``frame``."""
         lat, lon = frame.to_degrees(self.places_m[:, :2])
         items = []

@@ -11,7 +11,7 @@ from flight_replay.compare import Spread, in_order_distances, in_time, spread
 from flight_replay.decimate import MAX_POINTS, spaced
 from flight_replay.errors import LogError
 from flight_replay.fit.draft import Draft
-from flight_replay.fit.flown import flown_part, recording_of
+from flight_replay.fit.flown import flat_frame, flown_part, recording_of
 from flight_replay.fit.forecast import Forecast, least_objective_m
 from flight_replay.fit.keeping_up import where_it_lags
 from flight_replay.fit.knots import enough_places, first_draft
@@ -121,23 +121,24 @@ def _best(task: Task, drafts: list[Draft], progress: Progress) -> Forecast:
 
 
 def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str, ...]) -> FitResult:
-    """The answer, its errors measured against every fix."""
-    mission = best.draft.mission(flown.frame)
-    path = planned_path(mission, flown.frame)
+    """The answer, its errors measured against every fix, in ground metres."""
+    flat, frame = flat_frame(flown), flown.frame
+    mission = best.draft.mission(flat)
+    path = planned_path(mission, frame)
+    fixes_m = flown.north_east_m(frame)
     air = best.flown
+    air_m = frame.to_metres(*flat.to_degrees(air.place_m[:, :2]))
     return FitResult(
         mission=mission,
         flown=flown,
-        frame=flown.frame,
-        planned=_spread(in_order_distances(recording.north_east_m, path.north_east_m)),
-        predicted_space=_spread(in_order_distances(recording.north_east_m, air.place_m[:, :2])),
-        predicted_time=_spread(
-            in_time(recording.time_s, recording.north_east_m, air.time_s, air.place_m[:, :2])
-        ),
+        frame=frame,
+        planned=_spread(in_order_distances(fixes_m, path.north_east_m)),
+        predicted_space=_spread(in_order_distances(fixes_m, air_m)),
+        predicted_time=_spread(in_time(recording.time_s, fixes_m, air.time_s, air_m)),
         predicted_duration_s=float(best.passed_s[-1]),
         objective_m=best.objective_m,
         time_s=air.time_s,
-        place_m=air.place_m,
+        place_m=np.column_stack([air_m, air.place_m[:, 2]]),
         notes=notes,
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 from flight_replay.fit.recording import Recording
 from flight_replay.flights import Flight, find_flights
 from flight_replay.geodesy import Floats
+from flight_replay.simulator.flat import FlatFrame
 from flight_replay.track import Track
 
 FAR_JOIN_M = 50.0
@@ -63,8 +64,15 @@ def _far_joins(parts: list[Track], flights: tuple[Flight, ...]) -> list[str]:
     return notes
 
 
+def flat_frame(track: Track) -> FlatFrame:
+    """ArduPilot's frame around the track's first fix."""
+    return FlatFrame(float(track.lat_deg[0]), float(track.lon_deg[0]))
+
+
 def recording_of(track: Track, altitude_m: float | None) -> Recording:
-    """What the fit follows, in metres around the track's first fix.
+    """What the fit follows, in ArduPilot's own metres around the track's first fix.
+
+    The vehicle navigates in those: in ground metres, up to 0.5 % different, its time would be too.
 
     Args:
         track: at least one fix.
@@ -72,7 +80,7 @@ def recording_of(track: Track, altitude_m: float | None) -> Recording:
     """
     times = track.time_s - track.time_s[0]
     heights = believable_heights_m(track) if altitude_m is None else np.full(len(track), float(altitude_m))
-    return Recording(times, track.north_east_m(), heights)
+    return Recording(times, flat_frame(track).to_metres(track.lat_deg, track.lon_deg), heights)
 
 
 def believable_heights_m(track: Track) -> Floats:

@@ -16,10 +16,12 @@ from flight_replay.simulator.auto import LocalItem
 from flight_replay.simulator.auto_run import MissionRun
 from flight_replay.simulator.copter import Copter
 from flight_replay.simulator.limits import Limits
+from flight_replay.supervisor.plan import ENOUGH_OF_TARGET
 
 Choose = Callable[[int, float], float]
 """Speed, m/s, for the leg to a place, if that begins at a time, s, since the first place was reached."""
 _LONGEST_S = 100_000.0
+_LATE_CLIMB = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +38,7 @@ class Flown:
 
 
 def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = None) -> Flown:
-    """Fly a draft that begins where the vehicle hovers.
+    """Fly a draft that begins above where the vehicle takes off.
 
     Args:
         draft: at least one place.
@@ -49,7 +51,7 @@ def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = N
         MissionError: the flight does not end.
     """
     items, seqs = _items(draft, every_speed=choose is not None)
-    copter = Copter(limits, position_m=_vector(draft.places_m[0]), step_s=step_s)
+    copter = _climbing_copter(draft, limits, step_s)
     chosen = draft.speed_m_s.copy()
     plan: Sequence[LocalItem] = items
     if choose is not None:
@@ -71,6 +73,19 @@ def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = N
         step_s * np.arange(len(place), dtype=float),
         place,
         passed - passed[0],
+    )
+
+
+def _climbing_copter(draft: Draft, limits: Limits, step_s: float) -> Copter:
+    """A copter as AUTO finds it: nearly as high as the first place, and slowing down as its controller does.
+
+    What is left of the climb when the first leg begins costs that leg some tenths of a second.
+    """
+    north, east, up = _vector(draft.places_m[0])
+    short_m = (1.0 - ENOUGH_OF_TARGET) * up
+    climb_m_s = min(_LATE_CLIMB * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
+    return Copter(
+        limits, position_m=(north, east, up - short_m), velocity_m_s=(0.0, 0.0, climb_m_s), step_s=step_s
     )
 
 
