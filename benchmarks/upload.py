@@ -126,7 +126,7 @@ def measured(upload: Callable[[FaultLink, Weather], float], weather: Weather, ru
         with link_to_copter(seed) as link:
             try:
                 times_s.append(upload(link, weather))
-            except (FlightReplayError, RuntimeError, TimeoutError) as error:
+            except (FlightReplayError, import_dronekit().APIException) as error:
                 print(f"    {type(error).__name__}: {error}", file=sys.stderr)
                 failures += 1
     failures += sum(seconds >= LIMIT_S for seconds in times_s)
