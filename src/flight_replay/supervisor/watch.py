@@ -52,7 +52,7 @@ class Watch:
         self._clock = clock
         self._silence = Silence(clock, deadlines)
         self._strange_beats = self._disarmed_beats = 0
-        self._strange_s = self._state_wall_s = 0.0
+        self._strange_s = self._disarmed_s = self._state_wall_s = 0.0
         self._ours: frozenset[str] = frozenset()
         self.mode: str | None = None
         self.armed: bool | None = None
@@ -100,8 +100,9 @@ class Watch:
 
     @property
     def surely_disarmed(self) -> bool:
-        """Whether the vehicle has said more than once that its motors do not run."""
-        return self._disarmed_beats >= _STRANGE_BEATS
+        """Whether the vehicle says again and again that its motors do not run, and did not just reboot."""
+        known_s = self.wall_s - self._disarmed_s
+        return self._disarmed_beats >= _STRANGE_BEATS and known_s > _REBOOT_SHOWS_S
 
     @property
     def mode_in_doubt(self) -> bool:
@@ -175,6 +176,8 @@ class Watch:
         self.mode, self.armed = beat.mode, beat.armed
         self.was_armed = self.was_armed or (self.arm_asked and beat.armed)
         self._disarmed_beats = 0 if beat.armed else self._disarmed_beats + 1
+        if self._disarmed_beats == 1:
+            self._disarmed_s = self.wall_s
         strange = bool(self._ours) and beat.mode not in self._ours
         self._strange_beats = self._strange_beats + 1 if strange else 0
         if self._strange_beats == 1:
