@@ -4,7 +4,6 @@ python examples/replay_builtin.py [LOG.tlog]
 """
 
 import sys
-import time
 
 from flight_replay import vehicle
 from flight_replay.events import Event, WaypointReached
@@ -13,18 +12,10 @@ from flight_replay.route import home_of, spaced_route
 from flight_replay.sample import sample_log
 from flight_replay.simulator import launch
 from flight_replay.simulator.place import Start
-from flight_replay.supervisor import Plan, fly
+from flight_replay.supervisor import Plan, WallClock, fly
 from flight_replay.tlog import read_log
 
 SPEEDUP = 20.0
-
-
-class Clock:
-    """Times silences on the link; the flight is timed by the vehicle's own clock."""
-
-    def monotonic_s(self) -> float:
-        """Seconds that never run backwards."""
-        return time.monotonic()
 
 
 def tell(event: Event) -> None:
@@ -42,7 +33,7 @@ with (
     vehicle.connect(copter.connection, speedup=SPEEDUP) as connected,
 ):
     connected.upload(route.mission)
-    record = fly(connected, Clock(), Plan(mission=route.mission, duration_s=30.0), tell)
+    record = fly(connected, WallClock(), Plan(mission=route.mission, duration_s=30.0), tell)
 
 outcome = compare_flight(route, record)
 print(f"{record.waypoints_reached} waypoints in {record.auto_s:.0f} s of AUTO, ended by: {record.ended}")

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from made_tracks import FRAME, dash
 
+from flight_replay.fit.flown import FLOOR_M
 from flight_replay.mission import Command
-from flight_replay.route import FLOOR_M, spaced_route
+from flight_replay.route import spaced_route
 from flight_replay.track import track_from_columns
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from flight_replay.events import Finished, Listener, Notice
 from flight_replay.options import Options
 from flight_replay.outcome import Outcome, compare_flight
 from flight_replay.route import Route, home_of
-from flight_replay.supervisor import FlightRecord, Plan
+from flight_replay.supervisor import FlightRecord, Plan, WallClock
 from flight_replay.supervisor import fly as supervise
 
 if TYPE_CHECKING:
@@ -37,14 +36,6 @@ class Flown:
     outcome: Outcome
 
 
-class _WallClock:
-    """Times silences, whatever the vehicle's clock does."""
-
-    def monotonic_s(self) -> float:
-        """Seconds that never run backwards."""
-        return time.monotonic()
-
-
 def fly(options: Options, route: Route, console: Console, listener: Listener) -> Flown:
     """Fly the route as the options say.
 
@@ -61,7 +52,7 @@ def fly(options: Options, route: Route, console: Console, listener: Listener) ->
         if route.raised:
             stack.enter_context(_raised(connected, route.raised))
         connected.upload(route.mission, listener)
-        record = supervise(connected, _WallClock(), _plan(options, route), listener)
+        record = supervise(connected, WallClock(), _plan(options, route), listener)
         identity = connected.identity
     listener(Finished(record.ended))
     return Flown(identity.name, identity.simulated, record, compare_flight(route, record))

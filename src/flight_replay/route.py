@@ -18,8 +18,6 @@ from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.timetable import straight_duration_s
 from flight_replay.track import Track
 
-FLOOR_M = 5.0
-"""Recorded heights below this are flown at this height: recordings begin and end on the ground."""
 SPEED_RATIO = 1.25
 """A recorded leg faster or slower than the speed in force by this ratio is worth a speed change."""
 MIN_SPEED_M_S = 0.5
@@ -94,7 +92,7 @@ def spaced_route(
     """
     kept = spaced(track, spacing_m, max_points)
     places = track.select(kept)
-    heights = heights_m(places, altitude_m)
+    heights = heights_m(track, altitude_m)[kept]
     waypoints = [
         waypoint(float(lat), float(lon), float(height))
         for lat, lon, height in zip(places.lat_deg, places.lon_deg, heights, strict=True)
@@ -111,10 +109,12 @@ def home_of(track: Track) -> Home:
 
 
 def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:
-    """Height above home to fly at, shape (n,): constant, or as recorded but not below the floor."""
-    if altitude_m == RECORDED:
-        return np.maximum(track.alt_m, FLOOR_M)
-    return np.full(len(track), float(altitude_m))
+    """Height above home to fly at, shape (n,): constant, or as recorded where that can be believed."""
+    if altitude_m != RECORDED:
+        return np.full(len(track), float(altitude_m))
+    from flight_replay.fit.flown import believable_heights_m
+
+    return believable_heights_m(track)
 
 
 def _duration_s(mission: Mission, path: Path) -> float:

@@ -5,6 +5,7 @@ Nothing here knows MAVLink: ``flight_replay.vehicle`` speaks it, tests script it
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -97,3 +98,11 @@ class Clock(Protocol):
 
     def monotonic_s(self) -> float:
         """Seconds that never run backwards."""
+
+
+class WallClock:
+    """The clock of this machine."""
+
+    def monotonic_s(self) -> float:
+        """Seconds that never run backwards."""
+        return time.monotonic()
