@@ -42,6 +42,27 @@ def test_distance_counts_as_lag_and_stops_the_clock() -> None:
     assert clock_after(30.0, behind_m=6.0, made_good_m_s=0.0) == pytest.approx(0.0, abs=0.001)
 
 
+def rate_after_stop(rest_s: float, start_n: float) -> float:
+    """The clock's rate when a target that came from the west, and rested, has started north or south."""
+    limits = Limits()
+    body = Airframe(limits, (0.0, 0.0, 20.0), 0.0, Air(), 0.02)
+    control = PositionControl(limits, body)
+    clock = TrackClock()
+    for north, east, seconds in ((0.0, 5.0, 1.0), (0.0, 0.0, rest_s), (start_n, 0.0, 0.4)):
+        control.vn, control.ve = north, east
+        body.vn, body.ve = 0.0, 0.95 * east
+        for _ in range(round(seconds / 0.02)):
+            clock.advance(limits, control, body)
+    return clock.rate
+
+
+def test_after_a_stop_legs_to_the_left_start_sooner_for_a_while() -> None:
+    """The drift of the estimate makes a start to the left sooner than one to the right, until it is over."""
+    assert rate_after_stop(2.0, 0.005) > rate_after_stop(2.0, -0.005) + 0.05
+    assert rate_after_stop(1.0, 0.005) > rate_after_stop(1.0, -0.005) + 0.02
+    assert rate_after_stop(6.0, 0.005) == pytest.approx(rate_after_stop(6.0, -0.005))
+
+
 @settings(deadline=None)
 @given(st.floats(-3, 3), st.floats(0.0, 5.0))
 def test_a_noisy_value_averages_within_its_bounds(mean: float, deviation: float) -> None:
