@@ -31,7 +31,7 @@ from flight_replay.simulator.scurve_segments import (
 
 # Of 32-bit numbers: a stop counts as reached when what is left of the leg is below that. So slowly does
 # a leg end that this is 0.1 s before its time is up.
-_RESOLUTION = 1e-7
+_RESOLUTION = 1.5e-7
 
 
 class SCurve:
