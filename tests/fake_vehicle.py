@@ -153,6 +153,7 @@ class FakeVehicle:
     def ask_prearm_report(self) -> None:
         self.asked.append("report")
 
-    def mission_verified(self) -> bool:
+    def mission_verified(self, attend: Callable[[], None]) -> bool:
         self.asked.append("verify")
+        attend()
         return self.verified

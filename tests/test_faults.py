@@ -145,8 +145,8 @@ def test_a_link_that_is_cut_for_ever_ends_the_program(moment: str) -> None:
 
 @pytest.mark.slow
 def test_a_lost_link_that_comes_back_is_used_again() -> None:
-    """Silence of 5 s in AUTO is told, the link is found again, and the flight ends as asked."""
-    outcome = replay(None, None, Trip(in_mode(AUTO), lambda link: link.cut(5.0)), duration_s=120.0)
+    """Silence of 6 s in AUTO is told, the link is found again, and the flight ends as asked."""
+    outcome = replay(None, None, Trip(in_mode(AUTO), lambda link: link.cut(6.0)), duration_s=120.0)
     kept(outcome)
     assert [type(event) for event in outcome.link_losses] == [LinkLost, LinkBack]
     assert outcome.line is None
@@ -172,10 +172,14 @@ def at(moment: str, after_s: float, action: sim.Action) -> Faults:
     return Faults(happenings=(Happening(moment, after_s, action),))
 
 
+REBOOT_SPEEDUP = 10.0
+"""The clock that begins anew must be heard before it has caught up with what it showed before."""
+
+
 @pytest.mark.slow
 def test_a_reboot_in_the_air_ends_the_flight() -> None:
     """The program says so, and does not go on as if it knew the vehicle."""
-    outcome = replay(at("AUTO", 5.0, sim.Reboot()), duration_s=200.0)
+    outcome = replay(at("AUTO", 5.0, sim.Reboot()), speedup=REBOOT_SPEEDUP, duration_s=200.0)
     kept(outcome)
     assert "rebooted" in (outcome.line or "")
     assert outcome.record is not None
@@ -187,9 +191,9 @@ def test_a_reboot_on_the_ground_ends_the_flight_before_it_began() -> None:
     """Nothing is armed that rebooted after its mission was verified."""
     faults = Faults(
         never_armable="Compass not calibrated",
-        happenings=(Happening("upload", 20.0, sim.Reboot()),),
+        happenings=(Happening("upload", 30.0, sim.Reboot()),),
     )
-    outcome = replay(faults)
+    outcome = replay(faults, speedup=REBOOT_SPEEDUP)
     kept(outcome)
     assert "rebooted" in (outcome.line or "")
     assert not outcome.was_armed()
@@ -205,11 +209,13 @@ def test_a_refused_mission_is_not_flown(result: int, words: str) -> None:
     assert not outcome.was_armed()
 
 
-@pytest.mark.parametrize("after_s", [0.5, 30.0], ids=["before arming", "later"])
-def test_a_mission_changed_by_another_station_is_not_flown(after_s: float) -> None:
-    """What is on board is read again before arming and before AUTO."""
-    moment = "upload" if after_s < 1 else "armed"
-    outcome = replay(at(moment, min(after_s, 1.0), sim.MoveItem(5)))
+@pytest.mark.parametrize("moment", ["GUIDED", "armed"], ids=["before arming", "later"])
+def test_a_mission_changed_by_another_station_is_not_flown(moment: str) -> None:
+    """What is on board is read again before arming and before AUTO.
+
+    A change right after the upload would meet its own read-back, which puts it right.
+    """
+    outcome = replay(at(moment, 0.0, sim.MoveItem(len(ROUTE.items))))
     kept(outcome)
     assert "another station changed it" in (outcome.line or "")
     assert AUTO not in outcome.modes_asked()

@@ -18,6 +18,7 @@ from flight_replay.supervisor.contract import (
     Readiness,
     Rebooted,
     Request,
+    Unanswered,
 )
 from flight_replay.vehicle import telemetry as module
 from flight_replay.vehicle.commands import Commands
@@ -196,8 +197,9 @@ def test_a_mode_command_that_is_not_known_is_sent_the_old_way() -> None:
     commands.set_mode(4)
     assert commands.answer(ack(176, 3)) is None
     commands.set_mode(3)
-    assert [m.get_type() for m in port.sent] == ["COMMAND_LONG", "SET_MODE", "SET_MODE"]
-    assert [m.custom_mode for m in port.sent[1:]] == [4, 3]
+    asked = [m for m in port.sent if m.get_type() != "TIMESYNC"]
+    assert [m.get_type() for m in asked] == ["COMMAND_LONG", "SET_MODE", "SET_MODE"]
+    assert [m.custom_mode for m in asked[1:]] == [4, 3]
 
 
 def test_a_mode_that_nobody_answers_is_asked_for_both_ways() -> None:
@@ -206,7 +208,56 @@ def test_a_mode_that_nobody_answers_is_asked_for_both_ways() -> None:
     commands = Commands(port)
     for _ in range(3):
         commands.set_mode(4)
-    assert [m.get_type() for m in port.sent] == ["COMMAND_LONG"] * 3 + ["SET_MODE"]
+    asked = [m.get_type() for m in port.sent if m.get_type() != "TIMESYNC"]
+    assert asked == ["COMMAND_LONG"] * 3 + ["SET_MODE"]
+
+
+def echo_of(ping: Any, vehicle_ns: int = 5) -> Any:
+    return sent(dialect.MAVLink_timesync_message(vehicle_ns, ping.ts1))
+
+
+def test_a_request_that_is_not_answered_before_an_echo_got_lost() -> None:
+    """The echo was asked for behind the request; it tells once, and after an answer it tells nothing."""
+    port = VirtualPort()
+    commands = Commands(port)
+    commands.arm()
+    ping = port.sent[-1]
+    assert commands.echoed(echo_of(ping, vehicle_ns=0)) is None, "a question, not an echo"
+    assert commands.echoed(echo_of(ping)) == Unanswered(Request.ARM)
+    assert commands.echoed(echo_of(ping)) is None
+    port.pass_time(0.1)
+    commands.set_mode(3)
+    assert commands.echoed(echo_of(ping)) is None, "an echo from before the request"
+    commands.answer(ack(176, 0))
+    assert commands.echoed(echo_of(port.sent[-1])) is None
+
+
+def test_a_lost_echo_is_asked_for_again_but_not_for_ever() -> None:
+    """Any of them that comes back will do; an autopilot that never sends one is left alone."""
+    port = VirtualPort()
+    commands = Commands(port)
+    commands.set_mode(3)
+    commands.keep()
+    assert [m.get_type() for m in port.sent] == ["COMMAND_LONG", "TIMESYNC"], "the first may yet come"
+    for _ in range(50):
+        port.pass_time(port.trip.again_s)
+        commands.keep()
+    pings = [m for m in port.sent if m.get_type() == "TIMESYNC"]
+    assert 10 < len(pings) < 30
+    assert commands.echoed(echo_of(pings[3])) == Unanswered(Request.MODE)
+
+
+def test_a_message_that_a_link_doubles_counts_once() -> None:
+    """Two copies of a heartbeat are one; a second heartbeat has another number."""
+    mav = dialect.MAVLink(None, 1, 1)
+    beats = []
+    for _ in range(2):
+        beats.append(dialect.MAVLink_heartbeat_message(2, 3, 128, 5, 4, 3).pack(mav))
+        mav.seq += 1
+    heard = telemetry()
+    for frame in (beats[0], beats[0], beats[1], beats[0]):
+        heard.receive(dialect.MAVLink(None).parse_buffer(frame)[0])
+    assert list(heard.take(0.0)) == [Heartbeat("LOITER", True)] * 2
 
 
 def test_taking_news_waits_no_longer_than_asked() -> None:

@@ -6,7 +6,7 @@ Nothing here knows MAVLink: ``flight_replay.vehicle`` speaks it, tests script it
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
@@ -40,6 +40,13 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
+class Unanswered:
+    """The vehicle answered something sent after a request, but not the request: it or its answer is lost."""
+
+    request: Request
+
+
+@dataclass(frozen=True, slots=True)
 class MissionAt:
     """The item being flown (0 before the start), the items on board if told, and whether all are done."""
 
@@ -68,7 +75,17 @@ class Rebooted:
     """The vehicle's clock began anew: everything known of it is void."""
 
 
-News = Heartbeat | VehicleState | StatusText | Answer | MissionAt | ItemReached | Readiness | Rebooted
+News = (
+    Heartbeat
+    | VehicleState
+    | StatusText
+    | Answer
+    | Unanswered
+    | MissionAt
+    | ItemReached
+    | Readiness
+    | Rebooted
+)
 
 
 class Vehicle(Protocol):
@@ -89,8 +106,11 @@ class Vehicle(Protocol):
     def ask_prearm_report(self) -> None:
         """Ask for the reasons against arming; they come as ``StatusText``."""
 
-    def mission_verified(self) -> bool:
-        """Whether the mission on board is, item for item, the one that was uploaded."""
+    def mission_verified(self, attend: Callable[[], None]) -> bool:
+        """Whether the mission on board is, item for item, the one that was uploaded.
+
+        ``attend`` is called now and then, as reading it can take long; what it raises ends the reading.
+        """
 
 
 class Clock(Protocol):

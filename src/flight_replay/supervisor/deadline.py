@@ -40,20 +40,29 @@ class Deadline:
 
 
 class Repeat:
-    """Says when a request is to be sent (at once, then again while nothing comes of it)."""
+    """Says when a request is to be sent (at once, then again while nothing comes of it).
+
+    Never while something that the vehicle reported is not yet taken in: it may be the answer, or
+    what makes the request wrong.
+    """
 
     def __init__(self, watch: Watch) -> None:
         self._watch = watch
         self._time_s = self._wall_s = _NEVER_S
 
-    def due(self, again_s: float) -> bool:
-        """Whether ``again_s`` of the vehicle's clock passed since this last said yes."""
+    def due(self, again_s: float, least_wall_s: float = _AGAIN_WALL_S) -> bool:
+        """Whether ``again_s`` of the vehicle's clock, and enough here, passed since this last said yes."""
         wall_s = self._watch.wall_s - self._wall_s
         vehicle_s = self._watch.time_s - self._time_s
-        if wall_s < _AGAIN_WALL_S or (vehicle_s < again_s and wall_s < max(again_s, _STOPPED_WALL_S)):
+        early = wall_s < least_wall_s or (vehicle_s < again_s and wall_s < max(again_s, _STOPPED_WALL_S))
+        if early or not self._watch.caught_up:
             return False
-        self._time_s, self._wall_s = self._watch.time_s, self._watch.wall_s
+        self.restart()
         return True
+
+    def restart(self) -> None:
+        """Count from now."""
+        self._time_s, self._wall_s = self._watch.time_s, self._watch.wall_s
 
 
 class Pace:

@@ -11,10 +11,11 @@ from flight_replay.errors import VehicleError
 from flight_replay.events import Event, Listener, Phase, PhaseStarted, VehicleState, ignore
 from flight_replay.mission import FIRST_SEQ
 from flight_replay.supervisor.contract import Clock, Vehicle
+from flight_replay.supervisor.interrupted import Interrupted
 from flight_replay.supervisor.phases import change_mode, go_up, verify_mission, wait_ready
 from flight_replay.supervisor.plan import FlightRecord, Plan
 from flight_replay.supervisor.underway import fly_mission, return_home, wait_landed
-from flight_replay.supervisor.watch import Interrupted, Watch
+from flight_replay.supervisor.watch import Watch
 from flight_replay.track import Track, track_from_columns
 
 _LET_GO = frozenset({"pilot", "failsafe"})
@@ -54,11 +55,13 @@ def _homecoming(watch: Watch) -> Iterator[None]:
         yield
     except Interrupted as turn:
         if turn.ended not in _LET_GO:
-            _send_home(watch, watch.deadlines.return_wall_s)
+            with suppress(Interrupted):
+                _send_home(watch, watch.deadlines.return_wall_s)
         raise VehicleError(turn.problem) from turn
     except BaseException:
         watch.emit = _deaf(watch.emit)
-        _send_home(watch, watch.deadlines.return_wall_s)
+        with suppress(Interrupted):
+            _send_home(watch, watch.deadlines.return_wall_s)
         raise
 
 
@@ -73,12 +76,12 @@ def _deaf(listener: Listener) -> Listener:
 
 
 def _send_home(watch: Watch, limit_wall_s: float) -> bool:
-    """Command RTL if the vehicle may be armed; whether it is confirmed."""
-    if not watch.may_be_armed:
-        return False
-    with suppress(Interrupted):
-        return return_home(watch, limit_wall_s)
-    return False
+    """Command RTL if the vehicle may be armed; whether it is confirmed.
+
+    Raises:
+        Interrupted: As ``return_home``.
+    """
+    return watch.may_be_armed and return_home(watch, limit_wall_s)
 
 
 def _follow(watch: Watch, plan: Plan) -> FlightRecord:
@@ -91,7 +94,13 @@ def _follow(watch: Watch, plan: Plan) -> FlightRecord:
         ended, problem = turn.ended, turn.problem
     auto_s = watch.time_s - start_s
     flown = tuple(watch.flown)
-    confirmed = watch.mode == "RTL" if ended in _LET_GO else _send_home(watch, watch.deadlines.link_back_s)
+    confirmed = watch.mode == "RTL"
+    if ended not in _LET_GO:
+        try:
+            confirmed = _send_home(watch, watch.deadlines.link_back_s)
+        except Interrupted as turn:
+            confirmed = False
+            problem = problem or (turn.problem if turn.ended in _LET_GO else None)
     if problem is None and not confirmed:
         why = f": {watch.silence}" if watch.silence else ""
         problem = f"the vehicle did not confirm RTL{why}; take control of it with another station"

@@ -14,11 +14,14 @@ from flight_replay.supervisor.plan import ENOUGH_OF_TARGET
 from flight_replay.supervisor.watch import Watch
 
 _AGAIN_S = 1.2  # Heartbeats show once a second what came of a request.
-_ARM_PATIENCE_S = 5.0  # ArduCopter 3.3 shows arming after 3 to 4 s; a second request begins them anew.
+_BLIND_S, _ARM_BLIND_S = 3.0, 5.0  # Where nothing tells that a request got lost: ArduCopter 3.3 shows
+# arming after 3 to 4 s, and a second request begins them anew.
+_BLIND_WALL_S = 1.0  # The vehicle's clock may run fast, and the answer be under way.
 _PREARM_REPORT_S = 5.0
 _OFF_GROUND_M = 1.0
 _GAIN_M = 0.5  # Less height than this is no climb.
 _STARTS = 3
+_IDLE_S = 4.0  # A vehicle that disarms sooner than this was disarmed: ArduCopter waits for 10 s.
 
 
 def wait_ready(watch: Watch) -> None:
@@ -50,23 +53,33 @@ def _known_ready(watch: Watch) -> bool:
 
 
 def change_mode(watch: Watch, mode: str) -> None:
-    """Get the vehicle into ``mode``, confirmed by its heartbeat, and expect it to stay there."""
+    """Get the vehicle into ``mode``, confirmed by its heartbeat, and expect it to stay there.
+
+    A mode is asked for again only when the first request is known to have been refused or lost, or
+    after long: a second one that is under way would overrule what the vehicle or its pilot do.
+    """
+    watch.catch_up()
     watch.forget_reason()
-    watch.expect_mode(mode, *([watch.mode] if watch.mode else []))
+    watch.modes.expect_change(mode)
     deadline, repeat = Deadline(watch, watch.deadlines.mode_s), Repeat(watch)
-    while watch.mode != mode:
+    while not watch.modes.changed:
         if deadline.passed:
             reason = _refusal(watch, Request.MODE)
             raise PhaseTimeoutError(_late(f"did not change to mode {mode}", watch.deadlines.mode_s, reason))
-        if repeat.due(_AGAIN_S):
+        if not watch.mode_in_doubt and repeat.due(*_patience_s(watch, Request.MODE, _BLIND_S)):
+            watch.requests.asking()
             watch.vehicle.ask_mode(mode)
         watch.step()
-    watch.expect_mode(mode)
+
+
+def _patience_s(watch: Watch, request: Request, blind_s: float) -> tuple[float, ...]:
+    """After how many seconds of the vehicle's time, and at least here, to ask again."""
+    return (_AGAIN_S,) if watch.requests.failed(request) else (blind_s, _BLIND_WALL_S)
 
 
 def verify_mission(watch: Watch) -> None:
     """Make sure that the mission on board is still the one that was uploaded."""
-    if not watch.vehicle.mission_verified():
+    if not watch.vehicle.mission_verified(watch.catch_up):
         raise VehicleError(
             "the mission on board is not the one that was uploaded: another station changed it; "
             "disconnect that station, then start again"
@@ -76,6 +89,7 @@ def verify_mission(watch: Watch) -> None:
 def arm(watch: Watch) -> None:
     """Arm, patiently: again only after a refusal, or after a silence longer than any arming takes."""
     watch.emit(PhaseStarted(Phase.ARM))
+    watch.catch_up()
     watch.forget_reason()
     pace, repeat = Pace(watch), Repeat(watch)
     deadline = Deadline(watch, watch.deadlines.arm_s)
@@ -84,9 +98,8 @@ def arm(watch: Watch) -> None:
         reason = _refusal(watch, Request.ARM)
         if deadline.passed:
             raise PhaseTimeoutError(_late("did not arm", watch.deadlines.arm_s, reason))
-        answer = watch.answers.get(Request.ARM)
-        if repeat.due(_AGAIN_S if answer and not answer.accepted else _ARM_PATIENCE_S):
-            watch.answers.pop(Request.ARM, None)
+        if not watch.mode_in_doubt and repeat.due(*_patience_s(watch, Request.ARM, _ARM_BLIND_S)):
+            watch.requests.forget()
             watch.begin_arming()
             watch.vehicle.ask_arm()
         if pace.due():
@@ -106,23 +119,30 @@ def go_up(watch: Watch, altitude_m: float) -> None:
 
 
 def take_off(watch: Watch, altitude_m: float) -> bool:
-    """Climb to ``altitude_m`` above home; 95 % of it counts. Whether it did: False if it disarmed."""
+    """Climb to ``altitude_m`` above home; 95 % of it counts. Whether it did: False if it disarmed itself.
+
+    Raises:
+        VehicleError: Somebody else disarmed it: whoever that was may stand beside it.
+    """
     watch.emit(PhaseStarted(Phase.TAKEOFF))
     watch.forget_reason()
     enough_m = altitude_m * ENOUGH_OF_TARGET
     ground_m = highest_m = watch.altitude_m
+    began_s = watch.time_s
     pace, repeat = Pace(watch), Repeat(watch)
     deadline = Deadline(watch, watch.deadlines.no_climb_s)
     while watch.altitude_m < enough_m:
         if watch.altitude_m > highest_m + _GAIN_M:
             highest_m = watch.altitude_m
             deadline.restart()
-        if watch.armed is False:
+        if watch.modes.disarmed_at_s is not None:
+            _check_it_disarmed_itself(watch, watch.modes.disarmed_at_s - began_s)
             return False
         if deadline.passed:
             reason = _refusal(watch, Request.TAKEOFF)
             raise PhaseTimeoutError(_late(f"stayed at {highest_m:.1f} m", watch.deadlines.no_climb_s, reason))
-        if highest_m < ground_m + _OFF_GROUND_M and not _accepted(watch) and repeat.due(_AGAIN_S):
+        wanted = highest_m < ground_m + _OFF_GROUND_M and not watch.requests.accepted(Request.TAKEOFF)
+        if wanted and not watch.mode_in_doubt and repeat.due(_AGAIN_S):
             watch.vehicle.ask_takeoff(altitude_m)
         if pace.due():
             watch.emit(Climbing(watch.altitude_m, enough_m, altitude_m))
@@ -131,14 +151,17 @@ def take_off(watch: Watch, altitude_m: float) -> bool:
     return True
 
 
-def _accepted(watch: Watch) -> bool:
-    answer = watch.answers.get(Request.TAKEOFF)
-    return answer is not None and answer.accepted
+def _check_it_disarmed_itself(watch: Watch, idle_s: float) -> None:
+    if idle_s < _IDLE_S:
+        raise VehicleError(
+            f"the vehicle was disarmed by somebody else before it climbed{_because(watch.reason)}; "
+            "find out why before starting again"
+        )
 
 
 def _refusal(watch: Watch, request: Request) -> str:
     """The vehicle's reason against ``request``: its words, or the code of its answer."""
-    answer = watch.answers.get(request)
+    answer = watch.requests.answers.get(request)
     return watch.reason or (answer.reason if answer else "")
 
 

@@ -7,11 +7,13 @@ from flight_replay.geodesy import distance_m
 from flight_replay.mission import FIRST_SEQ, Command
 from flight_replay.supervisor.contract import Request
 from flight_replay.supervisor.deadline import Deadline, Pace, Repeat
+from flight_replay.supervisor.interrupted import Interrupted
 from flight_replay.supervisor.plan import Plan
-from flight_replay.supervisor.watch import Interrupted, Watch
+from flight_replay.supervisor.watch import Watch
 
 _GAIN_M = 0.5  # Less movement than this is no progress.
 _AGAIN_S = 1.2  # Heartbeats show once a second what came of a request that was accepted.
+_DOUBT_S = 2.0  # By the clock here: a strange mode that is not told again for so long does not hold RTL up.
 _WAITS = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT, Command.LOITER_TIME, Command.DELAY})
 """Commands whose param1 is a time to wait, seconds."""
 
@@ -66,24 +68,33 @@ def distance_ahead_m(watch: Watch, plan: Plan) -> float | None:
 
 
 def return_home(watch: Watch, limit_wall_s: float) -> bool:
-    """Command RTL until the vehicle confirms it; whether it did in time, by the clock here."""
+    """Command RTL until the vehicle confirms it; whether it did in time, by the clock here.
+
+    Raises:
+        Interrupted: The link is lost for good, or somebody chose another mode meanwhile: RTL is not
+            asked for over their heads.
+    """
     watch.emit(PhaseStarted(Phase.RETURN))
-    watch.expect_mode()
+    watch.modes.expect_change("RTL")
     watch.forget_reason()
     began_s, repeat = watch.wall_s, Repeat(watch)
-    while watch.mode != "RTL" and watch.wall_s - began_s < limit_wall_s:
-        answer = watch.answers.get(Request.MODE)
-        if repeat.due(_AGAIN_S if answer and answer.accepted else 0.0):
-            watch.vehicle.ask_mode("RTL")
-        watch.step()
-    confirmed = watch.mode == "RTL"
-    watch.emit(ReturnCommanded(confirmed))
-    return confirmed
+    try:
+        while not watch.modes.changed and watch.wall_s - began_s < limit_wall_s:
+            again_s = _AGAIN_S if watch.requests.accepted(Request.MODE) else 0.0
+            in_doubt = watch.mode_in_doubt and watch.modes.strange.lasts_s(watch.wall_s) < _DOUBT_S
+            if not in_doubt and repeat.due(again_s):
+                watch.vehicle.ask_mode("RTL")
+            watch.step()
+    except Interrupted:
+        watch.emit(ReturnCommanded(False))
+        raise
+    watch.emit(ReturnCommanded(watch.modes.changed))
+    return watch.modes.changed
 
 
 def wait_landed(watch: Watch) -> None:
     """Follow the vehicle home until it has landed and disarmed."""
-    watch.expect_mode("RTL", "LAND")
+    watch.modes.expect("RTL", "LAND")
     pace, deadline = Pace(watch), Deadline(watch, watch.deadlines.no_progress_s)
     before = watch.state
     while watch.armed:

@@ -2,15 +2,20 @@
 
 ArduPilot answers COMMAND_LONG DO_SET_MODE since 2017; ArduCopter 3.3 only knows the SET_MODE
 message, which nobody answers: there the heartbeat alone shows what came of it.
+
+Behind each request an echo is asked for (TIMESYNC): one that comes back without an answer shows
+that request or answer got lost, and not only late. ArduCopter 3.3 sends none.
 """
 
 from __future__ import annotations
 
-from flight_replay.supervisor.contract import Answer, Request
+from flight_replay.supervisor.contract import Answer, Request, Unanswered
+from flight_replay.vehicle import echo
 from flight_replay.vehicle.mavlink import RESULTS, Message, dialect
 from flight_replay.vehicle.port import Port
 
 _SILENT_ASKS = 2  # After as many unanswered requests both ways of asking for a mode are used.
+_MOST_ECHOES = 20  # An autopilot that sends none by then knows no TIMESYNC.
 _REQUESTS = {
     dialect.MAV_CMD_DO_SET_MODE: Request.MODE,
     dialect.MAV_CMD_COMPONENT_ARM_DISARM: Request.ARM,
@@ -34,22 +39,48 @@ class Commands:
         self._command_sets_mode: bool | None = None
         self._unanswered = 0
         self._mode = 0
+        self._pending: Request | None = None
+        self._echoes: frozenset[int] = frozenset()
+        self._echo_asked_s = 0.0
 
     def set_mode(self, mode: int) -> None:
         """Ask for a mode by its number."""
         self._mode = mode
         if self._command_sets_mode is not False:
-            self._port.send(command(self._port, dialect.MAV_CMD_DO_SET_MODE, _CUSTOM_MODE, mode))
+            self._ask(Request.MODE, command(self._port, dialect.MAV_CMD_DO_SET_MODE, _CUSTOM_MODE, mode))
             self._unanswered += 1
         if self._command_sets_mode is False or self._unanswered > _SILENT_ASKS:
             self._send_set_mode()
+
+    def _ask(self, request: Request, message: Message) -> None:
+        self._pending, self._echoes = request, frozenset()
+        self._port.send(message)
+        self._ask_echo()
+
+    def _ask_echo(self) -> None:
+        self._echo_asked_s = self._port.now_s()
+        self._echoes |= {echo.ping(self._port)}
+
+    def keep(self) -> None:
+        """Ask for an echo again while neither it nor the answer to the last request has come."""
+        wanted = self._pending is not None and len(self._echoes) < _MOST_ECHOES
+        if wanted and self._port.now_s() - self._echo_asked_s >= self._port.trip.again_s:
+            self._ask_echo()
+
+    def echoed(self, message: Message) -> Unanswered | None:
+        """The news in a TIMESYNC: what was asked before it was not answered."""
+        request = self._pending
+        if request is None or message.tc1 == 0 or message.ts1 not in self._echoes:
+            return None
+        self._pending = None
+        return Unanswered(request)
 
     def _send_set_mode(self) -> None:
         self._port.send(dialect.MAVLink_set_mode_message(self._port.system, _CUSTOM_MODE, self._mode))
 
     def arm(self) -> None:
         """Ask to arm, with all checks."""
-        self._port.send(command(self._port, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1))
+        self._ask(Request.ARM, command(self._port, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1))
 
     def take_off(self, altitude_m: float) -> None:
         """Ask to climb to ``altitude_m`` above home."""
@@ -62,6 +93,8 @@ class Commands:
     def answer(self, message: Message) -> Answer | None:
         """The news in a COMMAND_ACK; none where it is about something else, or not the last word."""
         request = _REQUESTS.get(message.command)
+        if request is self._pending:
+            self._pending = None
         if request is Request.MODE:
             self._unanswered = 0
             self._command_sets_mode = message.result != dialect.MAV_RESULT_UNSUPPORTED

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from flight_replay.errors import VehicleError
 from flight_replay.mission import MissionItem
 from flight_replay.vehicle import echo
@@ -11,15 +13,26 @@ from flight_replay.vehicle.port import Inbox, Port
 
 _QUIET_S = 12.0  # Without anything new this long (more than ArduPilot's 8 s for others), reading failed.
 _BUSY_S = 0.5
+_NAP_S = 0.2  # No wait is longer than this without attending.
 MISSION = int(dialect.MAV_MISSION_TYPE_MISSION)
 FENCE = int(dialect.MAV_MISSION_TYPE_FENCE)
 
 
 class Reader:
-    """One reading of the list that ``mission_type`` names; a mission includes home's slot, number 0."""
+    """One reading of the list that ``mission_type`` names; a mission includes home's slot, number 0.
 
-    def __init__(self, port: Port, *, as_int: bool, mission_type: int = MISSION) -> None:
-        self._type = mission_type
+    ``attend`` is called again and again meanwhile, for whoever has other things to watch.
+    """
+
+    def __init__(
+        self,
+        port: Port,
+        *,
+        as_int: bool,
+        mission_type: int = MISSION,
+        attend: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._type, self._attend = mission_type, attend
         self._port, self._trip, self._as_int = port, port.trip, as_int
         self._found: dict[int, MissionItem] = {}
         self._asked_s: dict[int, float] = {}
@@ -48,7 +61,7 @@ class Reader:
         while port.now_s() < end_s:
             port.send(dialect.MAVLink_mission_request_list_message(port.system, port.component, self._type))
             asked_s = port.now_s()
-            while (message := inbox.get(asked_s + self._trip.again_s - port.now_s())) is not None:
+            while (message := self._next(inbox, asked_s + self._trip.again_s)) is not None:
                 if echo.learn(port, message):
                     continue
                 if message.get_type() == "MISSION_COUNT" and self._is_ours(message):
@@ -63,6 +76,15 @@ class Reader:
             f"the vehicle did not tell its mission within {_QUIET_S:.0f} s{refusal}; check the link"
         )
 
+    def _next(self, inbox: Inbox, until_s: float) -> Message | None:
+        """The next message, attending while none comes; None if none comes by then."""
+        while True:
+            self._attend()
+            left_s = until_s - self._port.now_s()
+            message = inbox.get(min(left_s, _NAP_S))
+            if message is not None or left_s <= _NAP_S:
+                return message
+
     def _collect(self, inbox: Inbox, count: int) -> None:
         progress_s = self._port.now_s()
         while len(self._found) < count:
@@ -72,7 +94,7 @@ class Reader:
                     f"the vehicle did not send mission item {missing} within {_QUIET_S:.0f} s; check the link"
                 )
             self._ask(count)
-            message = inbox.get(self._trip.again_s / 4)
+            message = self._next(inbox, self._port.now_s() + self._trip.again_s / 4)
             while message is not None:
                 if self._take(message, count):
                     progress_s = self._port.now_s()

@@ -13,9 +13,11 @@ KIND = "TIMESYNC"
 _NS_PER_S = 1e9
 
 
-def ping(port: Port) -> None:
-    """Send a time to be echoed."""
-    port.send(dialect.MAVLink_timesync_message(0, int(port.now_s() * _NS_PER_S)))
+def ping(port: Port) -> int:
+    """Send a time to be echoed; the time, ns."""
+    now_ns = int(port.now_s() * _NS_PER_S)
+    port.send(dialect.MAVLink_timesync_message(0, now_ns))
+    return now_ns
 
 
 def learn(port: Port, message: Message) -> bool:

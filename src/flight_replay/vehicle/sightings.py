@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import threading
-import time
+from collections import Counter
 from dataclasses import dataclass
 
 from flight_replay.vehicle.mavlink import OUR_SYSTEM, Message, dialect
 
-_NEIGHBOURS_S = 1.1  # Of the vehicle's time: everybody's heartbeat comes once in it.
+_NEIGHBOURS_S = 1.1  # Everybody's heartbeat comes once in it ...
+_NEIGHBOURS_BEATS = 3  # ... or before the vehicle's third, where its clock runs fast.
 _NO_VEHICLES = frozenset(
     {
         dialect.MAV_TYPE_GCS,
@@ -35,11 +36,10 @@ class Sighting:
 class Sightings:
     """Collects heartbeats, on the link's thread."""
 
-    def __init__(self, speedup: float) -> None:
-        """``speedup`` is how fast the vehicles' clocks run."""
-        self._neighbours_s = _NEIGHBOURS_S / max(speedup, 1e-3)
+    def __init__(self) -> None:
+        """Nobody has been heard yet."""
         self._arrived = threading.Condition()
-        self._seen: set[Sighting] = set()
+        self._seen: Counter[Sighting] = Counter()
         self._others: set[str] = set()
 
     def receive(self, message: Message) -> None:
@@ -51,7 +51,7 @@ class Sightings:
             if message.type in _NO_VEHICLES or message.autopilot == dialect.MAV_AUTOPILOT_INVALID:
                 self._others.add(f"{system}/{component}")
                 return
-            self._seen.add(Sighting(system, component, message.type, message.autopilot))
+            self._seen[Sighting(system, component, message.type, message.autopilot)] += 1
             self._arrived.notify_all()
 
     def wait(self, limit_s: float) -> Sighting | None:
@@ -59,7 +59,7 @@ class Sightings:
         with self._arrived:
             if not self._arrived.wait_for(lambda: bool(self._seen), limit_s):
                 return None
-        time.sleep(min(self._neighbours_s, _NEIGHBOURS_S))
+            self._arrived.wait_for(lambda: max(self._seen.values()) >= _NEIGHBOURS_BEATS, _NEIGHBOURS_S)
         return min(self.vehicles)
 
     @property

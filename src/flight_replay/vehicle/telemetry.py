@@ -28,6 +28,7 @@ from flight_replay.vehicle.names import mode_name
 _KEPT = 50_000  # News that nobody takes: minutes of a fast simulator.
 _LATE_REPORTS = 5  # So many reports in a row from before the newest one ...
 _LATE_WALL_S = 0.5  # ... and nothing newer for this time here: a reboot, not packets out of order.
+_COPIES_WITHIN = 64  # Messages; packets are numbered up to 255, so one sent anew is not taken for a copy.
 _NO_TOTAL = frozenset({0, 65535})  # MISSION_CURRENT.total where it is not told.
 _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _UNKNOWN_HEADING = 65535
@@ -45,6 +46,7 @@ class Telemetry:
         self._mode, self._armed = "", False
         self._newest_s = self._newer_s = self._position_s = float("-inf")
         self._late = 0
+        self._frames: deque[bytes] = deque(maxlen=_COPIES_WITHIN)
         self.heard_s: dict[str, float] = {}  # When a message of each kind came last, by the clock here.
         self._prearm_known = self._prearm_good = False
         self._text: dict[int, list[str]] = {}
@@ -53,6 +55,7 @@ class Telemetry:
             "GLOBAL_POSITION_INT": self._position,
             "STATUSTEXT": self._status_text,
             "COMMAND_ACK": commands.answer,
+            "TIMESYNC": commands.echoed,
             "MISSION_CURRENT": self._mission_current,
             "MISSION_ITEM_REACHED": lambda message: ItemReached(message.seq),
             "SYS_STATUS": self._system_status,
@@ -61,7 +64,7 @@ class Telemetry:
 
     def receive(self, message: Message) -> None:
         """Take in a message, on the link's thread."""
-        if (message.get_srcSystem(), message.get_srcComponent()) != self._source:
+        if (message.get_srcSystem(), message.get_srcComponent()) != self._source or self._is_copy(message):
             return
         self.heard_s[message.get_type()] = time.monotonic()
         handler = self._handlers.get(message.get_type())
@@ -69,6 +72,13 @@ class Telemetry:
         with self._arrived:
             self._news += [item for item in news if item is not None]
             self._arrived.notify_all()
+
+    def _is_copy(self, message: Message) -> bool:
+        """Whether a link that doubles packets brought this one before, by its number and all the rest."""
+        frame = bytes(message.get_msgbuf())
+        known = frame in self._frames
+        self._frames.append(frame)
+        return known
 
     def take(self, timeout_s: float) -> Sequence[News]:
         """All news since the last call, waiting for the first until the timeout."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
@@ -69,6 +69,7 @@ class ConnectedVehicle:
     def news(self, timeout_s: float) -> Sequence[News]:
         """Everything reported since the last call, in order; waits for the first until the timeout."""
         self._streams.keep(self.link.speedup)
+        self._commands.keep()
         return self._telemetry.take(timeout_s)
 
     def ask_mode(self, mode: str) -> None:
@@ -108,9 +109,15 @@ class ConnectedVehicle:
         with self.parameters_set(slowed):
             yield
 
-    def mission_verified(self) -> bool:
-        """Whether the mission on board is, item for item, the one that was uploaded."""
-        return self._on_board.verified()
+    def mission_verified(self, attend: Callable[[], None] = lambda: None) -> bool:
+        """Whether the mission on board is, item for item, the one that was uploaded.
+
+        Reading it can take long: ``attend`` is called now and then, and what it raises ends the reading.
+
+        Raises:
+            VehicleError: The vehicle does not tell.
+        """
+        return self._on_board.verified(attend)
 
     def mission_on_board(self) -> Mission:
         """The mission that is on board now, under the vehicle's home.
@@ -212,7 +219,7 @@ def connect(  # noqa: PLR0913
     listener(PhaseStarted(Phase.CONNECT, connection_string))
     link = Link(opened(connection_string, baud), speedup=speedup, recorder=recorder)
     try:
-        sightings = Sightings(speedup)
+        sightings = Sightings()
         link.add_receiver(sightings.receive)
         link.start()
         sighting = find_vehicle(sightings, connection_string, limit_s)
