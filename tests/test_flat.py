@@ -33,3 +33,18 @@ def test_they_differ_from_ground_metres_by_less_than_a_percent(lat: float) -> No
 def test_a_minute_of_latitude_is_ardupilots() -> None:
     """0.011131884502145034 m per 1e-7 degree."""
     assert FlatFrame(10.0, 20.0).to_metres(10.0000001, 20.0)[0] == pytest.approx(0.0111318845, rel=1e-6)
+
+
+@settings(deadline=None)
+@given(st.floats(-80, 80), st.floats(-180, 180), st.floats(-3000, 3000), st.floats(-3000, 3000))
+def test_on_board_metres_are_rounded_ones(lat: float, lon: float, north: float, east: float) -> None:
+    """Rounded degrees and 32-bit sums change a place by centimetres, across the antimeridian too."""
+    frame = FlatFrame(lat, lon)
+    there = frame.to_degrees((north, east))
+    assert frame.on_board(*there) == pytest.approx(np.array([north, east]), abs=0.06)
+
+
+def test_on_board_metres_are_those_of_arducopter() -> None:
+    """Where ArduCopter 4.6 stopped in SITL, in its centimetres, with the home as cut off there."""
+    place = FlatFrame(25.25057007, -147.02306109).on_board(25.2509440, -147.0230166)
+    assert place * 100 == pytest.approx(np.array([4163.32568, 448.03638]), abs=1e-3)

@@ -59,7 +59,7 @@ def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) ->
         home_amsl_m: home's height above sea level, for items in the absolute frame. Heights above
             terrain count from home: the ground is level here.
     """
-    places = frame.to_metres(
+    places = frame.on_board(
         [item.lat_deg for item in mission.items], [item.lon_deg for item in mission.items]
     )
     items = []

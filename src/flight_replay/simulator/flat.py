@@ -17,6 +17,15 @@ from flight_replay.geodesy import Floats
 METRES_PER_DEGREE = 111318.84502145034
 # Location::longitude_scale.
 _SMALLEST_SCALE = 0.01
+# 32-bit, as on board: centimetres and radians of 1e-7 degree of latitude.
+_CM_E7 = np.float32(METRES_PER_DEGREE * 1e-5)
+_RADIANS_E7 = np.float32(1e-7) * (np.float32(np.pi) / np.float32(180.0))
+_HALF_E7 = 1_800_000_000
+
+
+def _seen_e7(degrees: float) -> int:
+    """Degrees times 1e7 of a home, as the GPS that SITL simulates gives it."""
+    return int(int(round(degrees, 7) * 1e7) * 1e-7 * 1e7)
 
 
 def _scale(lat_deg: Floats) -> Floats:
@@ -37,6 +46,21 @@ class FlatFrame:
         turned = (lon - self.lon_deg + 180.0) % 360.0 - 180.0
         east = turned * METRES_PER_DEGREE * _scale((lat + self.lat_deg) / 2)
         return np.stack([(lat - self.lat_deg) * METRES_PER_DEGREE, east], axis=-1)
+
+    def on_board(self, lat_deg: ArrayLike, lon_deg: ArrayLike) -> Floats:
+        """As ``to_metres``, rounded like on board: degrees to 1e-7, the sums to 32-bit centimetres.
+
+        The origin is where SITL's GPS saw home: twice cut off at 1e-7 degrees (parse_home, GPS).
+        """
+        lat, lon = np.asarray(lat_deg, float), np.asarray(lon_deg, float)
+        origin_lat, origin_lon = _seen_e7(self.lat_deg), _seen_e7(self.lon_deg)
+        lat_e7 = np.rint(lat * 1e7).astype(np.int64)
+        turned_e7 = (np.rint(lon * 1e7).astype(np.int64) - origin_lon + _HALF_E7) % (2 * _HALF_E7) - _HALF_E7
+        middle = np.trunc((lat_e7 + origin_lat) / 2).astype(np.float32) * _RADIANS_E7
+        scale = np.maximum(np.cos(middle.astype(float)), _SMALLEST_SCALE).astype(np.float32)
+        north = (lat_e7 - origin_lat).astype(np.float32) * _CM_E7
+        east = turned_e7.astype(np.float32) * _CM_E7 * scale
+        return np.stack([north, east], axis=-1).astype(float) / 100.0
 
     def to_degrees(self, north_east_m: ArrayLike) -> tuple[Floats, Floats]:
         """Latitude and longitude, degrees, of metres (..., 2); longitude within 180 either way."""

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from flight_replay.simulator.control import clamp
 from flight_replay.simulator.path_limits import PathLimits, Vector, minus
+from flight_replay.simulator.spline_rest import motion_at_rest
 
 # SplineCurve.cpp: LATERAL_ACCEL_SCALER, TANGENTIAL_ACCEL_SCALER and SPLINE_FACTOR.
 _ACROSS_SHARE = 0.5
@@ -22,7 +23,7 @@ _FOREVER_S = 1e6
 # On board, with steps of 2.5 ms, a step goes by the speed from before it, and that by where the
 # step before began. A stop comes the sooner for it, by as much as 0.1 s.
 _STARTS_LATE_S, _BRAKES_LATE_S = 0.00125, 0.00375
-# A 32-bit curve ends some 0.01 mm off its destination, so that the target never quite rests there.
+# A 32-bit curve that is flown through ends some 0.01 mm off its destination.
 _REST_M_S = 0.002
 
 Coefficients = tuple[Vector, Vector, Vector, Vector]
@@ -110,13 +111,14 @@ class Spline:
     """
 
     __slots__ = (
-        "_coefficients", "_destination", "_limits", "_place",
+        "_coefficients", "_destination", "_ends", "_limits", "_place", "_rest",
         "arriving", "destination_speed", "finished", "origin_speed", "speed", "time", "unused_s",
     )  # fmt: skip
 
     def __init__(self, ends: Ends, limits: PathLimits, assumed_speed: float = 0.0) -> None:
-        self._destination = ends.destination
+        self._ends, self._destination = ends, ends.destination
         self._limits = limits
+        self._rest: tuple[Vector, float] | None = None
         self.time = self.unused_s = 0.0
         self.finished = ends.origin == ends.destination
         self.arriving = _NOWHERE if self.finished else ends.arriving
@@ -151,6 +153,15 @@ class Spline:
         braking = sqrt(2.0 * place.accel * distance + self.destination_speed**2)
         return clamp(min(place.speed_max, braking), speed - place.accel * dt, speed + place.accel * dt)
 
+    def _rest_on(self, slower: float) -> Vector:
+        """Velocity at the end; the speed falls on by ``slower``, for the next leg to start with."""
+        if self._rest is None:
+            stops = not any(self._ends.arriving)
+            self._rest = motion_at_rest(self._ends, self._limits) if stops else (_NOWHERE, _REST_M_S)
+        (n, e, u), rest = self._rest
+        self.speed = speed = max(self.speed - slower, rest)
+        return n * speed, e * speed, u * speed
+
     def advance(self, dt: float) -> tuple[Vector, Vector]:
         """Target position and velocity ``dt`` seconds on.
 
@@ -160,10 +171,7 @@ class Spline:
         if place is None:
             return self._destination, _NOWHERE
         if self.finished:
-            # The speed falls on, for the next leg to start with. On board its direction is that of
-            # rounding errors, so that here the target just rests.
-            self.speed = max(speed - place.accel * dt, _REST_M_S)
-            return self._destination, _NOWHERE
+            return self._destination, self._rest_on(place.accel * dt)
         soon = self._next_speed(place, speed, dt, speed * dt)
         late = _BRAKES_LATE_S if soon < speed else _STARTS_LATE_S
         distance = 0.5 * (speed + soon) * dt + (speed - soon) * late

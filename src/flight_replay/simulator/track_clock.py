@@ -27,6 +27,7 @@ _SQRT_HALF, _BELL = sqrt(0.5), 1.0 / sqrt(2.0 * pi)
 _DRIFT_M_S, _DRIFT_PEAK_S, _DRIFT_HALF_S = 0.008, 1.9, 2.6
 # Speed above which the target's way is one that it will have to brake from.
 _UNDER_WAY_M_S = 0.3
+_RESTING_M_S = 0.001
 
 
 class _Drift:
@@ -70,7 +71,7 @@ class TrackClock:
         drift = self._drift
         if speed > _UNDER_WAY_M_S:
             drift.under_way(vn, ve)
-        elif speed <= _NO_SPEED_M_S or drift.rested_s > 0:
+        elif speed < _RESTING_M_S or drift.rested_s > 0:
             drift.rested_s += body.dt
         if speed > _NO_SPEED_M_S:
             behind = (control.n - body.n) * vn + (control.e - body.e) * ve + (control.u - body.u) * vu
