@@ -33,25 +33,25 @@ _RESTING_M_S = 0.001
 class _Drift:
     """The drift of the position estimate, ``rested_s`` after the target has come to rest."""
 
-    __slots__ = ("_left", "rested_s")
+    __slots__ = ("_way", "rested_s")
 
     def __init__(self) -> None:
-        self._left = (0.0, 0.0)
+        self._way = (0.0, 0.0)
         self.rested_s = _DRIFT_PEAK_S + _DRIFT_HALF_S
 
     def under_way(self, vn: float, ve: float) -> None:
         """Note where the target is going to."""
-        level = hypot(vn, ve)
-        self._left = (ve / level, -vn / level) if level > _UNDER_WAY_M_S else (0.0, 0.0)
+        self._way = vn, ve
         self.rested_s = 0.0
 
     def along(self, vn: float, ve: float) -> float:
         """Its product with a velocity, m²/s²."""
         since_peak = (self.rested_s - _DRIFT_PEAK_S) / _DRIFT_HALF_S
-        if abs(since_peak) >= 1.0:
+        if self.rested_s == 0.0 or since_peak >= 1.0:
             return 0.0
-        left_n, left_e = self._left
-        return 0.5 * _DRIFT_M_S * (1.0 + cos(pi * since_peak)) * (left_n * vn + left_e * ve)
+        way_n, way_e = self._way
+        level = max(hypot(way_n, way_e), _UNDER_WAY_M_S)
+        return 0.5 * _DRIFT_M_S * (1.0 + cos(pi * since_peak)) * (way_e * vn - way_n * ve) / level
 
 
 class TrackClock:
