@@ -6,12 +6,15 @@ import pytest
 from virtual_port import VirtualPort, Weather
 
 from flight_replay.errors import VehicleError
+from flight_replay.vehicle.identity import identify
 from flight_replay.vehicle.parameters import (
     limits_as_parameters,
     parameters_set,
     read_parameters,
     write_parameters,
 )
+from flight_replay.vehicle.sightings import Sighting
+from flight_replay.vehicle.timing import RoundTrip
 
 NAMES = ["WPNAV_SPEED", "RTL_ALT", "FENCE_ENABLE", "SIM_SPEEDUP"]
 
@@ -80,3 +83,12 @@ def test_limits_become_parameters_in_the_vehicles_own_units() -> None:
     """Metres per second go out as the centimetres of the names that this firmware knows."""
     wanted = limits_as_parameters(VirtualPort(), {"wp_speed_m_s": 12.5, "wp_jerk_m_s3": 8.0})
     assert wanted == {"WPNAV_SPEED": 1250.0, "WPNAV_JERK": 8.0}
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_requests_that_were_lost_do_not_make_the_link_look_slow(seed: int) -> None:
+    """Seconds of lost requests before the first answer are no round trip: uploads would wait for them."""
+    port = VirtualPort(Weather(loss=0.4), seed=seed, speedup=20.0)
+    port.trip = RoundTrip()
+    identify(port, Sighting(1, 1, 2, 3))
+    assert port.trip.typical_s < 0.1

@@ -105,15 +105,16 @@ def identify(port: Port, sighting: Sighting) -> Identity:
 
 def _ask_version(port: Port) -> Message | None:
     """AUTOPILOT_VERSION, or None from a vehicle that never tells it; on the way, learn the round trip."""
-    began_s = port.now_s()
+    first_s = port.now_s()
     with port.inbox("AUTOPILOT_VERSION", echo.KIND) as inbox:
-        while (asked_s := port.now_s()) < began_s + _VERSION_S:
+        while (asked_s := port.now_s()) < first_s + _VERSION_S:
             echo.ping(port)
             port.send(command(port, _REQUEST_CAPABILITIES, 1))
             again_s = asked_s + port.trip.again_s
             while (message := inbox.get(again_s - port.now_s())) is not None:
                 if not echo.learn(port, message):
-                    port.trip.guess(port.now_s() - began_s)
+                    if asked_s == first_s:  # A later answer may be to any of the requests.
+                        port.trip.guess(port.now_s() - asked_s)
                     return message
     return None
 

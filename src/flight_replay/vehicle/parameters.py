@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 
 from flight_replay.errors import VehicleError
 from flight_replay.simulator.limits import PARAMETERS
+from flight_replay.vehicle import echo
 from flight_replay.vehicle.mavlink import Message, dialect
 from flight_replay.vehicle.port import Inbox, Port
 
@@ -31,7 +32,7 @@ def read_parameters(port: Port, names: Iterable[str], limit_s: float = 15.0) -> 
     """
     reader = _Reader(port, list(dict.fromkeys(names)))
     end_s = port.now_s() + limit_s
-    with port.inbox("PARAM_VALUE") as inbox:
+    with port.inbox("PARAM_VALUE", echo.KIND) as inbox:
         while reader.missing and not reader.sure and port.now_s() < end_s:
             reader.ask(inbox)
     return reader.values
@@ -66,6 +67,7 @@ class _Reader:
         known = next(iter(self.values), None)
         asked = [*self.missing, known] if known else self.missing
         awaited = set(asked)
+        echo.ping(self._port)
         for name in asked:
             self._port.send(
                 dialect.MAVLink_param_request_read_message(
@@ -81,7 +83,7 @@ class _Reader:
     def _take(self, inbox: Inbox, awaited: set[str], until_s: float) -> None:
         """Strike from ``awaited`` what comes, until a time or until all came."""
         while awaited and (message := inbox.get(until_s - self._port.now_s())) is not None:
-            if message.param_id in self._names:
+            if not echo.learn(self._port, message) and message.param_id in self._names:
                 self.values[message.param_id] = message.param_value
                 awaited.discard(message.param_id)
 

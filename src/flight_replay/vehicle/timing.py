@@ -45,7 +45,7 @@ class RoundTrip:
         return max(_LEAST_WINDOW, min(fitting, _MOST_WINDOW))
 
     def guess(self, seconds: float) -> None:
-        """Something was answered after ``seconds``, perhaps at the second request: better than nothing."""
+        """Something took ``seconds`` that may not be the link's alone: better than nothing."""
         if not self._times_s:
             self.took(seconds)
 
