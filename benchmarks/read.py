@@ -47,15 +47,7 @@ int main(int argc, char **argv) {
     return 0;
 }
 """
-PEAK = """
-def peak_kib():
-    # The most memory of this program alone; what rusage says includes the parent's at the fork.
-    with open("/proc/self/status") as status:
-        return next(int(line.split()[1]) for line in status if line.startswith("VmHWM:"))
-"""
-OURS = (
-    PEAK
-    + """
+OURS = """
 import sys, time
 from flight_replay.tlog import read_log
 best = 1e9
@@ -63,10 +55,9 @@ for _ in range(int(sys.argv[2])):
     start = time.perf_counter()
     log = read_log(sys.argv[1])
     best = min(best, time.perf_counter() - start)
-print(best, len(log.track), peak_kib())
+print(best, len(log.track))
 """
-)
-BARE = PEAK + "import numpy; print(peak_kib())"
+BARE = "import numpy, time; time.sleep(0.5)"
 PYMAVLINK = """
 import sys
 from pymavlink import mavutil
@@ -166,13 +157,39 @@ def show(name: str, taken_s: float, ours_s: float) -> None:
 
 def memory(large: Path) -> None:
     """Read a large log and print the peak of memory above the interpreter's own."""
-    bare_kib = int(python(BARE))
-    taken_s, fixes, peak_kib = python(OURS, str(large), "1").split()
-    above_mb = (int(peak_kib) - bare_kib) * 1024 / 1e6
+    _, bare_kib = peak([sys.executable, "-c", BARE])
+    printed, peak_kib = peak([sys.executable, "-c", OURS, str(large), "1"])
+    taken_s, fixes = printed.split()
+    above_mb = (peak_kib - bare_kib) * 1024 / 1e6
     beside_mb = above_mb - int(fixes) * BYTES_A_FIX / 1e6
     print(f"{large.name}: {large.stat().st_size / 1e6:.0f} MB, {int(fixes)} fixes, {float(taken_s):.3f} s")
     print(f"  peak memory {above_mb:.0f} MB above Python's and numpy's {bare_kib * 1024 / 1e6:.0f} MB:")
     print(f"  {beside_mb:.0f} MB besides {BYTES_A_FIX} bytes a fix")
+
+
+def peak(command: list[str]) -> tuple[str, int]:
+    """What a program prints, and the most memory that it and its children had together, KiB.
+
+    Shared pages count once, by the share that Linux gives each process (Pss).
+    """
+    most_kib = 0
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        while process.poll() is None:
+            most_kib = max(most_kib, _memory_kib(process.pid))
+            time.sleep(0.002)
+        assert process.stdout is not None
+        return process.stdout.read(), most_kib
+
+
+def _memory_kib(pid: int) -> int:
+    """The memory of a process and its children; what has ended meanwhile has none."""
+    try:
+        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    except OSError:
+        return 0
+    own_kib = sum(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
+    return own_kib + sum(_memory_kib(int(child)) for child in children)
 
 
 def main() -> None:

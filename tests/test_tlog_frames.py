@@ -28,10 +28,9 @@ from numpy.typing import NDArray
 from pymavlink.dialects.v10 import all as mavlink1
 from pymavlink.dialects.v20 import all as mavlink2
 
-from flight_replay.tlog import messages, source
-from flight_replay.tlog import scan as scan_module
+from flight_replay.tlog import blocks, messages, source
 from flight_replay.tlog.columns import Columns, Records
-from flight_replay.tlog.crc import are_right, is_right
+from flight_replay.tlog.crc import has_right_crc, have_right_crc
 from flight_replay.tlog.scan import scan
 
 SHARED = Path("/work/shared/logs")
@@ -177,7 +176,7 @@ def test_made_logs_are_read_as_by_a_walk_over_every_byte(
     """Mixed, signed, nested, torn and junk-ridden logs give the same fixes, whatever the blocks."""
     assume(not data.startswith(b"\x1f\x8b\x08"))  # which would be read as gzip
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(scan_module, "SLICE_LENGTH", slice_length)
+        patch.setattr(blocks, "SLICE_LENGTH", slice_length)
         assert_equal_to_slow(read(data, block_length), data)
         assert_equal_to_slow(read(data, block_length, tmp_path / "made.tlog"), data)
 
@@ -219,7 +218,7 @@ def test_blocks_that_begin_inside_a_frame_are_entered_where_the_walk_comes_out()
 
 def test_the_message_facts_are_pymavlinks() -> None:
     """CRC extras and lengths are those of the installed pymavlink, for every message of both."""
-    lengths = messages.MAVLINK1_FRAME_LENGTHS.reshape(256, 256)
+    lengths = messages.MAVLINK1_SHAPES.reshape(256, 256)
     common = 0
     for number, kind in mavlink2.mavlink_map.items():
         if messages.EXTRAS[number] < 0:
@@ -240,10 +239,9 @@ def test_both_checksums_are_the_plain_one(length: int) -> None:
     checked = [chance.bytes(length) for _ in range(20)]
     sent = [part + slow_reader.crc(part + b"\x68").to_bytes(2, "little") for part in checked]
     sent[7] = sent[7][:-1] + bytes([sent[7][-1] ^ 128])
-    block = np.frombuffer(b"\xfe" + b"\xfe".join(sent), np.uint8)
-    starts = np.arange(20) * (length + 3)
-    assert np.flatnonzero(~are_right(block, starts, length, 0x68)).tolist() == [7]
-    assert [is_right(each, 0x68) for each in sent] == [index != 7 for index in range(20)]
+    frames = np.frombuffer(b"".join(b"\xfe" + each for each in sent), np.uint8).reshape(20, -1)
+    assert np.flatnonzero(~have_right_crc(frames, 0x68)).tolist() == [7]
+    assert [has_right_crc(each, 0x68) for each in sent] == [index != 7 for index in range(20)]
 
 
 @pytest.mark.parametrize("message", [STATUSTEXT, 999])

@@ -40,17 +40,15 @@ _OF_PAIR = _pair_table()
 _BITS_REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 
 
-def are_right(block: Bytes, starts: Index, length: int, extra: int) -> Flags:
+def have_right_crc(frames: Bytes, extra: int) -> Flags:
     """Whether the checksums of many frames fit, shape (n,): two bytes of all of them at a time.
 
     Args:
-        block: The bytes that hold them.
-        starts: Where their start marks are, shape (n,).
-        length: Header without the start mark, plus payload; at least 3.
+        frames: Whole ones of equal length without signature, start mark to checksum, shape (n, length).
         extra: CRC extra of the message that all of them hold.
     """
-    pad = length % 2  # an odd row begins with the start mark, which is then blanked
-    words = rows_at(block, starts + (1 - pad), pad + length + 2).view("<u2").T.copy()
+    pad = 1 - frames.shape[1] % 2  # an even row begins with the start mark, which is then blanked
+    words = frames[:, 1 - pad :].view("<u2").T.copy()
     words[0] ^= _INITIAL
     if pad:
         words[0] &= 0xFF00
@@ -68,7 +66,7 @@ def rows_at(block: Bytes, places: Index, length: int) -> Bytes:
     return anywhere[places].view(np.uint8).reshape(-1, length)
 
 
-def is_right(checked: bytes, extra: int) -> bool:
+def has_right_crc(checked: bytes, extra: int) -> bool:
     """Whether the last two of the bytes behind a start mark are the checksum of the others.
 
     Python's own CRC of this polynomial takes the highest bit first, so it is given bytes

@@ -1,26 +1,26 @@
-"""Finds MAVLink frames in bytes, as a walk over every byte offset would.
+"""What may be MAVLink frames in bytes: all start marks at once, and what their headers say.
 
-The walk: at each offset, a frame whose header, length and CRC are right is a record and is
-skipped whole; anything else is skipped by one byte. So a frame inside another frame's payload
-is no record. Here the same is found without walking: all start marks at once, and then only
-those wanted frames that another one could hide are looked at closely (``hidden.py``).
+The walk over every byte offset (``walk.py``) needs only two things of them: the frames of the
+few messages that are read, and those frames that another one may begin in.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.tlog import messages
-from flight_replay.tlog.crc import Bytes, Flags, Index, are_right
-from flight_replay.tlog.hidden import find_hidden, header_length, is_right_at
+from flight_replay.tlog.crc import Bytes, Index, rows_at
 
-_NO_MESSAGE = 255  # an id that no message has
-_FEW = 8  # frames that are not worth columns
 SLICE_LENGTH = 1 << 20  # bytes of which all that is made stays in a core's cache
+STAMP_LENGTH = 8
+ROW_LENGTH = STAMP_LENGTH + 40  # a stamp, either version's header, and 28 bytes of payload or more
+_NO_MESSAGE = 255  # an id that nobody wants
+_NOWHERE: Index = np.zeros(0, np.intp)
+_NO_ROWS: Bytes = np.zeros((0, ROW_LENGTH), np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,160 +40,139 @@ class Window:
         self._marks: Bytes = np.empty(SLICE_LENGTH, np.uint8)
 
     def marks(self, start: int, stop: int) -> Index:
-        """Where the start marks in [start, stop) are, of no more bytes than a slice."""
+        """Where the start marks in [start, stop) are, counted from ``start``; of no more than a slice."""
         marks = self._marks[: stop - start]
         np.subtract(self.data[start:stop], messages.MAVLINK2_MARK, out=marks)
         others = messages.MAVLINK1_MARK - messages.MAVLINK2_MARK
-        places = np.flatnonzero(np.less_equal(marks, others, out=marks.view(np.bool_)))
-        places += start
-        return places
+        return np.flatnonzero(np.less_equal(marks, others, out=marks.view(np.bool_)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frames:
-    """Start marks in ascending order and the frames that they would begin, every column of shape (n,).
+class Candidates:
+    """What may be frames of one message, in ascending order.
 
-    ``end`` is behind the frame, or ``start`` where the header is that of no frame; ``message`` is
-    the id, or 255 where that takes more than a byte.
+    ``start`` is where, shape (n,); ``rows`` are the bytes from the stamp before it on, shape
+    (n, ROW_LENGTH), kept because looking them up again would take longest of all.
     """
 
     start: Index
+    rows: Bytes
+
+    def take(self, index: Index) -> Candidates:
+        """Those of an index array."""
+        return Candidates(self.start.take(index), self.rows.take(index, axis=0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reaching:
+    """Frames, right or not, that reach over where others begin: where they do and end, (n,), ascending."""
+
+    start: Index
     end: Index
-    message: NDArray[np.uint8]
-    is_mavlink1: Flags
-
-    def take(self, index: Index) -> Frames:
-        """The frames of an index array."""
-        start, end = self.start.take(index), self.end.take(index)
-        return Frames(start, end, self.message.take(index), self.is_mavlink1.take(index))
-
-    def since(self, place: int) -> Frames:
-        """The frames that begin at ``place`` or later."""
-        first = np.searchsorted(self.start, place)
-        return Frames(self.start[first:], self.end[first:], self.message[first:], self.is_mavlink1[first:])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marked:
-    """What may be frames of ``wanted`` messages, and all frames ``reaching`` over the start of another."""
+    """Bytes, what may be frames of each wanted message in them, and all frames ``reaching`` over others."""
 
     data: Bytes
-    wanted: Frames
-    reaching: Frames
+    wanted: Mapping[int, Candidates]
+    reaching: Reaching
 
 
-def mark(window: Window, slices: Iterable[Span], wanted: Flags) -> Marked:
-    """Find all that may be frames, and those whose message is ``wanted``, by id (256,).
+def mark(window: Window, slices: Iterable[Span], wanted: Sequence[int]) -> Marked:
+    """Find all that may be frames of the ``wanted`` messages, by id, and all that may hide one.
 
     ``slices`` follow each other, each of ``SLICE_LENGTH`` at most.
     """
-    found, reaching = [], []
+    candidates: dict[int, list[Candidates]] = {message: [] for message in wanted}
+    reaching = []
     for span in slices:
-        frames = _candidates(window, span)
-        is_frame = frames.end > frames.start
-        found.append(frames.take(np.flatnonzero(wanted.take(frames.message) & is_frame)))
-        reaching.append(frames.take(_reaching(frames, is_frame, span.stop)))
-    return Marked(window.data, _joined(found), _joined(reaching))
+        headers = _headers(window, span)
+        for message, found in headers.candidates(window.data, wanted):
+            candidates[message].append(found)
+        reaching.append(headers.reaching(span.stop))
+    joined = {message: _joined_candidates(found) for message, found in candidates.items()}
+    return Marked(window.data, joined, _joined_reaching(reaching))
 
 
-def _reaching(frames: Frames, is_frame: Flags, stop: int) -> Index:
-    """Which frames reach over the start of another, or of two marks whatever these are, or over ``stop``."""
-    start, end = frames.start, frames.end
-    over = end > stop
-    over[:-1] |= is_frame[1:] & (end[:-1] > start[1:])
-    over[:-2] |= end[:-2] > start[2:]
-    return np.flatnonzero(over)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Headers:
+    """Start marks of a slice, counted from its ``base``, and what the headers there say, shape (n,).
+
+    ``message`` is an id of one byte, ``length`` that of the whole frame, 0 where there can be none.
+    """
+
+    base: int
+    start: Index
+    message: NDArray[np.uint8]
+    length: NDArray[np.int16]
+
+    def candidates(self, data: Bytes, wanted: Sequence[int]) -> Iterator[tuple[int, Candidates]]:
+        """What may be frames of each wanted message."""
+        is_wanted = self.message == wanted[0]
+        for message in wanted[1:]:
+            is_wanted |= self.message == message
+        is_wanted &= self.length > 0
+        index = np.flatnonzero(is_wanted)
+        start, messages_of = self.start.take(index) + self.base, self.message.take(index)
+        for message in wanted:
+            its = start.take(np.flatnonzero(messages_of == message))
+            yield message, Candidates(its, rows_at(data, its - STAMP_LENGTH, ROW_LENGTH))
+
+    def reaching(self, stop: int) -> Reaching:
+        """What reaches over the start of another frame, or of two marks of any kind, or over ``stop``."""
+        start = self.start.astype(np.int32)
+        end = start + self.length
+        over = end > stop - self.base
+        over[:-1] |= (end[:-1] > start[1:]) & (self.length[1:] > 0)
+        over[:-2] |= end[:-2] > start[2:]
+        index = np.flatnonzero(over)
+        return Reaching(self.start.take(index) + self.base, end.take(index) + np.intp(self.base))
 
 
-def _candidates(window: Window, span: Span) -> Frames:
+def _headers(window: Window, span: Span) -> _Headers:
     """All start marks of a slice."""
-    data = window.data
+    data = window.data[span.start :]
     start = window.marks(span.start, span.stop)
     message = data[5:].take(start)
-    length = messages.MAVLINK1_FRAME_LENGTHS.take(message.astype(np.uint16) << 8 | data[1:].take(start))
-    is_mavlink1 = data.take(start) == messages.MAVLINK1_MARK
-    mavlink2 = np.flatnonzero(~is_mavlink1)
+    payload = data[1:].take(start)
+    shape = message.astype(np.uint16)
+    shape <<= 8
+    shape |= payload
+    length = payload.astype(np.int16)
+    length += messages.MAVLINK1_OVERHEAD
+    length *= messages.MAVLINK1_SHAPES.take(shape)
+    mavlink2 = np.flatnonzero(data.take(start) == messages.MAVLINK2_MARK)
     length[mavlink2] = 0
-    mavlink2 = mavlink2[data[2:].take(start.take(mavlink2)) <= messages.SIGNED]
-    length[mavlink2], message[mavlink2] = _mavlink2_headers(data, start.take(mavlink2))
-    end = start + length
+    places = start.take(mavlink2)
+    readable = np.flatnonzero(data[2:].take(places) <= messages.SIGNED)
+    mavlink2 = mavlink2.take(readable)
+    length[mavlink2], message[mavlink2] = _mavlink2_headers(data, places.take(readable))
     if span.stop + messages.LONGEST_FRAME > span.end:
-        np.copyto(end, start, where=end > span.end)
-    return Frames(start, end, message, is_mavlink1)
+        length[start + length > span.end - span.start] = 0
+    return _Headers(span.start, start, message, length)
 
 
-def _joined(parts: list[Frames]) -> Frames:
-    """The frames of consecutive slices."""
-    if not parts:
-        nowhere = np.zeros(0, np.intp)
-        return Frames(nowhere, nowhere, nowhere.astype(np.uint8), nowhere.astype(np.bool_))
-    return Frames(
-        np.concatenate([part.start for part in parts]),
-        np.concatenate([part.end for part in parts]),
-        np.concatenate([part.message for part in parts]),
-        np.concatenate([part.is_mavlink1 for part in parts]),
-    )
-
-
-class Walk:
-    """The walk over marked bytes: it comes to ``enter``, and ends at ``stop`` or behind."""
-
-    def __init__(self, marked: Marked, enter: int, stop: int) -> None:
-        self.data = marked.data
-        self._stop = max(stop, enter)
-        self._wanted = marked.wanted.since(enter)
-        self._reaching = marked.reaching.since(enter)
-        self._reach = np.maximum.accumulate(np.append(np.intp(0), self._reaching.end))
-
-    def candidates(self, message: int) -> Frames:
-        """What may be records of a wanted message."""
-        return self._wanted.take(np.flatnonzero(self._wanted.message == message))
-
-    def finds(self, frames: Frames, message: int) -> Flags:
-        """Whether the walk comes to each of a message's candidates (n,) and finds its CRC right."""
-        right = _are_right(self.data, frames, int(messages.EXTRAS[message]))
-        reached = self._reach.take(np.searchsorted(self._reaching.start, frames.start)) > frames.start
-        suspects = frames.start[right & reached].tolist()
-        hidden = self._hidden(suspects)[0] if suspects else None
-        if hidden:
-            right &= ~np.isin(frames.start, list(hidden))
-        return right
-
-    @property
-    def leave(self) -> int:
-        """Where the walk goes on: where it was to stop, or behind the record that reaches over that."""
-        return self._hidden([])[1]
-
-    def _hidden(self, suspects: list[int]) -> tuple[set[int], int]:
-        return find_hidden(self.data, self._reaching.start, self._reaching.end, suspects, self._stop)
-
-
-def _mavlink2_headers(data: Bytes, places: Index) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
+def _mavlink2_headers(data: Bytes, places: Index) -> tuple[NDArray[np.int16], NDArray[np.uint8]]:
     """Frame lengths (n,), 0 where there can be no frame, and message ids where they fit one byte.
 
-    A frame with incompatibility flags other than that of a signature must not be read
-    (mavlink.io, "Incompatibility Flags"), so none of those is asked about.
+    Incompatibility flags are those of a signature at most: a frame that has others must not be
+    read (mavlink.io, "Incompatibility Flags").
     """
     payload, flags, low, mid, high = (data[at:].take(places) for at in (1, 2, 7, 8, 9))
-    known = (messages.EXTRAS.take(mid.astype(np.uint16) << 8 | low) >= 0) & (high == 0)
-    length = flags.astype(np.int32) * messages.SIGNATURE_LENGTH + payload + messages.MAVLINK2_OVERHEAD
-    return np.where(known, length, 0), np.where(mid > 0, np.uint8(_NO_MESSAGE), low)
+    possible = (messages.EXTRAS.take(mid.astype(np.uint16) << 8 | low) >= 0) & (high == 0)
+    length = flags * np.int16(messages.SIGNATURE_LENGTH) + payload + np.int16(messages.MAVLINK2_OVERHEAD)
+    return length * possible, np.where(mid > 0, np.uint8(_NO_MESSAGE), low)
 
 
-def _are_right(data: Bytes, frames: Frames, extra: int) -> Flags:
-    """Whether the CRC of each of a message's frames (n,) is right.
+def _joined_candidates(parts: list[Candidates]) -> Candidates:
+    """The candidates of consecutive slices."""
+    start = np.concatenate([_NOWHERE, *(part.start for part in parts)])
+    return Candidates(start, np.concatenate([_NO_ROWS, *(part.rows for part in parts)]))
 
-    Frames of the same version and length are checked together, but where there are few of them,
-    which are most likely none.
-    """
-    right = np.zeros(len(frames.start), np.bool_)
-    shape = data[1:].take(frames.start).astype(np.intp)
-    shape[frames.is_mavlink1] += 256
-    counts = np.bincount(shape, minlength=1)
-    few = np.flatnonzero((counts <= _FEW).take(shape))
-    right[few] = [is_right_at(data, place) for place in frames.start.take(few).tolist()]
-    for common in np.flatnonzero(counts > _FEW).tolist():
-        alike = np.flatnonzero(shape == common)
-        length = header_length(common >= 256) + common % 256
-        right[alike] = are_right(data, frames.start.take(alike), length, extra)
-    return right
+
+def _joined_reaching(parts: list[Reaching]) -> Reaching:
+    """What reaches over others in consecutive slices."""
+    start = np.concatenate([_NOWHERE, *(part.start for part in parts)])
+    return Reaching(start, np.concatenate([_NOWHERE, *(part.end for part in parts)]))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from flight_replay.tlog import messages
-from flight_replay.tlog.crc import Bytes, Index, is_right
+from flight_replay.tlog.crc import Bytes, Index, has_right_crc
 
 
 def find_hidden(
@@ -29,7 +29,7 @@ def find_hidden(
     over: dict[int, int] = {}
     frontier: Iterable[int] = {*suspects, stop}
     while frontier:
-        found = dict(_frames_over(data, starts, ends, list(frontier)))
+        found = dict(_frames_over(data, starts, ends, np.array(sorted(frontier))))
         frontier = found.keys() - over.keys()
         over |= found
     hidden, walked = set(), 0
@@ -41,15 +41,15 @@ def find_hidden(
     return hidden, max(walked, stop)
 
 
-def _frames_over(data: Bytes, starts: Index, ends: Index, places: list[int]) -> Iterator[tuple[int, int]]:
+def _frames_over(data: Bytes, starts: Index, ends: Index, places: Index) -> Iterator[tuple[int, int]]:
     """Start and end of each right frame that begins before one of the places and ends behind it."""
-    lasts = np.searchsorted(starts, places).tolist()
-    firsts = np.searchsorted(starts, np.array(places) - messages.LONGEST_FRAME).tolist()
-    for place, first, last in zip(places, firsts, lasts, strict=True):
-        for back in np.flatnonzero(ends[first:last] > place).tolist():
-            start = int(starts[first + back])
-            if is_right_at(data, start):
-                yield start, int(ends[first + back])
+    firsts = np.searchsorted(starts, places - messages.LONGEST_FRAME)
+    counts = np.searchsorted(starts, places) - firsts
+    near = np.arange(counts.sum()) + np.repeat(firsts - np.cumsum(counts) + counts, counts)
+    over = np.unique(near[ends[near] > np.repeat(places, counts)])
+    for start, end in zip(starts[over].tolist(), ends[over].tolist(), strict=True):
+        if is_right_at(data, start):
+            yield start, end
 
 
 def header_length(mavlink1: bool) -> int:
@@ -63,4 +63,4 @@ def is_right_at(data: Bytes, start: int) -> bool:
     mavlink1 = frame[0] == messages.MAVLINK1_MARK
     message = frame[5] if mavlink1 else frame[7] | frame[8] << 8
     behind = 1 + header_length(mavlink1) + frame[1] + 2
-    return is_right(frame[1:behind], int(messages.EXTRAS[message]))
+    return has_right_crc(frame[1:behind], int(messages.EXTRAS[message]))

@@ -72,15 +72,15 @@ def _extras() -> NDArray[np.int16]:
     return extras
 
 
-def _mavlink1_frame_lengths() -> NDArray[np.int32]:
-    """Whole length of a MAVLink 1 frame by payload length + 256 * message id; 0 where that cannot be.
+def _mavlink1_shapes() -> NDArray[np.bool_]:
+    """Whether MAVLink 1 has frames of a payload length + 256 * message id, shape (65536,).
 
     A MAVLink 1 payload is never trimmed, so its length lies between the base and the full one.
     """
-    lengths = np.zeros((256, 256), np.int32)
+    shapes = np.zeros((256, 256), np.bool_)
     for message, _, base, full in _numbers(_SHORT_IDS):
-        lengths[message, base : full + 1] = np.arange(base, full + 1) + MAVLINK1_OVERHEAD
-    return lengths.ravel()
+        shapes[message, base : full + 1] = True
+    return shapes.ravel()
 
 
 MAVLINK1_MARK, MAVLINK2_MARK = 0xFE, 0xFD
@@ -91,4 +91,4 @@ SIGNATURE_LENGTH = 13
 LONGEST_FRAME = 255 + MAVLINK2_OVERHEAD + SIGNATURE_LENGTH
 
 EXTRAS = _extras()
-MAVLINK1_FRAME_LENGTHS = _mavlink1_frame_lengths()
+MAVLINK1_SHAPES = _mavlink1_shapes()

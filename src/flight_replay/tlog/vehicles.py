@@ -69,7 +69,8 @@ def armed_at(
     So a flight lasts from the first fix after they were reported armed to the first after disarmed.
     """
     heartbeats = _of_autopilot(heartbeats)
-    told = np.append(heartbeats.armed.astype(np.int8), np.int8(Armed.UNKNOWN))
-    armed = told[np.searchsorted(heartbeats.offset, offset) - 1]
+    told = np.append(np.int8(Armed.UNKNOWN), heartbeats.armed.astype(np.int8))
+    firsts = np.searchsorted(offset, heartbeats.offset)  # far fewer than fixes, so this way round
+    armed = np.repeat(told, np.diff(firsts, prepend=0, append=len(offset)))
     armed[1:] = np.where(section[1:] == section[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
     return np.asarray(armed)
