@@ -153,13 +153,14 @@ class Spline:
         braking = sqrt(2.0 * place.accel * distance + self.destination_speed**2)
         return clamp(min(place.speed_max, braking), speed - place.accel * dt, speed + place.accel * dt)
 
-    def _rest_on(self, slower: float) -> Vector:
-        """Velocity at the end; the speed falls on by ``slower``, for the next leg to start with."""
+    def _rest_on(self, place: _Place, dt: float) -> Vector:
+        """Velocity at the end ``place``; its speed falls on, for the next leg to start with."""
         if self._rest is None:
             stops = not any(self._ends.arriving)
             self._rest = motion_at_rest(self._ends, self._limits) if stops else (_NOWHERE, _REST_M_S)
         (n, e, u), rest = self._rest
-        self.speed = speed = max(self.speed - slower, rest)
+        accel = _ALONG_SHARE * self._limits.accel_along((n, e, u)) or place.accel
+        self.speed = speed = max(self.speed - accel * dt, rest)
         return n * speed, e * speed, u * speed
 
     def advance(self, dt: float) -> tuple[Vector, Vector]:
@@ -171,7 +172,7 @@ class Spline:
         if place is None:
             return self._destination, _NOWHERE
         if self.finished:
-            return self._destination, self._rest_on(place.accel * dt)
+            return self._destination, self._rest_on(place, dt)
         soon = self._next_speed(place, speed, dt, speed * dt)
         late = _BRAKES_LATE_S if soon < speed else _STARTS_LATE_S
         distance = 0.5 * (speed + soon) * dt + (speed - soon) * late
