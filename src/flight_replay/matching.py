@@ -16,7 +16,7 @@ Indices = NDArray[np.intp]
 
 SHORTEST_PIECE_M, LONGEST_PIECE_M = 0.01, 0.25
 """Within a piece of path the order of fixes is left to a second step, which costs less than its length."""
-CELLS = 8_000_000
+CELLS = 2_000_000
 """So many pairs of fix and piece are looked at where that makes pieces shorter."""
 WHOLE_CELLS = 20_000_000
 """Up to so many pairs of fix and piece, every pair is looked at."""

@@ -46,8 +46,8 @@ def _frames_over(data: Bytes, starts: Index, ends: Index, places: Index) -> Iter
     firsts = np.searchsorted(starts, places - messages.LONGEST_FRAME)
     counts = np.searchsorted(starts, places) - firsts
     near = np.arange(counts.sum()) + np.repeat(firsts - np.cumsum(counts) + counts, counts)
-    over = np.unique(near[ends[near] > np.repeat(places, counts)])
-    for start, end in zip(starts[over].tolist(), ends[over].tolist(), strict=True):
+    over = near[ends[near] > np.repeat(places, counts)]
+    for start, end in {*zip(starts[over].tolist(), ends[over].tolist(), strict=True)}:
         if is_right_at(data, start):
             yield start, end
 
