@@ -167,6 +167,13 @@ def _output_group(parser: argparse.ArgumentParser) -> None:
         "output", "example: flight-replay --plot replay.png --json > replay.json"
     )
     group.add_argument("--dry-run", action="store_true", help="plan, and fly nothing")
+    _results(group)
+    _watching(group)
+    _about_the_program(group)
+
+
+def _results(group: argparse._ArgumentGroup) -> None:
+    """What a replay leaves behind."""
     group.add_argument("--json", action="store_true", help="one JSON object on standard output")
     group.add_argument(
         "--save",
@@ -182,6 +189,10 @@ def _output_group(parser: argparse.ArgumentParser) -> None:
         "--plot", metavar="FILE", type=Path, help="a picture of the replay: .png, .svg or .pdf"
     )
     group.add_argument("--report", metavar="FILE.html", type=Path, help="a report of the replay in one file")
+
+
+def _watching(group: argparse._ArgumentGroup) -> None:
+    """How to look on."""
     group.add_argument(
         "--gcs",
         metavar="STRING",
@@ -191,6 +202,10 @@ def _output_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--map", action="store_true", help="a live map in the browser")
     group.add_argument("-v", dest="verbose", action="store_true", help="say more, and show tracebacks")
     group.add_argument("-q", dest="quiet", action="store_true", help="say only what went wrong")
+
+
+def _about_the_program(group: argparse._ArgumentGroup) -> None:
+    """What is told instead of a replay."""
     group.add_argument(
         "--print-completion",
         metavar="{bash,zsh,tcsh}",

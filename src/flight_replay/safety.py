@@ -91,34 +91,47 @@ def check(  # noqa: PLR0913
         VehicleError: The vehicle is not a multicopter flown by ArduPilot, or its motors run already.
         MissionError: The route begins too far away, leaves the fence, or has a place that cannot be flown to.
     """
-    if not identity.is_multicopter:
-        raise VehicleError(f"{identity.name} is not a multicopter flown by ArduPilot; connect one")
-    if at.armed:
-        raise VehicleError(
-            f"the vehicle is armed already, in mode {at.mode}; land and disarm it, then start again"
-        )
+    _check_vehicle(identity, at)
     for seq, item in mission.places:
         _check_place(seq, item)
     distances_m = _distances_m(mission, at)
-    if distances_m[0] > max_distance_m:
-        raise MissionError(
-            f"the first waypoint is {distances_m[0]:.0f} m from the vehicle, and {max_distance_m:.0f} m "
-            "are allowed; bring the vehicle there, or allow more with --max-distance"
-        )
+    _check_distance(float(distances_m[0]), max_distance_m)
     _check_areas(areas, mission, at)
-    heights_m = _heights_m(mission)
-    _check_fence(identity.parameters, distances_m, np.append(heights_m, takeoff_altitude_m))
+    heights_m = np.append(_heights_m(mission), takeoff_altitude_m)
+    _check_fence(identity.parameters, distances_m, heights_m)
+    return _briefing(identity, at, distances_m, heights_m)
+
+
+def _briefing(identity: Identity, at: VehicleState, distances_m: Floats, heights_m: Floats) -> Briefing:
+    """``distances_m`` (n,) from the vehicle to each waypoint, ``heights_m`` (m,) that are flown at."""
     return Briefing(
         vehicle=identity.name,
         lat_deg=at.lat_deg,
         lon_deg=at.lon_deg,
         battery_v=at.battery_v,
         battery_percent=at.battery_percent,
-        waypoints=len(mission.places),
+        waypoints=len(distances_m),
         first_m=float(distances_m[0]),
         farthest_m=float(distances_m.max()),
-        highest_m=float(max(heights_m.max(), takeoff_altitude_m)),
+        highest_m=float(heights_m.max()),
     )
+
+
+def _check_vehicle(identity: Identity, at: VehicleState) -> None:
+    if not identity.is_multicopter:
+        raise VehicleError(f"{identity.name} is not a multicopter flown by ArduPilot; connect one")
+    if at.armed:
+        raise VehicleError(
+            f"the vehicle is armed already, in mode {at.mode}; land and disarm it, then start again"
+        )
+
+
+def _check_distance(first_m: float, max_distance_m: float) -> None:
+    if first_m > max_distance_m:
+        raise MissionError(
+            f"the first waypoint is {first_m:.0f} m from the vehicle, and {max_distance_m:.0f} m "
+            "are allowed; bring the vehicle there, or allow more with --max-distance"
+        )
 
 
 def _check_place(seq: int, item: MissionItem) -> None:
