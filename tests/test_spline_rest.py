@@ -84,6 +84,17 @@ def test_without_rounding_errors_it_would_fly_back() -> None:
     assert speed == 0.0
 
 
+def test_too_long_a_tangent_is_shortened_first() -> None:
+    """A leaving tangent of eight times the chord counts as one of four."""
+    origin, destination = (1.37, 2.71, 20.0), (3.93, 2.71, 20.0)
+    (unit, speed), (half_unit, half_speed) = (
+        motion_at_rest(Ends(origin, destination, (0.0, length, 0.0), STILL), LIMITS)
+        for length in (20.48, 10.24)
+    )
+    assert unit == pytest.approx(half_unit)
+    assert speed == pytest.approx(half_speed)
+
+
 def test_a_curve_to_where_it_began_has_no_direction() -> None:
     """Without a way there is no motion."""
     assert motion_at_rest(Ends(STILL, STILL, STILL, STILL), LIMITS) == (STILL, 0.0)
