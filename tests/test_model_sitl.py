@@ -26,7 +26,8 @@ pytestmark = [
     ),
 ]
 SQUARE = mission_at([(40.0, 0.0, 20.0), (40.0, 40.0, 20.0), (0.0, 40.0, 20.0), (0.0, 0.0, 20.0)])
-# The position estimate's noise decides how soon a leg from rest gets going, by up to 0.5 s.
+# The position estimate's noise decides how soon a leg from rest gets going, by 0.1 s each; after a
+# curve that began where AUTO did, and not at a waypoint, so do rounding errors, by 0.6 s.
 SHORTEST_NOISE_S = 0.8
 
 
@@ -53,7 +54,7 @@ def check(mission: Mission, parameters: dict[str, float], folder: Path) -> None:
     takeoff_s, home_s = truth.high_s - truth.armed_s, truth.disarmed_s - truth.rtl_s
     assert off.mean() <= 0.15
     assert off.max() <= 0.6
-    assert late.mean() <= 1.0
+    assert late.mean() <= 0.75
     assert ours == pytest.approx(theirs, rel=0.02, abs=SHORTEST_NOISE_S)
     assert flown.auto_s[0] == pytest.approx(takeoff_s, rel=0.05)
     assert flown.time_s[-1] - flown.auto_s[1] - (truth.rtl_s - last_s) == pytest.approx(home_s, rel=0.05)
