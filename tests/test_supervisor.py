@@ -13,7 +13,7 @@ from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Event
 from flight_replay.mission import Mission, change_speed, waypoint
 from flight_replay.supervisor import Deadlines, FlightRecord, Plan, fly
-from flight_replay.supervisor.contract import Heartbeat, MissionAt, Rebooted, Request, Unanswered
+from flight_replay.supervisor.contract import Heartbeat, MissionAt, News, Rebooted, Request, Unanswered
 
 Setup = Callable[[FakeVehicle], None]
 
@@ -430,7 +430,8 @@ class Stalled(FakeVehicle):
     def ask_mode(self, mode: str) -> None:
         super().ask_mode(mode)
         if mode == "AUTO":
-            end_s, waiting = self.clock.now_s + self.stall_s, []
+            end_s = self.clock.now_s + self.stall_s
+            waiting: list[News] = []
             while self.clock.now_s < end_s:
                 waiting += super().news(0.1)
             self.queue[:0] = waiting
@@ -455,7 +456,7 @@ def test_a_program_that_did_not_run_for_a_while_overrules_nobody(
             vehicle.at.append((vehicle.clock.now_s - vehicle.began_s + 2.0, change))
         ask_mode(wanted)
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign]
+    vehicle.ask_mode = ask  # type: ignore[method-assign,assignment]
     flight = flown(vehicle)
     assert flight.fly().ended == ended
     assert vehicle.asked.count("AUTO") == 1
@@ -507,7 +508,7 @@ def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
         vehicle.asked.append(mode)
         vehicle.mode = "LOITER" if mode == "RTL" else mode
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign]
+    vehicle.ask_mode = ask  # type: ignore[method-assign,assignment]
     flight = flown(vehicle)
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("duration", False)
@@ -573,7 +574,7 @@ def test_a_mode_is_asked_for_again_when_the_request_is_known_to_be_lost(told: bo
             if told:
                 vehicle.queue.append(Unanswered(Request.MODE))
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign]
+    vehicle.ask_mode = ask  # type: ignore[method-assign,assignment]
     assert flown(vehicle).fly().problem is None
     assert len(asked_s) == 2
     assert (asked_s[1] - asked_s[0] < 2.5) is bool(again)

@@ -5,25 +5,23 @@ Ground metres in one local frame, shapes (n, 2).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flight_replay.forwards import Indices, forwards
 from flight_replay.geodesy import Floats
-
-Indices = NDArray[np.intp]
 
 SHORTEST_PIECE_M, LONGEST_PIECE_M = 0.01, 0.25
 """Within a piece of path the order of fixes is left to a second step, which costs less than its length."""
-CELLS = 2_000_000
+CELLS = 8_000_000
 """So many pairs of fix and piece are looked at where that makes pieces shorter."""
 WHOLE_CELLS = 20_000_000
 """Up to so many pairs of fix and piece, every pair is looked at."""
 COARSE_FIXES, COARSE_PIECES = 1500, 4000
 """Size of the first look at more than that; the second keeps near what it found."""
-_BLOCK = 32
-"""Fixes whose distances are found together."""
 _NEAR_M = 0.01
 """Fixes nearer to a line than this weigh alike."""
 _STILL_M = 1e-3
@@ -105,6 +103,10 @@ class _Pieces:
         begin = (np.cumsum(lengths) - lengths)[parent] + nth * length
         return cls(start, unit, length, begin, parent)
 
+    def costs(self, fixes_m: Floats) -> Callable[[slice, slice], Floats]:
+        """What gives the distances of some of the fixes (n, 2) from some of the pieces."""
+        return lambda rows, where: self.distances(fixes_m[rows], where)
+
     def distances(self, fixes_m: Floats, where: slice) -> Floats:
         """Distances (n, w) of n fixes from w of the pieces."""
         along_n, along_e = self.unit[where].T
@@ -122,48 +124,14 @@ def _choose(fixes: Floats, pieces: _Pieces) -> Indices:
     """The piece of every fix, never falling, that gives the smallest sum of distances."""
     n, m = len(fixes), len(pieces)
     if n * m <= WHOLE_CELLS:
-        return _forwards(fixes, pieces, np.zeros(n, np.intp), np.full(n, m))
+        return forwards(pieces.costs(fixes), np.zeros(n, np.intp), np.full(n, m))
     low, high = _coarse(fixes, pieces)
     while True:
-        chosen = _forwards(fixes, pieces, low, high)
+        chosen = forwards(pieces.costs(fixes), low, high)
         widened = _widen(chosen, low, high, m)
         if widened is None:
             return chosen
         low, high = widened
-
-
-def _forwards(fixes: Floats, pieces: _Pieces, low: Indices, high: Indices) -> Indices:
-    """Dynamic programming over the fixes, each held to the pieces from ``low`` up to below ``high``.
-
-    Both bounds never fall, and every band begins before the one in front of it ends.
-    """
-    marks: list[NDArray[np.uint8]] = []
-    before, start = np.zeros(1), int(low[0])
-    for first in range(0, len(fixes), _BLOCK):
-        rows = slice(first, first + _BLOCK)
-        left, right = int(low[first]), int(high[rows][-1])
-        costs = pieces.distances(fixes[rows], slice(left, right))
-        for row, lowest, end in zip(costs, low[rows].tolist(), high[rows].tolist(), strict=True):
-            cost = row[lowest - left : end - left]
-            reached = before[lowest - start :]
-            common = min(len(reached), end - lowest)
-            cost[:common] += reached[:common]
-            cost[common:] += reached[-1]
-            before, start = np.minimum.accumulate(cost), lowest
-            marks.append(np.packbits(before == cost))
-    return _backwards(marks, low, high)
-
-
-def _backwards(marks: list[NDArray[np.uint8]], low: Indices, high: Indices) -> Indices:
-    """Walk back through the marks of where each band's running minimum was attained."""
-    chosen = np.zeros(len(marks), np.intp)
-    limit = int(high[-1])
-    for i in range(len(marks) - 1, -1, -1):
-        width = min(limit, int(high[i])) - int(low[i])
-        attained = np.unpackbits(marks[i], count=width)
-        chosen[i] = low[i] + width - 1 - int(np.argmax(attained[::-1]))
-        limit = int(chosen[i]) + 1
-    return chosen
 
 
 def _coarse(fixes: Floats, pieces: _Pieces) -> tuple[Indices, Indices]:
@@ -176,9 +144,8 @@ def _coarse(fixes: Floats, pieces: _Pieces) -> tuple[Indices, Indices]:
     lengths = np.linalg.norm(steps, axis=1)
     unit = steps / np.where(lengths > 0, lengths, 1.0)[:, None]
     rough = _Pieces(line[:-1], unit, lengths, pieces.begin_m[corners[:-1]], corners[:-1])
-    chosen = _forwards(
-        fixes[anchors], rough, np.zeros(len(anchors), np.intp), np.full(len(anchors), len(rough))
-    )
+    count = len(anchors)
+    chosen = forwards(rough.costs(fixes[anchors]), np.zeros(count, np.intp), np.full(count, len(rough)))
     before = np.searchsorted(anchors, np.arange(n), side="right") - 1
     after = np.minimum(np.searchsorted(anchors, np.arange(n)), len(anchors) - 1)
     first, last = corners[chosen[before]], corners[chosen[after] + 1]
