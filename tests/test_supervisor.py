@@ -508,7 +508,7 @@ def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
         vehicle.asked.append(mode)
         vehicle.mode = "LOITER" if mode == "RTL" else mode
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign,assignment]
+    vehicle.ask_mode = ask  # type: ignore[method-assign]
     flight = flown(vehicle)
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("duration", False)
@@ -574,7 +574,7 @@ def test_a_mode_is_asked_for_again_when_the_request_is_known_to_be_lost(told: bo
             if told:
                 vehicle.queue.append(Unanswered(Request.MODE))
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign,assignment]
+    vehicle.ask_mode = ask  # type: ignore[method-assign]
     assert flown(vehicle).fly().problem is None
     assert len(asked_s) == 2
     assert (asked_s[1] - asked_s[0] < 2.5) is bool(again)
