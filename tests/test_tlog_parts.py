@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import errno
 import multiprocessing
 import os
 import signal
+import struct
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import pytest
 from log_writer import ENCAPSULATED_DATA, GLOBAL_POSITION_INT, frame, position_payload
@@ -99,3 +105,105 @@ def test_an_interrupt_while_reading_leaves_no_process_behind(tmp_path: Path) -> 
     with source.opened(path) as opened, pytest.raises(KeyboardInterrupt):
         scan.scan(opened, interrupt)
     assert not multiprocessing.active_children()
+
+
+@pytest.mark.usefixtures("three_parts")
+def test_a_system_without_room_for_a_process_costs_time_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What cannot be read at the same time is read one after the other."""
+
+    def no_room() -> int:
+        raise BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable")
+
+    monkeypatch.setattr(os, "fork", no_room)
+    read_as_one_walk((NEST + INNER) * 32, tmp_path / "made.tlog")
+
+
+@pytest.mark.usefixtures("three_parts")
+def test_a_reader_that_dies_while_it_sends_costs_time_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A message of which only the beginning came is none."""
+
+    def send_torn(*given: object) -> None:
+        results = next(each for each in given if isinstance(each, Connection) and each.writable)
+        os.write(results.fileno(), struct.pack("!i", 1_000) + b"torn")
+
+    monkeypatch.setattr(parts, "_send", send_torn)
+    read_as_one_walk((NEST + INNER) * 32, tmp_path / "made.tlog")
+
+
+@pytest.mark.usefixtures("three_parts")
+def test_a_reader_without_memory_says_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever goes wrong in another process is left to this one to meet and to tell."""
+    own, real = os.getpid(), scan._read
+
+    def part(*given: Any) -> parts.Part:
+        if os.getpid() != own:
+            raise MemoryError
+        return real(*given)
+
+    monkeypatch.setattr(scan, "_read", part)
+    read_as_one_walk((NEST + INNER) * 32, tmp_path / "made.tlog")
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.usefixtures("three_parts")
+def test_a_pools_worker_reads_alone(tmp_path: Path) -> None:
+    """Processes that may have no children of their own read long logs too."""
+    given = (NEST + INNER) * 32, tmp_path / "made.tlog"
+    worker = multiprocessing.get_context("fork").Process(target=read_as_one_walk, args=given, daemon=True)
+    worker.start()
+    worker.join(60)
+    assert worker.exitcode == 0
+    worker.close()
+
+
+@pytest.mark.usefixtures("three_parts")
+def test_nobody_forks_where_ended_children_are_not_heard_of() -> None:
+    """A program that was started with SIGCHLD ignored, as by some supervisors, reads alone."""
+    before = signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    try:
+        assert parts._useful_parts(1 << 20) == 1
+    finally:
+        signal.signal(signal.SIGCHLD, before)
+    assert parts._useful_parts(1 << 20) == 3
+
+
+@pytest.mark.usefixtures("three_parts")
+def test_an_interrupt_while_a_reader_starts_leaves_no_process_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C waits until the new process is known to who has to stop it."""
+    path = tmp_path / "made.tlog"
+    path.write_bytes((NEST + INNER) * 32)
+    start = parts._Reader.__init__
+
+    def interrupted(*given: Any) -> None:
+        start(*given)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(parts._Reader, "__init__", interrupted)
+    with source.opened(path) as opened, pytest.raises(KeyboardInterrupt):
+        scan.scan(opened)
+    assert not multiprocessing.active_children()
+
+
+KILLED = """
+import os, signal, sys
+from flight_replay.tlog import parts
+parts.PART_LENGTH, parts._HEAD_START = 1, 0
+os.sched_getaffinity = lambda pid: {0, 1, 2}
+for part in parts.read_parts(30, lambda begin, end, enter: parts.Part(0, 0, 0, bytes(1 << 20))):
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only there are parts read by several processes")
+def test_readers_end_when_the_program_is_killed() -> None:
+    """What has nobody left to send to ends, and lets go of the terminal."""
+    killed = subprocess.run([sys.executable, "-c", KILLED], capture_output=True, timeout=30, check=False)
+    assert (killed.returncode, killed.stderr) == (-signal.SIGKILL, b"")

@@ -7,11 +7,12 @@ wait for each other most of the time.
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -46,48 +47,84 @@ Read = Callable[[int, int, int | None], Part]
 def read_parts(size: int, read: Read) -> Iterator[Part]:
     """The parts of a file of ``size`` bytes, one after the other.
 
-    A part whose reader failed, or had guessed wrong, is read again here.
+    A part whose reader could not be started, failed, or had guessed wrong, is read here.
     """
     count = _useful_parts(size)
     shared = size - _HEAD_START if count > 1 else size
     bounds = [0, *(size - shared * left // count for left in range(count - 1, -1, -1))]
     with ExitStack() as stack:
         later = list(pairwise(bounds))[1:]
-        readers = [stack.enter_context(_Reader(read, begin, end)) for begin, end in later]
+        readers = [_started(stack, read, begin, end) for begin, end in later]
         part = read(0, bounds[1], 0)
         yield part
         leave = part.leave
         for reader, (begin, end) in zip(readers, later, strict=True):
-            guessed = reader.result()
+            guessed = reader.result() if reader else None
             part = guessed if guessed and guessed.enter == leave else read(begin, end, leave)
             leave = part.leave
             yield part
 
 
 def _useful_parts(size: int) -> int:
-    """How many parts to read at a time: one core each, and one only where a fork might not be safe.
+    """How many parts to read at a time: one core each, and one only where a fork might not be safe."""
+    if size < 2 * PART_LENGTH or not _may_fork():
+        return 1
+    return min(size // PART_LENGTH, len(os.sched_getaffinity(0)), _MOST_PARTS)
 
-    A forked process has none of its parent's threads but all of the locks that they held.
+
+def _may_fork() -> bool:
+    """Whether this process can have others read for it.
+
+    A forked process has none of its parent's threads but all of the locks that they held; where
+    SIGCHLD is ignored, nobody learns that it has ended; and multiprocessing lets a pool's workers
+    have no children.
     """
     if sys.platform != "linux" or threading.active_count() > 1:
-        return 1
-    return max(min(size // PART_LENGTH, len(os.sched_getaffinity(0)), _MOST_PARTS), 1)
+        return False
+    import multiprocessing  # short logs go without its start-up time
+
+    is_heard = signal.getsignal(signal.SIGCHLD) != signal.SIG_IGN
+    return is_heard and not multiprocessing.current_process().daemon
+
+
+def _started(stack: ExitStack, read: Read, begin: int, end: int) -> _Reader | None:
+    """A process that reads a part until the stack is left, None where the system has no room for one."""
+    try:
+        with _endings_held():
+            return stack.enter_context(_Reader(read, begin, end))
+    except OSError:
+        return None
+
+
+@contextmanager
+def _endings_held() -> Iterator[None]:
+    """Let Ctrl-C and the like wait until a new process is known to who has to stop it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _endings())
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _endings() -> tuple[signal.Signals, ...]:
+    """The signals that ask a program to end."""
+    return signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
 
 class _Reader:
     """A process that reads a part, and is stopped on leaving."""
 
     def __init__(self, read: Read, begin: int, end: int) -> None:
-        import multiprocessing  # short logs go without its start-up time
+        import multiprocessing
 
         context = multiprocessing.get_context("fork")
         self._results, results = context.Pipe(duplex=False)
-        self._process = context.Process(target=_send, args=(results, read, begin, end), daemon=True)
-        with warnings.catch_warnings():
+        given = self._results, results, read, begin, end
+        self._process = context.Process(target=_send, args=given, daemon=True)
+        with warnings.catch_warnings(), results:
             # There may be threads that are not Python's, of linear algebra, which bear a fork.
             warnings.simplefilter("ignore", DeprecationWarning)
             self._process.start()
-        results.close()
 
     def __enter__(self) -> _Reader:
         return self
@@ -99,21 +136,19 @@ class _Reader:
         self._results.close()
 
     def result(self) -> Part | None:
-        """What it read, None if it failed."""
+        """What it read, None if it failed or was killed, before sending that or amid it."""
         try:
             part: Part = self._results.recv()
-        except EOFError:
+        except (EOFError, OSError):
             return None
         return part
 
 
-def _send(results: Connection, read: Read, begin: int, end: int) -> None:
+def _send(parents: Connection, results: Connection, read: Read, begin: int, end: int) -> None:
     """Read a part, and send what it holds; of errors, nothing: the parent meets them itself."""
-    import signal
-
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    parents.close()  # or a parent that was killed would leave this process sending to itself for ever
+    for number in _endings():
         signal.signal(number, signal.SIG_DFL)
-    try:
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _endings())
+    with suppress(Exception):
         results.send(read(begin, end, None))
-    except OSError:
-        return
