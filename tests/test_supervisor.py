@@ -184,6 +184,31 @@ def test_an_armed_vehicle_is_left_alone() -> None:
     assert flight.vehicle.asked == []
 
 
+def test_a_vehicle_that_somebody_else_arms_is_not_taken_off_with() -> None:
+    """What was not armed from here is neither flown nor sent home."""
+    flight = flown(FakeVehicle(FakeClock()))
+    vehicle = flight.vehicle
+
+    def armed_meanwhile(attend: Callable[[], None]) -> bool:
+        vehicle.queue.append(Heartbeat("GUIDED", True))
+        attend()
+        return True
+
+    vehicle.mission_verified = armed_meanwhile  # type: ignore[method-assign]
+    with pytest.raises(VehicleError, match="armed already, in mode GUIDED"):
+        flight.fly()
+    assert vehicle.asked == ["GUIDED"]
+
+
+def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
+    """GUIDED is not asked for over the head of somebody who armed it in another mode."""
+    flight = flown(FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"})))
+    flight.vehicle.at.append((6.0, lambda: setattr(flight.vehicle, "armed", True)))
+    with pytest.raises(VehicleError, match="armed already, in mode STABILIZE"):
+        flight.fly()
+    assert flight.wall_s < 9
+
+
 @pytest.mark.parametrize("when_s", [6.0, 12.0, 20.0, 30.0])
 def test_ctrl_c_sends_the_vehicle_home(when_s: float) -> None:
     """An interrupt in the air commands RTL first, says that it is confirmed, and goes on up."""
@@ -375,6 +400,20 @@ def test_a_vehicle_that_somebody_disarms_is_not_armed_again() -> None:
         flight.fly()
     assert flight.vehicle.asked.count("arm") == 1
     assert "RTL" not in flight.vehicle.asked
+
+
+def test_a_vehicle_that_falls_while_it_climbs_is_not_armed_again() -> None:
+    """A crash at 15 m is no vehicle that waited too long on the ground."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+
+    def crash() -> None:
+        flight.vehicle.say("Crash: Disarming")
+        flight.vehicle.armed, flight.vehicle.altitude_m = False, 0.0
+
+    flight.vehicle.at.append((12.0, crash))
+    with pytest.raises(VehicleError, match=r"climbed to \d+\.\d m: it says \"Crash: Disarming\""):
+        flight.fly()
+    assert flight.vehicle.asked.count("arm") == 1
 
 
 def test_holds_in_the_mission_are_no_standstill() -> None:

@@ -44,12 +44,17 @@ def wait_ready(watch: Watch) -> None:
 
 def _known_ready(watch: Watch) -> bool:
     """Whether the vehicle is known to be on the ground, disarmed, somewhere, and ready."""
-    if watch.armed:
+    _check_not_armed_by_others(watch)
+    told = watch.armed is not None and watch.state is not None
+    return told and watch.readiness is not None and watch.readiness.ready
+
+
+def _check_not_armed_by_others(watch: Watch) -> None:
+    """Whoever armed the vehicle before it was asked for here has control of it."""
+    if watch.armed and not watch.arm_asked:
         raise VehicleError(
             f"the vehicle is armed already, in mode {watch.mode}; land and disarm it, then start again"
         )
-    told = watch.armed is not None and watch.state is not None
-    return told and watch.readiness is not None and watch.readiness.ready
 
 
 def change_mode(watch: Watch, mode: str) -> None:
@@ -63,6 +68,7 @@ def change_mode(watch: Watch, mode: str) -> None:
     watch.modes.expect_change(mode)
     deadline, repeat = Deadline(watch, watch.deadlines.mode_s), Repeat(watch)
     while not watch.modes.changed:
+        _check_not_armed_by_others(watch)
         if deadline.passed:
             reason = _refusal(watch, Request.MODE)
             raise PhaseTimeoutError(_late(f"did not change to mode {mode}", watch.deadlines.mode_s, reason))
@@ -105,6 +111,7 @@ def arm(watch: Watch) -> None:
         if pace.due():
             watch.emit(Waiting(Phase.ARM, reason))
         watch.step()
+    _check_not_armed_by_others(watch)
 
 
 def go_up(watch: Watch, altitude_m: float) -> None:
@@ -122,7 +129,7 @@ def take_off(watch: Watch, altitude_m: float) -> bool:
     """Climb to ``altitude_m`` above home; 95 % of it counts. Whether it did: False if it disarmed itself.
 
     Raises:
-        VehicleError: Somebody else disarmed it: whoever that was may stand beside it.
+        VehicleError: Somebody else disarmed it: whoever that was may stand beside it. Or it fell.
     """
     watch.emit(PhaseStarted(Phase.TAKEOFF))
     watch.forget_reason()
@@ -135,13 +142,16 @@ def take_off(watch: Watch, altitude_m: float) -> bool:
         if watch.altitude_m > highest_m + _GAIN_M:
             highest_m = watch.altitude_m
             deadline.restart()
+        on_ground = highest_m < ground_m + _OFF_GROUND_M
         if watch.modes.disarmed_at_s is not None:
+            if not on_ground:
+                raise _disarmed_in_the_air(watch, highest_m)
             _check_it_disarmed_itself(watch, watch.modes.disarmed_at_s - began_s)
             return False
         if deadline.passed:
             reason = _refusal(watch, Request.TAKEOFF)
             raise PhaseTimeoutError(_late(f"stayed at {highest_m:.1f} m", watch.deadlines.no_climb_s, reason))
-        wanted = highest_m < ground_m + _OFF_GROUND_M and not watch.requests.accepted(Request.TAKEOFF)
+        wanted = on_ground and not watch.requests.accepted(Request.TAKEOFF)
         if wanted and not watch.mode_in_doubt and repeat.due(_AGAIN_S):
             watch.vehicle.ask_takeoff(altitude_m)
         if pace.due():
@@ -157,6 +167,13 @@ def _check_it_disarmed_itself(watch: Watch, idle_s: float) -> None:
             f"the vehicle was disarmed by somebody else before it climbed{_because(watch.reason)}; "
             "find out why before starting again"
         )
+
+
+def _disarmed_in_the_air(watch: Watch, highest_m: float) -> VehicleError:
+    return VehicleError(
+        f"the vehicle disarmed after it had climbed to {highest_m:.1f} m{_because(watch.reason)}; "
+        "look after it, and find out why before starting again"
+    )
 
 
 def _refusal(watch: Watch, request: Request) -> str:
