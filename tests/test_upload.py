@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -17,6 +18,7 @@ from flight_replay.simulator.place import Start
 from flight_replay.vehicle.items import difference, item_message
 from flight_replay.vehicle.mavlink import MISSION_RESULTS, OUR_COMPONENT, OUR_SYSTEM, dialect
 from flight_replay.vehicle.on_board import OnBoard
+from flight_replay.vehicle.port import is_for_us
 from flight_replay.vehicle.upload import UploadLimits
 
 
@@ -224,8 +226,33 @@ UNLIKE = {
     "hold": (waypoint(47.0, 8.0, 30.0, hold_s=4), "param1 4 instead of 2"),
     "frame": (MissionItem(16, Frame.ABSOLUTE, (2, 0, 0, 0), 47.0, 8.0, 30.0), "frame 0 instead of 3"),
     "place": (waypoint(47.0000003, 8.0, 30.0, hold_s=2), "position 47.0000003"),
+    "no height": (waypoint(47.0, 8.0, math.nan, hold_s=2), "altitude nan m instead of 30 m"),
+    "no hold": (MissionItem(16, 3, (math.nan, 0, 0, 0), 47.0, 8.0, 30.0), "param1 nan instead of 2"),
     "height": (waypoint(47.0, 8.0, 30.2, hold_s=2), "altitude 30.2 m instead of 30 m"),
 }
+
+
+class IntegersOnly(VirtualPort):
+    """A vehicle that has forgotten MISSION_ITEM, and asks for what it knows."""
+
+    def send(self, message: Any) -> None:
+        if message.get_type() not in ("MISSION_ITEM", "MISSION_REQUEST"):
+            super().send(message)
+
+    def _deliver(self, outward: bool, frame: bytes) -> None:
+        message = dialect.MAVLink(None).parse_buffer(frame)[0]
+        if not outward and message.get_type() == "MISSION_REQUEST":
+            asks = dialect.MAVLink_mission_request_int_message(OUR_SYSTEM, OUR_COMPONENT, message.seq)
+            frame = asks.pack(dialect.MAVLink(None, self.system, self.component))
+        super()._deliver(outward, frame)
+
+
+def test_who_asks_for_integers_gets_them() -> None:
+    """A vehicle whose word on what it can do was lost shows it by what it asks for, and answers."""
+    port = IntegersOnly()
+    on_board = put(port, route(12), as_int=False)
+    assert on_board.verified()
+    assert [item.command for item in port.autopilot.store.items[1:]] == [i.command for i in route(12).items]
 
 
 @pytest.mark.parametrize(("found", "words"), UNLIKE.values(), ids=UNLIKE.keys())
@@ -257,6 +284,21 @@ def test_longitudes_beyond_180_degrees_are_wrapped() -> None:
 def test_we_are_nobody_elses_station() -> None:
     """Our component is not that of common ground stations, which share links with us."""
     assert (OUR_SYSTEM, OUR_COMPONENT) not in {(255, 0), (255, 190), (255, 230)}
+
+
+@pytest.mark.parametrize(
+    ("system", "component", "ours"),
+    [
+        (OUR_SYSTEM, OUR_COMPONENT, True),
+        (OUR_SYSTEM, 0, True),
+        (0, 0, True),
+        (255, 190, False),
+        (1, 0, False),
+    ],
+)
+def test_what_is_for_us(system: int, component: int, ours: bool) -> None:
+    """Messages to us, to all of our system or to everybody; not those to other stations."""
+    assert is_for_us(dialect.MAVLink_mission_ack_message(system, component, 0)) is ours
 
 
 @pytest.mark.parametrize("as_int", [True, False], ids=["4.6", "3.3"])

@@ -260,6 +260,29 @@ def test_a_message_that_a_link_doubles_counts_once() -> None:
     assert list(heard.take(0.0)) == [Heartbeat("LOITER", True)] * 2
 
 
+@pytest.mark.parametrize(
+    ("sent_text", "readable"),
+    [
+        (b"\x1b[31mEVIL\x1b]0;title\x07\r\nmore", "[31mEVIL ]0;title more"),
+        (b"  two  spaces ", "two spaces"),
+        (b"caf\xe9", "caf\N{REPLACEMENT CHARACTER}"),
+    ],
+)
+def test_words_cannot_command_a_terminal(sent_text: bytes, readable: str) -> None:
+    """Escape codes and line ends of a vehicle, or of who pretends to be it, are no words."""
+    text = sent(dialect.MAVLink_statustext_message(3, sent_text))
+    assert news_of(text) == [StatusText(3, readable)]
+
+
+def test_heartbeats_that_are_not_numbered_all_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Alike to the last bit and a second apart, they are no copies: the pilot's mode is told each time."""
+    heard = telemetry()
+    for now_s in (100.0, 100.3, 101.0, 102.0):
+        monkeypatch.setattr(time, "monotonic", lambda now_s=now_s: now_s)
+        heard.receive(heartbeat(5))
+    assert list(heard.take(0.0)) == [Heartbeat("LOITER", True)] * 3
+
+
 def test_taking_news_waits_no_longer_than_asked() -> None:
     """Without news the wait ends at its timeout."""
     began_s = time.monotonic()

@@ -111,25 +111,32 @@ class Reader:
             if seq in self._asked_s:
                 self._trip.lost()
                 echo.ping(self._port)
+                self._request_other(seq)
             self._asked_s[seq] = now_s
             self._first_asked.setdefault(seq, now_s)
-            self._port.send(self._request(seq))
+            self._request(seq, as_int=self._as_int)
 
-    def _request(self, seq: int) -> Message:
+    def _request_other(self, seq: int) -> None:
+        """Ask for integers too: what the vehicle can do may only not have been heard."""
+        if not self._as_int:
+            self._request(seq, as_int=True)
+
+    def _request(self, seq: int, *, as_int: bool) -> None:
         port = self._port
-        kind = dialect.MAVLink_mission_request_int_message if self._as_int else None
-        kind = kind or dialect.MAVLink_mission_request_message
-        return kind(port.system, port.component, seq, self._type)
+        kind = (
+            dialect.MAVLink_mission_request_int_message if as_int else dialect.MAVLink_mission_request_message
+        )
+        port.send(kind(port.system, port.component, seq, self._type))
 
     def _take(self, message: Message, count: int) -> bool:
         """Whether the message brought an item that was missing."""
         if echo.learn(self._port, message):
             return False
         kind = message.get_type()
-        wanted = "MISSION_ITEM_INT" if self._as_int else "MISSION_ITEM"
-        if kind != wanted or not self._is_ours(message) or message.seq >= count or message.seq in self._found:
+        wanted = ("MISSION_ITEM_INT",) if self._as_int else ("MISSION_ITEM", "MISSION_ITEM_INT")
+        if kind not in wanted or not self._is_ours(message) or message.seq >= count:
             return False
-        if message.seq not in self._asked_s:
+        if message.seq in self._found or message.seq not in self._asked_s:
             return False
         if self._asked_s[message.seq] == self._first_asked[message.seq]:
             self._trip.took(self._port.now_s() - self._asked_s[message.seq])

@@ -69,7 +69,7 @@ def difference(sent: MissionItem, found: MissionItem, *, as_int: bool) -> str | 
     if found.command != sent.command:
         return f"command {found.command} instead of {sent.command}"
     for index, step in _KEPT.get(sent.command, {}).items():
-        if abs(found.params[index] - sent.params[index]) > step:
+        if not abs(found.params[index] - sent.params[index]) <= step:  # Neither is a NaN what was sent.
             return f"param{index + 1} {found.params[index]:g} instead of {sent.params[index]:g}"
     return None if sent.command in _PLACELESS else _place_difference(sent, found, as_int)
 
@@ -79,10 +79,10 @@ def _place_difference(sent: MissionItem, found: MissionItem, as_int: bool) -> st
         return f"frame {found.frame} instead of {sent.frame}"
     north = abs(found.lat_deg - sent.lat_deg)
     east = abs(math.remainder(found.lon_deg - sent.lon_deg, 360.0))
-    if north > _step_deg(sent.lat_deg, as_int) or east > _step_deg(sent.lon_deg, as_int):
+    if not (north <= _step_deg(sent.lat_deg, as_int) and east <= _step_deg(sent.lon_deg, as_int)):
         there, wanted = (f"{item.lat_deg:.7f}, {item.lon_deg:.7f}" for item in (found, sent))
         return f"position {there} instead of {wanted}"
-    if abs(found.alt_m - sent.alt_m) > _ALTITUDE_STEP_M:
+    if not abs(found.alt_m - sent.alt_m) <= _ALTITUDE_STEP_M:
         return f"altitude {found.alt_m:g} m instead of {sent.alt_m:g} m"
     return None
 

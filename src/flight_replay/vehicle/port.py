@@ -43,13 +43,14 @@ class Port(Protocol):
 
 
 def is_for_us(message: Message) -> bool:
-    """Whether a message is addressed to us, or to nobody: other stations share the link.
+    """Whether a message is addressed to us, to all of our system, or to nobody.
 
-    ArduCopter 3.3 asks for mission items, and MAVLink 1 answers commands, without an address.
+    Other stations share the link. ArduCopter 3.3 asks for mission items, and MAVLink 1 answers commands,
+    without an address.
     """
     system = getattr(message, "target_system", 0)
     component = getattr(message, "target_component", 0)
-    return (system, component) in {(OUR_SYSTEM, OUR_COMPONENT), (0, 0)}
+    return (system, component) in {(OUR_SYSTEM, OUR_COMPONENT), (OUR_SYSTEM, 0), (0, 0)}
 
 
 class _QueueInbox:

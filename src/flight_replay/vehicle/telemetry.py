@@ -28,10 +28,16 @@ from flight_replay.vehicle.names import mode_name
 _KEPT = 50_000  # News that nobody takes: minutes of a fast simulator.
 _LATE_REPORTS = 5  # So many reports in a row from before the newest one ...
 _LATE_WALL_S = 0.5  # ... and nothing newer for this time here: a reboot, not packets out of order.
-_COPIES_WITHIN = 64  # Messages; packets are numbered up to 255, so one sent anew is not taken for a copy.
+_COPIES_WITHIN = 64  # Messages; packets are numbered up to 255, so one sent anew is not taken for a copy ...
+_COPIES_WITHIN_S = 0.9  # ... nor one of an autopilot that does not number them, whose heartbeats are alike.
 _NO_TOTAL = frozenset({0, 65535})  # MISSION_CURRENT.total where it is not told.
 _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _UNKNOWN_HEADING = 65535
+
+
+def _readable(text: str) -> str:
+    """Words on one line, without what would command the terminal that shows them."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 class Telemetry:
@@ -46,7 +52,7 @@ class Telemetry:
         self._mode, self._armed = "", False
         self._newest_s = self._newer_s = self._position_s = float("-inf")
         self._late = 0
-        self._frames: deque[bytes] = deque(maxlen=_COPIES_WITHIN)
+        self._frames: deque[tuple[bytes, float]] = deque(maxlen=_COPIES_WITHIN)  # And when they came.
         self.heard_s: dict[str, float] = {}  # When a message of each kind came last, by the clock here.
         self._prearm_known = self._prearm_good = False
         self._text: dict[int, list[str]] = {}
@@ -75,10 +81,13 @@ class Telemetry:
 
     def _is_copy(self, message: Message) -> bool:
         """Whether a link that doubles packets brought this one before, by its number and all the rest."""
-        frame = bytes(message.get_msgbuf())
-        known = frame in self._frames
-        self._frames.append(frame)
-        return known
+        frame, now_s = bytes(message.get_msgbuf()), time.monotonic()
+        while self._frames and now_s - self._frames[0][1] > _COPIES_WITHIN_S:
+            self._frames.popleft()
+        if any(frame == known for known, _ in self._frames):
+            return True
+        self._frames.append((frame, now_s))
+        return False
 
     def take(self, timeout_s: float) -> Sequence[News]:
         """All news since the last call, waiting for the first until the timeout."""
@@ -133,7 +142,7 @@ class Telemetry:
         """A text; MAVLink 2 sends long ones in pieces of 50 with a common ``id``."""
         text_id = getattr(message, "id", 0)
         if text_id == 0:
-            return StatusText(message.severity, message.text.strip())
+            return StatusText(message.severity, _readable(message.text))
         if message.chunk_seq == 0:
             self._text[text_id] = []  # An earlier text of that number lost its end on the way.
         pieces = self._text.setdefault(text_id, [])
@@ -141,7 +150,7 @@ class Telemetry:
         if len(message.text) == 50:
             return None
         del self._text[text_id]
-        return StatusText(message.severity, "".join(pieces).strip())
+        return StatusText(message.severity, _readable("".join(pieces)))
 
     def _mission_current(self, message: Message) -> News:
         total = getattr(message, "total", 0)

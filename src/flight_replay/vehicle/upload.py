@@ -85,7 +85,7 @@ class Upload:
                     if self._take_ack(message, inbox):
                         progress(len(self._items))
                         return
-                elif self._take_request(message.seq):
+                elif self._take_request(message):
                     progress(message.seq)
                     moved_s = now_s()
 
@@ -120,8 +120,11 @@ class Upload:
             self._send(seq)
             self._next = max(self._next, seq + 1)
 
-    def _take_request(self, seq: int) -> bool:
+    def _take_request(self, message: Message) -> bool:
         """Whether a request shows that the vehicle took more than ever before."""
+        seq = message.seq
+        # Who asks for integers takes them, though its word on what it can do was not heard.
+        self._as_int = self._as_int or message.get_type() == "MISSION_REQUEST_INT"
         if seq >= len(self._items):
             return False
         self._measure(seq)
@@ -195,7 +198,7 @@ class Upload:
                 "choose fewer with --max-points"
             )
         where = f"mission item {self._asked}" if self._asked > 0 else "the mission"
-        return f"the vehicle refused {where}: {self._refusal}; what was on board before is saved"
+        return f"the vehicle refused {where}: {self._refusal}; what is on board now may be cut short"
 
     def _stalled(self) -> str:
         if self._refusal == MISSION_RESULTS[dialect.MAV_MISSION_DENIED]:
