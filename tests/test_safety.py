@@ -130,6 +130,21 @@ def test_a_route_beyond_the_fence_is_refused(mission: Mission, fence: dict[str, 
         checked(mission, replace(COPTER, parameters=fence))
 
 
+def test_a_fence_that_goes_on_when_armed_counts_already() -> None:
+    """FENCE_AUTOENABLE of ArduCopter 4.6 switches the fence on in the air."""
+    fence = FENCE | {"FENCE_ENABLE": 0.0, "FENCE_AUTOENABLE": 3.0}
+    with pytest.raises(MissionError, match="FENCE_RADIUS 150 m"):
+        checked(route(1, 15), replace(COPTER, parameters=fence))
+
+
+@pytest.mark.parametrize("name", ["FENCE_ENABLE", "FENCE_TYPE", "FENCE_ALT_MAX", "FENCE_MARGIN"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_fence_that_cannot_be_understood_is_not_flown_in(name: str, value: float) -> None:
+    """A storage that lost its values must not pass for a fence that holds nobody."""
+    with pytest.raises(VehicleError, match=f"{name} is {value:g}"):
+        checked(route(1), replace(COPTER, parameters=FENCE | {name: value}))
+
+
 @pytest.mark.parametrize(
     "fence",
     [{}, FENCE | {"FENCE_ENABLE": 0.0}, FENCE | {"FENCE_TYPE": 4.0}],

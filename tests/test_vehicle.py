@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import socket
 import threading
 import time
@@ -125,6 +126,26 @@ def test_the_speed_of_a_simulator_is_set_if_it_is_another() -> None:
         assert vehicle.parameters(["SIM_SPEEDUP", "NO_SUCH_NAME"]) == {"SIM_SPEEDUP": 9.0}
         vehicle.run_at(9.0)
         assert vehicle.link.speedup == 9.0
+
+
+@pytest.mark.parametrize(
+    ("told", "pace"),
+    [
+        ({"SIM_SPEEDUP": 7.0}, 7.0),
+        ({}, 1.0),
+        ({"SIM_SPEEDUP": 0.0}, 100.0),
+        ({"SIM_SPEEDUP": math.nan}, 100.0),
+    ],
+    ids=["told", "not told", "as fast as it goes", "no number"],
+)
+def test_pace_is_kept_with_a_simulator_whatever_it_says(
+    told: dict[str, float], pace: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a wish its speed stays, and heartbeats come often enough for it."""
+    with copter() as vehicle:
+        monkeypatch.setattr(vehicle, "parameters", lambda names: told)
+        vehicle.run_at(None)
+        assert vehicle.link.speedup == pace
 
 
 def test_a_vehicle_of_another_make_is_named_as_what_it_is() -> None:

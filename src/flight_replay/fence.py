@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,20 @@ def _inside(places: Floats, corners: Floats) -> NDArray[np.bool_]:
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = x1 + (y - y1) * (x2 - x1) / (y2 - y1)
     return np.asarray((straddles & (x < crossing)).sum(axis=1) % 2 == 1)
+
+
+def kinds_on(parameters: Mapping[str, float]) -> int:
+    """The bits of FENCE_TYPE of a fence that is on, or goes on by itself once the vehicle flies; else 0.
+
+    Raises:
+        VehicleError: A value that counts is not a number.
+    """
+    if not (parameters.get("FENCE_ENABLE") or parameters.get("FENCE_AUTOENABLE")):
+        return 0
+    for name, value in parameters.items():
+        if name.startswith("FENCE_") and not math.isfinite(value):
+            raise VehicleError(f"the vehicle's fence cannot be understood: {name} is {value:g}; set it anew")
+    return int(parameters.get("FENCE_TYPE", 0))
 
 
 def areas_of(items: Sequence[MissionItem]) -> tuple[Area, ...]:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from flight_replay.vehicle import ConnectedVehicle
 
 _POSITION_S = 120.0
-_SPEEDUP = "SIM_SPEEDUP"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +101,7 @@ def _connected(connection: str, options: Options, listener: Listener) -> Iterato
 def _set_pace(connected: ConnectedVehicle, speedup: float | None) -> None:
     """Run a simulated vehicle as fast as asked, or keep pace with it; a real one has its own."""
     if connected.identity.simulated:
-        connected.run_at(speedup or connected.parameters([_SPEEDUP]).get(_SPEEDUP, 1.0))
+        connected.run_at(speedup)
     elif speedup not in (None, 1.0):
         raise VehicleError(f"{connected.identity.name} is real and flies no faster: leave out --speedup")
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from flight_replay.errors import MissionError, VehicleError
 from flight_replay.events import VehicleState
-from flight_replay.fence import Area
+from flight_replay.fence import Area, kinds_on
 from flight_replay.geodesy import Floats, LocalFrame
 from flight_replay.mission import Frame, Mission, MissionItem
 
@@ -175,9 +175,7 @@ def _heights_m(mission: Mission) -> Floats:
 
 
 def _check_fence(parameters: Mapping[str, float], distances_m: Floats, heights_m: Floats) -> None:
-    if not parameters.get("FENCE_ENABLE"):
-        return
-    kinds = _Fence(int(parameters.get("FENCE_TYPE", 0)) & (_Fence.ALT_MAX | _Fence.CIRCLE | _Fence.ALT_MIN))
+    kinds = _Fence(kinds_on(parameters) & (_Fence.ALT_MAX | _Fence.CIRCLE | _Fence.ALT_MIN))
     margin_m = parameters.get("FENCE_MARGIN", 0.0)
     bounds = (
         (_Fence.CIRCLE, "FENCE_RADIUS", "m away", distances_m.max(), 1.0),

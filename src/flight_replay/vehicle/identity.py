@@ -25,8 +25,11 @@ _MULTICOPTERS = {
     dialect.MAV_TYPE_DECAROTOR: "decacopter",
 }
 _SIMULATION = ("SIM_SPEEDUP", "SIM_WIND_SPD")
-FENCE = ("FENCE_ENABLE", "FENCE_TYPE", "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "FENCE_MARGIN")
-"""Parameters of the fence, metres; 3.3 has no lower limit."""
+FENCE = (
+    "FENCE_ENABLE", "FENCE_AUTOENABLE", "FENCE_TYPE",
+    "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "FENCE_MARGIN",
+)  # fmt: skip
+"""Parameters of the fence, metres; 3.3 has no lower limit, and none before 4.6 switches it on by itself."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from flight_replay.events import (
     Waiting,
     ignore,
 )
-from flight_replay.fence import Area, areas_of
+from flight_replay.fence import Area, areas_of, kinds_on
 from flight_replay.mission import Mission
 from flight_replay.record import Recorder
 from flight_replay.supervisor.contract import News
@@ -45,6 +45,7 @@ _TELL_S = 1.0
 _SPEEDUP = "SIM_SPEEDUP"
 _POLYGONS = 4  # The bit of FENCE_TYPE for areas on the map (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
+_UNBOUNDED_SPEEDUP = 100.0  # ArduPilot takes 0 and less for "as fast as it goes".
 
 
 class ConnectedVehicle:
@@ -133,8 +134,7 @@ class ConnectedVehicle:
         Raises:
             VehicleError: The vehicle does not tell them, or they cannot be understood.
         """
-        parameters = self.identity.parameters
-        if not parameters.get("FENCE_ENABLE") or not int(parameters.get("FENCE_TYPE", 0)) & _POLYGONS:
+        if not kinds_on(self.identity.parameters) & _POLYGONS:
             return ()
         if not self.identity.takes_item_int:
             return ()  # Firmware that old keeps its fence in another way, and no circles.
@@ -167,15 +167,19 @@ class ConnectedVehicle:
         """Set parameters, in the vehicle's own units, for as long as the context lasts."""
         return parameters_set(self._port, wanted)
 
-    def run_at(self, speedup: float) -> None:
+    def run_at(self, speedup: float | None) -> None:
         """Make a simulated vehicle's clock run ``speedup`` times as fast as ours, if it does not yet.
 
-        ArduCopter 3.3 cannot be told any more: there the option that it was started with stands.
+        None leaves its speed as it is, and keeps pace with it. ArduCopter 3.3 cannot be told any more:
+        there the option that it was started with stands.
 
         Raises:
             VehicleError: It does not take the speed.
         """
-        if self.parameters([_SPEEDUP]).get(_SPEEDUP, speedup) != speedup:
+        told = self.parameters([_SPEEDUP]).get(_SPEEDUP)
+        if speedup is None:
+            speedup = 1.0 if told is None else told if 0.0 < told < _UNBOUNDED_SPEEDUP else _UNBOUNDED_SPEEDUP
+        elif told not in (None, speedup):
             write_parameters(self._port, {_SPEEDUP: speedup})
         self.link.speedup = speedup
 
