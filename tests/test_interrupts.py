@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -29,9 +29,9 @@ def scratch(tmp_path: Path) -> Iterator[Path]:
 
 
 def interrupted(
-    options: list[str], moment: str, scratch: Path, number: int = signal.SIGINT
+    options: list[str], moment: str, scratch: Path, number: int = signal.SIGINT, again: Sequence[int] = ()
 ) -> tuple[int, str]:
-    """Exit status and what was said of a run that gets a signal once it has said ``moment``."""
+    """Status and words of a run that gets a signal once it has said ``moment``, and then those ``again``."""
     process = subprocess.Popen(
         [sys.executable, "-u", "-m", "flight_replay", *OPTIONS, *options],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=scratch.parent,
@@ -46,6 +46,9 @@ def interrupted(
                 break
         process.send_signal(number)
         began_s = time.monotonic()
+        for another in again:
+            time.sleep(0.02)
+            process.send_signal(another)
         said += process.stdout.read()
     status = process.wait(30)
     assert time.monotonic() - began_s < ENDS_WITHIN_S
@@ -77,6 +80,27 @@ def test_ctrl_c_at_any_moment(moment: str, armed: bool, scratch: Path) -> None:
     assert said.rstrip().endswith("flight-replay: error: interrupted")
     assert ("The vehicle confirmed RTL" in said) is armed
     assert "Traceback" not in said
+
+
+def test_more_signals_do_not_hinder_the_way_home(scratch: Path) -> None:
+    """Ctrl-C three times, or a terminal that sends SIGHUP and SIGTERM: home first all the same."""
+    again = [signal.SIGINT, signal.SIGHUP, signal.SIGTERM]
+    status, said = interrupted(["--sim", "builtin"], "Starting mission", scratch, signal.SIGINT, again)
+    assert status == 130
+    assert "The vehicle confirmed RTL" in said
+    assert "Traceback" not in said
+
+
+def test_a_signal_that_was_to_be_ignored_still_is(scratch: Path) -> None:
+    """``nohup flight-replay`` flies on when its terminal is closed."""
+    options = ["--sim", "builtin", "--duration", "2"]
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        status, said = interrupted(options, "Starting mission", scratch, signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    assert status == 0
+    assert "Completed..." in said
 
 
 def test_sigterm_sends_the_vehicle_home_too(scratch: Path) -> None:

@@ -16,7 +16,14 @@ def main() -> int:
 
     gc.freeze()
     gc.enable()
-    return cli.main()
+    status = cli.main()
+    if status == cli.INTERRUPTED:
+        # A second Ctrl-C while Python takes itself down would change the exit status.
+        import signal
+
+        for number in cli.ENDING_SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
+    return status
 
 
 if __name__ == "__main__":

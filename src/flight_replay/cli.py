@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
     from flight_replay.route import Route
 
 INTERRUPTED = 130
+ENDING_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
+_ENDS_WITHIN_S = 10.0
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -44,12 +49,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parse(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
+    with _ended_like_interrupted():
+        try:
+            return _run(options, arguments)
+        except KeyboardInterrupt:
+            write_error(sys.stderr, "interrupted")
+            return INTERRUPTED
+
+
+def _run(options: Options, arguments: Sequence[str]) -> int:
+    """The replay with its console; the exit status, its one line said."""
     try:
-        with _ended_like_interrupted(), _console(options) as console:
+        with _console(options) as console:
             problem = replay(options, arguments, console)
-    except KeyboardInterrupt:
-        write_error(sys.stderr, "interrupted")
-        return INTERRUPTED
     except Exception as error:
         if options.verbose:
             traceback.print_exc()
@@ -120,18 +132,27 @@ def _console(options: Options) -> AbstractContextManager[Console]:
 
 @contextmanager
 def _ended_like_interrupted() -> Iterator[None]:
-    """Make SIGTERM, and a terminal that is closed, end the program as Ctrl-C does: home first."""
+    """Make SIGTERM, and a terminal that is closed, end the program as Ctrl-C does: home first.
+
+    Whoever is impatient, or a terminal that sends several signals, must not keep the vehicle from
+    being sent home: while the program ends, more of them change nothing. One that was to be ignored
+    (``nohup``) still is.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    interrupted_s = float("-inf")
 
     def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
+        nonlocal interrupted_s
+        if time.monotonic() - interrupted_s > _ENDS_WITHIN_S:
+            interrupted_s = time.monotonic()
+            raise KeyboardInterrupt
 
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {name: signal.signal(getattr(signal, name), interrupt) for name in names}
+    heard = [number for number in ENDING_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, interrupt) for number in heard}
     try:
         yield
     finally:
-        for name, handler in before.items():
-            signal.signal(getattr(signal, name), handler)
+        for number, handler in before.items():
+            signal.signal(number, handler)
