@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import socket
 import sys
+import threading
 from collections.abc import Iterator
 
 import pytest
 
 from flight_replay.errors import VehicleError
-from flight_replay.vehicle import opening
+from flight_replay.vehicle import opening, transport
 from flight_replay.vehicle.opening import opened
 from flight_replay.vehicle.transport import (
     Serial,
@@ -43,7 +44,9 @@ def test_each_kind_of_string_is_understood(text: str, kind: type) -> None:
     assert type(transport_for(text, 57600)) is kind
 
 
-@pytest.mark.parametrize("text", ["tcp:127.0.0.1", "udp:host:port", "udpout:host:0", "tcp:host:99999"])
+@pytest.mark.parametrize(
+    "text", ["", ",57600", "tcp:127.0.0.1", "udp:host:port", "udpout:host:0", "tcp:host:99999"]
+)
 def test_a_string_that_makes_no_sense_is_refused(text: str) -> None:
     """The error shows how to write it."""
     with pytest.raises(VehicleError, match="write tcp:HOST:PORT"):
@@ -164,13 +167,25 @@ def test_what_cannot_be_opened_is_told_at_once(
 ) -> None:
     """A missing device, an unknown host, a port in use, and nobody listening: one line each."""
     monkeypatch.setattr(opening, "_RETRY_S", 0.1)
-    with pytest.raises(VehicleError, match="cannot open /dev/no-such-port"):
+    with pytest.raises(VehicleError, match="cannot open /dev/no-such-port: No such file or directory; check"):
         opened("/dev/no-such-port", 57600)
     with pytest.raises(VehicleError, match="cannot find the host"):
         opened("tcp:no-such-host.invalid:5760", 0)
+    with pytest.raises(VehicleError, match="no host is named like that; check its name"):
+        opened("tcp:two..dots:5760", 0)
     with FreePort() as held, pytest.raises(VehicleError, match="no other program uses it"):
         opened(f"udp:127.0.0.1:{held.number}", 0)
     number = server.getsockname()[1]
     server.close()
     with pytest.raises(VehicleError, match="nothing listens on tcp:"):
         opened(f"tcp:127.0.0.1:{number}", 0)
+
+
+def test_a_name_server_that_is_silent_does_not_hold_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looking up a name has a time limit, in which Ctrl-C is heard."""
+    over = threading.Event()
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: over.wait(10))
+    monkeypatch.setattr(transport, "_LOOK_UP_S", 0.2)
+    with pytest.raises(VehicleError, match=r"the name slow\.invalid is not found in time"):
+        opened("tcp:slow.invalid:5760", 0)
+    over.set()

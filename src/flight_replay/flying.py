@@ -42,11 +42,13 @@ def fly(options: Options, route: Route, console: Console, listener: Listener) ->
         FlightReplayError: Nothing flew, or the flight ended before the mission began.
     """
     with ExitStack() as stack:
-        connection = options.connect or stack.enter_context(_simulator(options, route, listener))
+        connection = options.connect
+        if connection is None:
+            connection = stack.enter_context(_simulator(options, route, listener))
         connected = stack.enter_context(_connected(connection, options, listener))
         _set_pace(connected, options.speedup)
         _check(options, route, connected, console, listener)
-        if options.connect:
+        if options.connect is not None:
             _keep_mission(connected, connection, options.baud, listener)
         if route.raised:
             stack.enter_context(_raised(connected, route.raised))

@@ -13,7 +13,6 @@ import socket
 import sys
 import tarfile
 import tempfile
-import threading
 import time
 import urllib.parse
 import urllib.request
@@ -23,6 +22,7 @@ from pathlib import Path, PurePosixPath
 
 from flight_replay.errors import SimulatorError
 from flight_replay.events import Listener, Progress, ignore
+from flight_replay.hosts import look_up
 
 _SYSTEM, _VERSION = "copter", "3.3"  # What dronekit_sitl.start_default() flies.
 _SILENCE_S = 8.0
@@ -136,25 +136,14 @@ def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: fl
 
 
 def _resolve(url: str, limit_s: float) -> None:
-    """Find the host's address in time: no time limit of a socket holds for that. A proxy does it itself."""
+    """Find the host's address in time; a proxy does it itself."""
     parts = urllib.parse.urlsplit(url)
     if parts.scheme in urllib.request.getproxies():
         return
-    failures: list[OSError] = []
-
-    def look_up() -> None:
-        try:
-            socket.getaddrinfo(parts.hostname, parts.port or parts.scheme)
-        except OSError as error:
-            failures.append(error)
-
-    thread = threading.Thread(target=look_up, daemon=True)
-    thread.start()
-    thread.join(limit_s)
-    if thread.is_alive():
-        raise TimeoutError(f"the name {parts.hostname} is not found in time")
-    if failures:
-        raise OSError(f"the name {parts.hostname} is not known here") from failures[0]
+    try:
+        look_up(parts.hostname or "", parts.port or parts.scheme, limit_s)
+    except socket.gaierror as error:
+        raise OSError(f"the name {parts.hostname} is not known here") from error
 
 
 def _unpack(archive: Path, folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import time
 
@@ -37,6 +38,6 @@ def opened(connection_string: str, baud: int) -> Transport:
         except OSError as error:
             transport.close()
             raise VehicleError(
-                f"cannot open {connection_string}: {error.strerror or error}; "
+                f"cannot open {connection_string}: {os.strerror(error.errno) if error.errno else error}; "
                 "check that it exists and that no other program uses it"
             ) from error

@@ -11,8 +11,10 @@ import socket
 from typing import Any, Protocol
 
 from flight_replay.errors import VehicleError
+from flight_replay.hosts import look_up
 
 _CONNECT_S = 3.0
+_LOOK_UP_S = 4.0  # Less than closing a link waits for its thread.
 _CHUNK = 65536
 
 
@@ -52,17 +54,23 @@ def transport_for(connection_string: str, baud: int) -> Transport:
     if rest.isdigit() and "/" not in kind:
         return UdpListener(_address(connection_string, connection_string))
     device, _, speed = connection_string.partition(",")
+    if not device:
+        raise _not_understood(connection_string)
     return Serial(device, int(speed) if speed.isdigit() else baud)
 
 
 def _address(connection_string: str, host_port: str) -> tuple[str, int]:
     host, _, port = host_port.rpartition(":")
     if not port.isdigit() or not 0 < int(port) < 65536:
-        raise VehicleError(
-            f"cannot understand the connection {connection_string!r}; "
-            "write tcp:HOST:PORT, udp:HOST:PORT, udpout:HOST:PORT or a serial port"
-        )
+        raise _not_understood(connection_string)
     return host.strip("[]") or "0.0.0.0", int(port)
+
+
+def _not_understood(connection_string: str) -> VehicleError:
+    return VehicleError(
+        f"cannot understand the connection {connection_string!r}; "
+        "write tcp:HOST:PORT, udp:HOST:PORT, udpout:HOST:PORT or a serial port"
+    )
 
 
 class _Socket:
@@ -82,6 +90,7 @@ class _Socket:
 
     def _new(self, kind: socket.SocketKind) -> tuple[socket.socket, Any]:
         """A socket of the address's family, and the address in that family's form."""
+        look_up(*self._address, _LOOK_UP_S)
         family, _, _, _, address = socket.getaddrinfo(*self._address, type=kind)[0]
         return socket.socket(family, kind), address
 
@@ -103,6 +112,7 @@ class TcpClient(_Socket):
     def open(self) -> None:
         """Connect, in seconds at most."""
         self.close()
+        look_up(*self._address, _LOOK_UP_S)
         self._socket = socket.create_connection(self._address, _CONNECT_S)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 

@@ -1,0 +1,32 @@
+"""Finds a host's address in time: no time limit of a socket holds for that, and Ctrl-C neither."""
+
+from __future__ import annotations
+
+import socket
+import threading
+
+
+def look_up(host: str, port: int | str, limit_s: float) -> None:
+    """Ask for a name's addresses, which the system then knows.
+
+    Raises:
+        socket.gaierror: The name is not known, or is none.
+        TimeoutError: Nobody answers in time.
+    """
+    failures: list[OSError] = []
+
+    def ask() -> None:
+        try:
+            socket.getaddrinfo(host, port)
+        except OSError as error:
+            failures.append(error)
+        except UnicodeError:
+            failures.append(socket.gaierror(socket.EAI_NONAME, "no host is named like that"))
+
+    thread = threading.Thread(target=ask, daemon=True)
+    thread.start()
+    thread.join(limit_s)
+    if thread.is_alive():
+        raise TimeoutError(f"the name {host} is not found in time")
+    if failures:
+        raise failures[0]
