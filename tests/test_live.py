@@ -1,5 +1,6 @@
 """live.py, display.py and status.py: the display says where the replay stands, at any width."""
 
+import errno
 import io
 import math
 
@@ -229,3 +230,21 @@ def test_no_color_is_honoured_by_the_display(monkeypatch: pytest.MonkeyPatch) ->
     assert "\x1b[33m" in run_live(False, [Notice("x", warning=True)])
     monkeypatch.setenv("NO_COLOR", "1")
     assert "\x1b[33m" not in run_live(False, [Notice("x", warning=True)])
+
+
+def test_a_terminal_that_is_closed_does_not_hide_an_interrupt() -> None:
+    """SIGHUP comes with a terminal that takes no more words: the program still was interrupted."""
+
+    class Closed(Terminal):
+        closed_now = False
+
+        def write(self, text: str) -> int:
+            if self.closed_now:
+                raise OSError(errno.EIO, "Input/output error")
+            return super().write(text)
+
+    stream = Closed()
+    with pytest.raises(KeyboardInterrupt), LiveConsole(stream) as console:
+        console.listener(PhaseStarted(Phase.CONNECT))
+        stream.closed_now = True
+        raise KeyboardInterrupt

@@ -53,7 +53,11 @@ class LiveConsole:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._live.stop()
+        self._stop()
+
+    def _stop(self) -> None:
+        with suppress(OSError):  # A terminal that was closed must not hide what ended the program.
+            self._live.stop()
 
     def listener(self, event: Event) -> None:
         """Take the event into the display; notices, and everything if verbose, also scroll by."""
@@ -62,7 +66,7 @@ class LiveConsole:
         if line is not None:
             self._print(Text(printable(line, self._rich.file), style="yellow" if went_wrong(event) else ""))
         if isinstance(event, Finished):
-            self._live.stop()  # What is said from now on stands below the display.
+            self._stop()  # What is said from now on stands below the display.
 
     def _scrolls(self, event: Event) -> bool:
         return (
