@@ -79,3 +79,15 @@ def test_a_speedup_is_set_on_a_simulator_that_runs(vehicle: str, capsys: pytest.
     """--speedup with --connect changes a simulator's clock; without, the clock is left alone."""
     replayed(capsys, "--connect", vehicle, "--speedup", "25", "--duration", "2")
     assert parameters(vehicle, ["SIM_SPEEDUP"]) == {"SIM_SPEEDUP": 25.0}
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_recording_that_fails_does_not_end_the_flight(
+    vehicle: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The flight ends as asked and comes home; that the recording is incomplete is the one line."""
+    options = ["--connect", vehicle, "--duration", "2", "--record", "/dev/full", "--json"]
+    assert main(options) == 1
+    said = capsys.readouterr()
+    assert json.loads(said.out)["flight"]["rtl_confirmed"] is True
+    assert "error: the recording /dev/full is incomplete: No space left on device" in said.err

@@ -90,3 +90,15 @@ def test_a_file_that_cannot_be_written_is_told_before_anything_flies(tmp_path: P
     """The error names the file and the option."""
     with pytest.raises(VehicleError, match="choose another --record file"):
         Recorder(tmp_path / "no" / "such" / "folder.tlog")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("frames", [1, 2000], ids=["at the end", "on the way"])
+def test_a_full_disk_does_not_end_a_flight(frames: int) -> None:
+    """What cannot be kept is given up, and told afterwards."""
+    with Recorder(Path("/dev/full")) as recorder:
+        for i in range(frames):
+            recorder.write(position(i))
+    assert recorder.problem == (
+        "the recording /dev/full is incomplete: No space left on device; make room for the next"
+    )

@@ -190,6 +190,12 @@ def test_answers_name_the_request() -> None:
     ]
 
 
+def test_answers_to_other_stations_are_not_ours() -> None:
+    """Another station's refusal neither makes us ask again nor ask for modes in the old way."""
+    refused = [sent(dialect.MAVLink_command_ack_message(176, result, 0, 0, 255, 190)) for result in (3, 4)]
+    assert news_of(*refused) == []
+
+
 def test_a_mode_command_that_is_not_known_is_sent_the_old_way() -> None:
     """UNSUPPORTED makes it SET_MODE at once, and from then on."""
     port = VirtualPort()

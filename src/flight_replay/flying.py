@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ from flight_replay.supervisor import FlightRecord, Plan, WallClock
 from flight_replay.supervisor import fly as supervise
 
 if TYPE_CHECKING:
+    from flight_replay.record import Recorder
     from flight_replay.vehicle import ConnectedVehicle
 
 _POSITION_S = 120.0
@@ -41,11 +42,14 @@ def fly(options: Options, route: Route, console: Console, listener: Listener) ->
     Raises:
         FlightReplayError: Nothing flew, or the flight ended before the mission began.
     """
+    from flight_replay.record import Recorder
+
     with ExitStack() as stack:
+        recorder = stack.enter_context(Recorder(options.record)) if options.record else None
         connection = options.connect
         if connection is None:
             connection = stack.enter_context(_simulator(options, route, listener))
-        connected = stack.enter_context(_connected(connection, options, listener))
+        connected = stack.enter_context(_connected(connection, options, listener, recorder))
         _set_pace(connected, options.speedup)
         _check(options, route, connected, console, listener)
         if options.connect is not None:
@@ -55,6 +59,8 @@ def fly(options: Options, route: Route, console: Console, listener: Listener) ->
         connected.upload(route.mission, listener)
         record = supervise(connected, WallClock(), _plan(options, route), listener)
         identity = connected.identity
+    if recorder:
+        record = replace(record, problem=record.problem or recorder.problem)
     listener(Finished(record.ended))
     return Flown(identity.name, identity.simulated, record, compare_flight(route, record))
 
@@ -79,14 +85,14 @@ def _simulator(options: Options, route: Route, listener: Listener) -> AbstractCo
 
 
 @contextmanager
-def _connected(connection: str, options: Options, listener: Listener) -> Iterator[ConnectedVehicle]:
+def _connected(
+    connection: str, options: Options, listener: Listener, recorder: Recorder | None
+) -> Iterator[ConnectedVehicle]:
     """The vehicle behind a connection string, recorded and watched as the options say."""
     from flight_replay import vehicle
     from flight_replay.gcs import ground_stations
-    from flight_replay.record import Recorder
 
     with ExitStack() as stack:
-        recorder = stack.enter_context(Recorder(options.record)) if options.record else None
         connected = stack.enter_context(
             vehicle.connect(
                 connection,

@@ -9,6 +9,7 @@ import struct
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -24,7 +25,9 @@ class Recorder:
         Raises:
             VehicleError: The file cannot be written.
         """
-        self._clock_s = clock_s
+        self.problem: str | None = None
+        """Why frames are missing, in one sentence: a disk that is full must not end a flight."""
+        self._path, self._clock_s = path, clock_s
         self._lock = threading.Lock()
         self._last_us = 0
         try:
@@ -40,11 +43,22 @@ class Recorder:
             if self._file.closed:
                 return
             self._last_us = max(self._last_us, int(self._clock_s() * 1e6))
-            self._file.write(struct.pack(">Q", self._last_us) + frame)
+            try:
+                self._file.write(struct.pack(">Q", self._last_us) + frame)
+            except OSError as error:
+                self._close_broken(error)
 
     def close(self) -> None:
         """Finish the file; frames that come later are left out."""
         with self._lock:
+            try:
+                self._file.close()
+            except OSError as error:
+                self._close_broken(error)
+
+    def _close_broken(self, error: OSError) -> None:
+        self.problem = f"the recording {self._path} is incomplete: {error.strerror}; make room for the next"
+        with suppress(OSError):
             self._file.close()
 
     def __enter__(self) -> Recorder:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from flight_replay.supervisor.contract import Answer, Request, Unanswered
 from flight_replay.vehicle import echo
 from flight_replay.vehicle.mavlink import RESULTS, Message, dialect
-from flight_replay.vehicle.port import Port
+from flight_replay.vehicle.port import Port, is_for_us
 
 _SILENT_ASKS = 2  # After as many unanswered requests both ways of asking for a mode are used.
 _MOST_ECHOES = 20  # An autopilot that sends none by then knows no TIMESYNC.
@@ -91,7 +91,9 @@ class Commands:
         self._port.send(command(self._port, _RUN_PREARM_CHECKS))
 
     def answer(self, message: Message) -> Answer | None:
-        """The news in a COMMAND_ACK; none where it is about something else, or not the last word."""
+        """The news in a COMMAND_ACK; none where it is to somebody else, or not the last word."""
+        if not is_for_us(message):
+            return None
         request = _REQUESTS.get(message.command)
         if request is self._pending:
             self._pending = None
