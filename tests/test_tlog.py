@@ -7,6 +7,7 @@ import io
 import os
 import sys
 import threading
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import pytest
 from log_writer import START_US, LogWriter, frame, position_payload
 
 from flight_replay.errors import LogError
-from flight_replay.tlog import Log, VehicleId, read_log
+from flight_replay.tlog import Log, VehicleId, read_log, source
 from flight_replay.tlog import scan as scan_module
 from flight_replay.track import Armed
 
@@ -202,9 +203,7 @@ def test_boots_without_a_position_leave_no_mark_on_the_track(tmp_path: Path) -> 
 
 
 def _opened(data: bytes) -> Any:
-    from flight_replay.tlog.source import Source
-
-    return Source("made", io.BytesIO(data))
+    return source.Source("made", io.BytesIO(data))
 
 
 @pytest.mark.parametrize("cut", [0, 1, 300, 5_000])
@@ -218,11 +217,25 @@ def test_packed_logs_are_read_as_they_are(tmp_path: Path, cut: int) -> None:
     assert len(read.track) == 4_000 if cut < 2 else 3_000 < len(read.track) < 4_000
 
 
-def test_damaged_packed_logs_are_read_up_to_the_damage(tmp_path: Path) -> None:
-    """What follows a fault in compressed data is not guessed at."""
-    packed = bytearray(gzip.compress(bytes(flight(LogWriter(), 4_000).data), 1))
-    packed[len(packed) // 2] ^= 0xFF
-    assert 0 < len(read_log(write(tmp_path, bytes(packed))).track) < 4_000
+@pytest.mark.parametrize("behind", [b"", b"\0" * 512, b"left by another program"])
+def test_damaged_packed_logs_are_read_up_to_the_damage(tmp_path: Path, behind: bytes) -> None:
+    """What is before a fault in compressed data counts, what follows it is not guessed at."""
+    data = bytes(flight(LogWriter(), 4_000).data)
+    packed = gzip.compress(data[:100_000], 1)
+    spoiled = packed[:-8] + bytes([packed[-8] ^ 0xFF]) + packed[-7:]  # the checksum behind the data
+    read = read_log(write(tmp_path, spoiled + gzip.compress(data[100_000:]) + behind))
+    assert read.bytes == 100_000
+    read = read_log(write(tmp_path, packed + gzip.compress(data[100_000:]) + behind))
+    assert (read.bytes, len(read.track)) == (len(data), 4_000)
+
+
+def test_torn_packed_logs_are_unpacked_to_their_last_byte() -> None:
+    """However few bytes are asked for at a time, all come that the packed ones tell."""
+    packed = gzip.compress(bytes(50_000))[:40]
+    whole = zlib.decompressobj(wbits=31).decompress(packed)
+    stream = source.Source("made", io.BytesIO(packed)).stream
+    got = b"".join(iter(lambda: stream.read(7), b""))
+    assert len(got) == len(whole) > 10_000
 
 
 def test_standard_input_is_read_by_a_dash(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -232,6 +245,13 @@ def test_standard_input_is_read_by_a_dash(tmp_path: Path, monkeypatch: pytest.Mo
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(sent)))
         read = read_log("-")
         assert (len(read.track), read.path, read.bytes) == (50, "standard input", len(data))
+
+
+def test_a_closed_standard_input_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A shell may close it (``<&-``): then there is nothing to read."""
+    monkeypatch.setattr(sys, "stdin", None)
+    with pytest.raises(LogError, match="standard input is closed; send a log to it, or name one"):
+        read_log("-")
 
 
 def test_a_named_pipe_is_read_to_its_end(tmp_path: Path) -> None:
@@ -270,7 +290,11 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
         (b"", "is empty"),
         (UTF16, "is text in UTF-16"),
         (UTF16[2:], "is text in UTF-16"),
+        (UTF16.decode("utf-16-le")[1:].encode("utf-16-be"), "is text in UTF-16"),
+        ("Übersetzung\r\n".encode("utf-16-le"), "is text in UTF-16"),
         ("1>  Übersetzung läuft\n".encode(), "is text, not a MAVLink log"),
+        ("\ufeff1>  Übersetzung läuft\n".encode(), "is text, not a MAVLink log"),
+        (bytes(5_000), "holds no MAVLink position"),
         (
             b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n",
             "is a git LFS pointer",
@@ -292,7 +316,11 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
             "empty",
             "utf-16",
             "utf-16 without mark",
+            "utf-16 the other way round",
+            "utf-16 not of ASCII",
             "text",
+            "text with mark",
+            "zeros",
             "lfs",
             "dataflash",
             "ulog",
@@ -319,7 +347,9 @@ def test_paths_that_cannot_be_read_are_told(tmp_path: Path) -> None:
         read_log(tmp_path / "missing.tlog")
     with pytest.raises(LogError, match="is a directory"):
         read_log(tmp_path)
-    with pytest.raises(LogError, match="cannot be read"):
+    with pytest.raises(LogError, match=r"^\. is a directory"):
+        read_log("")
+    with pytest.raises(LogError, match=r"below cannot be read \(Not a directory\)"):
         read_log(write(tmp_path, b"") / "below")
 
 
@@ -331,7 +361,7 @@ def test_a_disk_that_fails_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         raise OSError(5, "Input/output error")
 
     monkeypatch.setattr(os, "preadv", fail)
-    with pytest.raises(LogError, match=r"cannot be read \(.*Input/output error\); name a readable log"):
+    with pytest.raises(LogError, match=r"cannot be read \(Input/output error\); name a readable log"):
         read_log(path)
 
 

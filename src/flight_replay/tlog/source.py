@@ -16,6 +16,7 @@ from flight_replay.errors import LogError
 STANDARD_INPUT = "-"
 _GZIP_MARK = b"\x1f\x8b\x08"
 _HEAD_LENGTH = 512
+_PACKED_STEP = 1 << 16
 
 
 class Stream(Protocol):
@@ -61,25 +62,34 @@ class _Unpacked:
         self._packed = packed
         self._inflate = zlib.decompressobj(wbits=31)
         self._pending = b""
-        self._ended = False
+        self._step = _PACKED_STEP  # bytes to unpack at once, halved before a fault until none are left
 
     def read(self, size: int) -> bytes:
         """The next decompressed bytes; a torn or damaged end reads like an end."""
-        while not self._ended:
-            if self._inflate.eof:
-                self._pending = self._inflate.unused_data
-                self._inflate = zlib.decompressobj(wbits=31)
-            self._pending = self._pending or self._packed.read(size)
-            try:
-                data = self._inflate.decompress(self._pending, size)
-            except zlib.error:
-                data = b""
-                self._ended = True
-            self._ended = self._ended or not self._pending
-            self._pending = self._inflate.unconsumed_tail
-            if data:
+        while self._step:
+            self._pending = self._pending or self._packed.read(_PACKED_STEP)
+            is_last = not self._pending
+            data = self._unpack(size)
+            if data or is_last:
                 return data
         return b""
+
+    def _unpack(self, size: int) -> bytes:
+        """What the next step of pending bytes holds; nothing if there is a fault in it."""
+        before, taken = self._inflate.copy(), self._pending[: self._step]
+        try:
+            data = self._inflate.decompress(taken, size)
+        except zlib.error:  # which takes with it what was right before the fault
+            self._inflate = before
+            self._step //= 2
+            return b""
+        rest = self._pending[len(taken) :]
+        if self._inflate.eof:
+            self._pending = self._inflate.unused_data + rest
+            self._inflate = zlib.decompressobj(wbits=31)
+        else:
+            self._pending = self._inflate.unconsumed_tail + rest
+        return data
 
 
 @contextmanager
@@ -91,9 +101,10 @@ def opened(path: Path | str) -> Iterator[Source]:
     """
     try:
         if str(path) == STANDARD_INPUT:
-            yield Source("standard input", sys.stdin.buffer)
+            yield Source("standard input", _standard_input())
             return
-        with Path(path).open("rb", buffering=0) as file:
+        path = Path(path)
+        with path.open("rb", buffering=0) as file:
             status = os.fstat(file.fileno())
             size = status.st_size if stat.S_ISREG(status.st_mode) else 0
             at_offsets = size > 0 and hasattr(os, "preadv")  # not on every system
@@ -103,7 +114,15 @@ def opened(path: Path | str) -> Iterator[Source]:
     except FileNotFoundError:
         raise LogError(f"{path} does not exist; name a log with --tlog") from None
     except OSError as error:
-        raise LogError(f"{path} cannot be read ({error}); name a readable log with --tlog") from error
+        why = error.strerror or error
+        raise LogError(f"{path} cannot be read ({why}); name a readable log with --tlog") from error
+
+
+def _standard_input() -> Stream:
+    """The bytes that come in; Python has no such thing where the shell closed it."""
+    if sys.stdin is None:
+        raise LogError("standard input is closed; send a log to it, or name one with --tlog")
+    return sys.stdin.buffer
 
 
 def what_it_is(head: bytes) -> str:
@@ -113,14 +132,15 @@ def what_it_is(head: bytes) -> str:
     for mark, kind in _KINDS:
         if head.startswith(mark):
             return kind
-    if _is_text(head):
+    if _is_text(head, "utf-8-sig"):
         return "is text, not a MAVLink log"
-    return _UTF_16 if _is_text(head.replace(b"\0", b"")) else _UNKNOWN
+    is_utf_16 = b"\0" in head and (_is_text(head, "utf-16-le") or _is_text(head, "utf-16-be"))
+    return _UTF_16 if is_utf_16 else _UNKNOWN
 
 
-def _is_text(head: bytes) -> bool:
+def _is_text(head: bytes, encoding: str) -> bool:
     """Whether all but a last, cut character can be read as text."""
-    text = head.decode("utf-8", "replace")[:-1]
+    text = head.decode(encoding, "replace")[:-1]
     return "\ufffd" not in text and all(each.isprintable() or each in "\t\r\n\f" for each in text)
 
 
