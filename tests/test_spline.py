@@ -78,11 +78,21 @@ def test_the_step_does_not_change_the_motion() -> None:
     assert coarse == pytest.approx(fine, abs=0.05)
 
 
+def test_a_tangent_of_centimetres_does_not_make_the_target_jump() -> None:
+    """A way straight back, begun with some speed: within 0.1 m in the first step, as ArduCopter flew it."""
+    spline = Spline(Ends((50.0, 0.0, 20.0), (0.0, 0.0, 20.0), (0.0, 0.0, -0.1), STILL), LIMITS)
+    spline.speed = 0.3
+    (north, _, _), _ = spline.advance(0.02)
+    assert 49.9 < north < 50.0
+
+
 def test_a_leg_without_length_is_over() -> None:
-    """Coinciding ends: finished, at rest at the destination, nothing to hand over."""
+    """Coinciding ends: finished, at rest at the destination, nothing to hand over, no speed either."""
     spline = Spline(Ends((1, 2, 3), (1, 2, 3), (5, 0, 0), (5, 0, 0)), LIMITS)
+    spline.speed = 3.0
     assert spline.finished
     assert spline.advance(0.02) == ((1, 2, 3), STILL)
+    assert spline.speed == 0.0
     assert (spline.arriving, spline.origin_speed, spline.destination_speed) == (STILL, 0.0, 0.0)
 
 

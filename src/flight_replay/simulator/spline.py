@@ -20,6 +20,8 @@ _ALONG_SHARE = 0.5
 _LONGEST_TANGENTS = 4.0
 _NOWHERE = (0.0, 0.0, 0.0)
 _FOREVER_S = 1e6
+# Of t: a longer step is taken in smaller ones.
+_LONG_STEP, _SMALL_STEPS = 0.05, 8
 # On board, with steps of 2.5 ms, a step goes by the speed from before it, and that by where the
 # step before began. A stop comes the sooner for it, by as much as 0.1 s.
 _STARTS_LATE_S, _BRAKES_LATE_S = 0.00125, 0.00375
@@ -153,6 +155,19 @@ class Spline:
         braking = sqrt(2.0 * place.accel * distance + self.destination_speed**2)
         return clamp(min(place.speed_max, braking), speed - place.accel * dt, speed + place.accel * dt)
 
+    def _time_after(self, place: _Place, distance: float) -> float:
+        """Time of the curve a distance on; in small steps, as on board, where that is much of the curve.
+
+        A tangent of centimetres, as before a way straight back, says little of the rate further on.
+        """
+        step = place.time_for(distance)
+        if step < _LONG_STEP:
+            return self.time + step
+        time, part = self.time, distance / _SMALL_STEPS
+        for _ in range(_SMALL_STEPS):
+            time += _Place(self._coefficients, min(time, 1.0), self._limits).time_for(part)
+        return time
+
     def _rest_on(self, place: _Place, dt: float) -> Vector:
         """Velocity at the end ``place``; its speed falls on, for the next leg to start with."""
         if self._rest is None:
@@ -170,13 +185,14 @@ class Spline:
         """
         place, speed = self._place, self.speed
         if place is None:
+            self.speed = 0.0
             return self._destination, _NOWHERE
         if self.finished:
             return self._destination, self._rest_on(place, dt)
         soon = self._next_speed(place, speed, dt, speed * dt)
         late = _BRAKES_LATE_S if soon < speed else _STARTS_LATE_S
         distance = 0.5 * (speed + soon) * dt + (speed - soon) * late
-        self.time += place.time_for(distance)
+        self.time = self._time_after(place, distance)
         if self.time >= 1.0:
             self.unused_s = (self.time - 1.0) * place.rate / speed if speed > 0 else 0.0
             self.time = 1.0
