@@ -54,8 +54,8 @@ def test_it_runs_for_as_long_as_it_is_needed(tmp_path: Path) -> None:
     )
     with process.run(Binary(path), START, speedup=5.0) as running:
         words = running.log.read_text()
-        assert "--model + --home=47.50000000,8.25000000,400.000,90.00 -I" in words
-        assert words.split("bench.parm")[1].startswith(" --speedup 5")
+        assert "--model + --home=47.50000000,8.25000000,400.000,90.00 --defaults" in words
+        assert words.split("bench.parm")[1].startswith(" --speedup 5 -I")
         assert str(len(bench_text())) in words
         assert running.connection == f"tcp:127.0.0.1:{running.port}"
         assert running.process.poll() is None
@@ -72,6 +72,28 @@ def test_ports_in_use_are_left_to_others(tmp_path: Path) -> None:
     ):
         assert second.port > first.port
         assert (second.port - first.port) % 10 == 0
+
+
+def test_ports_that_another_takes_meanwhile_are_left_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two simulators that start at once the slower one ends, and is started anew on the next ports."""
+    body = """
+port = 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))
+import socket
+try:
+    held = socket.create_server(("127.0.0.1", port))
+except OSError:
+    sys.exit("bind failed")
+"""
+    path = stand_in(tmp_path, body + WAITS)
+    free = process._free_instance()
+    with socket.create_server(("127.0.0.1", process._first_port(free))):
+        choices = [free, process._free_instance()]
+        monkeypatch.setattr(process, "_free_instance", lambda: choices.pop(0))
+        with process.run(Binary(path), START) as running:
+            assert running.port > process._first_port(free)
+    assert choices == []
 
 
 def test_named_parameters_replace_the_built_in_ones(tmp_path: Path) -> None:

@@ -27,6 +27,7 @@ _PORTS_PER_INSTANCE = 10
 _SERIAL_PORTS = (0, 2, 3)  # SERIAL0 to SERIAL2 listen here, from the instance's first port.
 _INSTANCES = 200
 _LAST_WORDS = 3
+_STARTS = 20  # As many simulators that start at once find ports each.
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,38 +101,55 @@ def _prepare(binary: Binary, options: str, scratch: Path, start: Start) -> None:
 
 @contextlib.contextmanager
 def _started(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> Iterator[Process]:
-    instance = _free_instance()
+    """The simulator while it runs; started anew where another one was faster to take its ports."""
+    log = scratch / "console.txt"
+    for tries_left in reversed(range(_STARTS)):
+        instance = _free_instance()
+        process = _spawn(
+            binary, [*_arguments(binary, options, scratch, start, speedup), f"-I{instance}"], log
+        )
+        try:
+            try:
+                _wait_ready(binary.path, process, log)
+            except SimulatorError:
+                if tries_left and not _is_unused(instance):
+                    continue
+                raise
+            yield Process(_first_port(instance), process, log)
+            return
+        except SimulatorError:
+            raise
+        except Exception as error:
+            if process.poll() is not None:
+                raise _ended(binary.path, process, log) from error
+            raise
+        finally:
+            _stop(process)
+
+
+def _arguments(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> list[str]:
     arguments = [
         "--model", "+",
         f"--home={start.lat_deg:.8f},{start.lon_deg:.8f},{start.alt_amsl_m:.3f},{start.heading_deg:.2f}",
-        f"-I{instance}",
     ]  # fmt: skip
     if "--defaults" in options:
         arguments += ["--defaults", str(_absolute(binary.defaults) or scratch / "bench.parm")]
     if "--speedup" in options:
         arguments += ["--speedup", f"{speedup:g}"]
-    log = scratch / "console.txt"
+    return arguments
+
+
+def _spawn(binary: Binary, arguments: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
     with log.open("wb") as output:
-        process = subprocess.Popen(
+        return subprocess.Popen(
             [binary.path, *arguments],
-            cwd=scratch,
+            cwd=log.parent,
             stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=subprocess.STDOUT,
             # Ctrl-C at the terminal must reach the program, which needs the copter to fly home.
             start_new_session=True,
         )
-    try:
-        _wait_ready(binary.path, process, log)
-        yield Process(_BASE_PORT + _PORTS_PER_INSTANCE * instance, process, log)
-    except SimulatorError:
-        raise
-    except Exception as error:
-        if process.poll() is not None:
-            raise _ended(binary.path, process, log) from error
-        raise
-    finally:
-        _stop(process)
 
 
 def _absolute(defaults: Path | None) -> str | None:
@@ -145,10 +163,17 @@ def _absolute(defaults: Path | None) -> str | None:
 def _free_instance() -> int:
     """The lowest instance whose ports nobody uses: other simulators may run."""
     for instance in range(_INSTANCES):
-        first = _BASE_PORT + _PORTS_PER_INSTANCE * instance
-        if all(_is_free(first + offset) for offset in _SERIAL_PORTS):
+        if _is_unused(instance):
             return instance
     raise SimulatorError(f"all ports from {_BASE_PORT} on are in use; stop other simulators")
+
+
+def _first_port(instance: int) -> int:
+    return _BASE_PORT + _PORTS_PER_INSTANCE * instance
+
+
+def _is_unused(instance: int) -> bool:
+    return all(_is_free(_first_port(instance) + offset) for offset in _SERIAL_PORTS)
 
 
 def _is_free(port: int) -> bool:
