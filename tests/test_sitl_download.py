@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.server
 import io
 import platform
+import random
 import socket
 import sys
 import tarfile
@@ -235,3 +236,78 @@ def test_a_proxy_looks_up_names_itself(web: StandIn, tmp_path: Path, monkeypatch
     web.answer = gives(GOOD)
     place = Source("http://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
     assert download(place).is_file()
+
+
+def raw(data: bytes) -> Answer:
+    """An answer byte for byte, whatever HTTP says."""
+
+    def answer(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.wfile.write(data)
+
+    return answer
+
+
+def spoilt(data: bytes) -> bytes:
+    """An archive with some bytes in its middle changed."""
+    return data[: len(data) // 2] + b"spoilt" + data[len(data) // 2 + 6 :]
+
+
+NONSENSE = {
+    "a page": gives(b"<html>log in first</html>"),
+    "no length": raw(b"HTTP/1.0 200 OK\r\nContent-Length: many\r\n\r\n"),
+    "no HTTP": raw(b"220 mail.example.org\r\nESMTP\r\n"),
+    "torn pieces": raw(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n40\r\nabc"),
+    "spoilt": gives(spoilt(archive(member("apm", random.Random(1).randbytes(100_000))))),
+}
+
+
+@pytest.mark.parametrize("answer", NONSENSE.values(), ids=NONSENSE.keys())
+def test_nonsense_is_told_in_one_line(answer: Answer, web: StandIn, tmp_path: Path) -> None:
+    """Whatever a server or an archive has wrong is an expected failure, and leaves nothing behind."""
+    web.answer = answer
+    place = source(web, tmp_path)
+    with pytest.raises(SimulatorError, match="cannot download ArduPilot SITL") as told:
+        download(place)
+    assert "\n" not in str(told.value)
+    assert list(place.cache.iterdir()) == []
+
+
+def test_a_download_that_drips_has_a_time_limit(web: StandIn, tmp_path: Path) -> None:
+    """A byte now and then is neither silence nor progress."""
+    over = threading.Event()
+
+    def drips(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.send_response(200)
+        handler.end_headers()
+        while not over.wait(0.05):
+            handler.wfile.write(b"x")
+
+    web.answer = drips
+    began_s = time.monotonic()
+    with pytest.raises(SimulatorError, match="it takes too long"):
+        download(source(web, tmp_path), limit_s=0.5)
+    over.set()
+    assert time.monotonic() - began_s < 5.0
+
+
+def test_a_broken_download_of_dronekit_sitl_makes_way(web: StandIn, tmp_path: Path) -> None:
+    """A folder without a simulator is replaced."""
+    web.answer = gives(GOOD)
+    place = source(web, tmp_path)
+    place.folder.mkdir(parents=True)
+    (place.folder / "sitl.tar.gz").write_bytes(b"torn")
+    assert download(place) == place.cached()
+    assert not (place.folder / "sitl.tar.gz").exists()
+
+
+def test_another_run_may_be_faster(web: StandIn, tmp_path: Path) -> None:
+    """Of two downloads at once the first stays, and both runs have a simulator."""
+    place = source(web, tmp_path)
+
+    def answer(handler: http.server.BaseHTTPRequestHandler) -> None:
+        place.folder.mkdir(parents=True)
+        (place.folder / "apm").write_bytes(b"the other's")
+        gives(GOOD)(handler)
+
+    web.answer = answer
+    assert download(place).read_bytes() == b"the other's"

@@ -7,6 +7,8 @@ it for a good one, and unpacks whatever the archive says. Only its addresses are
 from __future__ import annotations
 
 import contextlib
+import http.client
+import lzma
 import platform
 import shutil
 import socket
@@ -16,6 +18,7 @@ import tempfile
 import time
 import urllib.parse
 import urllib.request
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -29,6 +32,10 @@ _SILENCE_S = 8.0
 _LIMIT_S = 120.0
 _CHUNK = 1 << 16
 _LARGEST_BYTES = 1 << 29
+_BROKEN = (
+    OSError, EOFError, ValueError, tarfile.TarError, zlib.error, lzma.LZMAError, http.client.HTTPException,
+)  # fmt: skip
+"""What servers and archives that are not as they should be make of Python's libraries."""
 _PLATFORMS = {"linux": "linux", "darwin": "osx", "win32": "win"}
 _MACHINES = frozenset({"x86_64", "amd64", "i386", "i686"})
 
@@ -53,10 +60,12 @@ class Source:
 
     def cached(self) -> Path | None:
         """The binary, if it is there."""
-        for name in ("apm", "apm.exe"):
-            if (self.folder / name).is_file():
-                return self.folder / name
-        return None
+        return _binary_in(self.folder)
+
+
+def _binary_in(folder: Path) -> Path | None:
+    binaries = (folder / name for name in ("apm", "apm.exe"))
+    return next((path for path in binaries if path.is_file()), None)
 
 
 def dronekit_sitl_source() -> Source:
@@ -98,15 +107,35 @@ def download(
             _fetch(source.url, archive, listener, time.monotonic() + limit_s, silence_s)
             unpacked = scratch / "unpacked"
             _unpack(archive, unpacked)
-            unpacked.replace(source.folder)
-    except (OSError, tarfile.TarError, EOFError) as error:
-        raise SimulatorError(f"cannot download ArduPilot SITL from {source.url}: {error}") from error
-    binary = source.cached()
+            return _install(unpacked, source, scratch)
+    except _BROKEN as error:
+        raise SimulatorError(f"cannot download ArduPilot SITL from {source.url}: {_line(error)}") from error
+
+
+def _line(error: Exception) -> str:
+    """What went wrong; tarfile tells on many lines of each packing that an archive is not of."""
+    no_archive = isinstance(error, tarfile.ReadError) and "\n" in str(error)
+    return "it is no archive" if no_archive else " ".join(str(error).split())
+
+
+def _install(unpacked: Path, source: Source, scratch: Path) -> Path:
+    """Put what was unpacked where it is looked for; the binary there.
+
+    A folder without one makes way: dronekit-sitl leaves such where its own download broke off. One
+    with a binary stays: another run was faster.
+    """
+    binary = _binary_in(unpacked)
     if binary is None:
-        shutil.rmtree(source.folder, ignore_errors=True)
         raise SimulatorError(f"the archive {source.url} holds no simulator; name a binary with --sitl")
     binary.chmod(0o755)
-    return binary
+    if source.folder.exists() and source.cached() is None:
+        source.folder.replace(scratch / "broken")
+    try:
+        unpacked.replace(source.folder)
+    except OSError:
+        if source.cached() is None:
+            raise
+    return source.folder / binary.name
 
 
 @contextlib.contextmanager
@@ -124,7 +153,9 @@ def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: fl
     with urllib.request.build_opener().open(url, timeout=silence_s) as answer, path.open("wb") as file:
         total = int(answer.headers.get("Content-Length") or 0)
         done = 0
-        while chunk := answer.read(_CHUNK):
+        while chunk := answer.read1(
+            _CHUNK
+        ):  # Not "read", which waits for a whole chunk however slowly it comes.
             done += file.write(chunk)
             if time.monotonic() > end_s:
                 raise TimeoutError("it takes too long")
@@ -163,3 +194,5 @@ def _unpack(archive: Path, folder: Path) -> None:
                     shutil.copyfileobj(content, file)
             else:
                 raise tarfile.TarError(f"it holds something that is neither file nor folder: {member.name}")
+        while tar.fileobj and tar.fileobj.read(_CHUNK):
+            continue  # To the end, where the checksum of it all stands.
