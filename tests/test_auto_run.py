@@ -56,10 +56,12 @@ class Flown:
         self.run: MissionRun = self.copter.start_auto(items(*specs), start_seq)
         self.places: list[Vector] = []
         self.speeds: list[float] = []
+        self.targets_up_m: list[float] = []
         while not self.run.completed and self.copter.motors and self.copter.time_s < seconds:
             self.copter.step()
             self.places.append(self.copter.position_m)
             self.speeds.append(hypot(*self.copter.velocity_m_s))
+            self.targets_up_m.append(self.copter.target_m[2])
 
     @property
     def reached(self) -> dict[int, float]:
@@ -251,6 +253,12 @@ def test_take_off_return_and_landing_in_a_mission() -> None:
     assert list(flown.reached)[:2] == [1, 2]
     assert flown.places[-1] == pytest.approx((0.0, 0.0, 0.0), abs=0.1)
     assert max(p[2] for p in flown.places) == pytest.approx(15.0, abs=0.3)
+
+
+def test_the_leg_after_a_take_off_begins_where_the_copter_could_stop() -> None:
+    """Some decimetres above the take-off's height, as in ArduCopter 4.6, and not at it."""
+    flown = Flown((Command.TAKEOFF, (), None, 25.0), place(40, 0, 20.0), start=(0.0, 0.0, 10.0))
+    assert 25.1 < max(flown.targets_up_m) < 25.3
 
 
 def test_landing_at_a_place_and_on_the_spot() -> None:

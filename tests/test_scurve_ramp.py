@@ -67,3 +67,9 @@ def test_nothing_to_gain_is_no_ramp() -> None:
     limits = Kinematics(5.0, 1.0, 2.5)
     assert ramp(limits, 5.0, 5.0, 10.0) == NO_RAMP
     assert ramp(limits, 0.0, 5.0, 0.0) == NO_RAMP
+
+
+def test_a_rounding_error_of_speed_is_none() -> None:
+    """A leg that is braked from and to a sum of 1e-16 m/s stops as one that is braked to 0."""
+    limits = Kinematics(9.6 * pi / 0.6, 9.6, 2.5)
+    assert ramp(limits, 1e-16, 4.2, 4.7) == ramp(limits, 0.0, 4.2, 4.7)

@@ -136,15 +136,15 @@ class MissionRun:
             self._legs.start(item)
 
     def _navigate_again(self) -> None:
-        """Let navigation begin anew where another phase has flown in between (ModeAuto::wp_start)."""
+        """Let navigation begin anew where another phase has flown in between (ModeAuto::wp_start).
+
+        After a take-off too it begins at the stopping point: up to 4.6 _AutoTakeoff::get_position does not
+        hand out the place that it should begin at.
+        """
         if self._phase is None:
             return
-        at = None
-        if isinstance(self._phase, TakeOff):
-            control = self._flight.control
-            at = control.n, control.e, self._phase.up_m
         self._phase = None
-        self._flight.navigation.start(self._do.speed_m_s, at)
+        self._flight.navigation.start(self._do.speed_m_s)
         self._do.use_speeds()
 
     def _start_landing(self, item: LocalItem) -> None:

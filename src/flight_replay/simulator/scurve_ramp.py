@@ -34,6 +34,8 @@ class Ramp:
     hold_accel_s: float
 
 
+# Below 1.2e-7 cm/s a speed is none (is_zero in AP_Math.h).
+_NO_SPEED_M_S = 1.2e-9
 NO_RAMP = Ramp(0.0, 0.0, 0.0, 0.0)
 
 
@@ -49,7 +51,7 @@ def ramp(limits: Kinematics, speed: float, top_speed: float, length: float) -> R
         (length + 4.0 * speed * rise) / (4.0 * rise * rise),
     )
     if accel_fit < jerk * rise:
-        if speed > 0:
+        if speed > _NO_SPEED_M_S:
             # ArduPilot keeps the rise and lowers the jerk when it starts from a speed.
             return _small_ramp(accel_fit / rise, rise, speed, top_speed, length)
         rise = min(

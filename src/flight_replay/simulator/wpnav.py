@@ -27,14 +27,13 @@ class WaypointNavigation:
         self._limits, self._body, self._control = limits, body, control
         self.start()
 
-    def start(self, speed_m_s: float = 0.0, at: Vector | None = None) -> None:
-        """Begin at rest at the stopping point, or at a given place (wp_and_spline_init)."""
+    def start(self, speed_m_s: float = 0.0) -> None:
+        """Begin at rest at the stopping point (wp_and_spline_init)."""
         limits, control = self._limits, self._control
         self._speed = max(speed_m_s if speed_m_s > 0 else limits.wp_speed_m_s, MIN_SPEED_M_S)
         control.set_speeds(self._speed, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
         control.limit_correction()
-        stopping_point = control.start_at_stopping_point()
-        self._origin = self.destination = at or stopping_point
+        self._origin = self.destination = control.start_at_stopping_point()
         self._legs = StraightLegs()
         self._spline: Spline | None = None
         self._next_spline: Spline | None = None
