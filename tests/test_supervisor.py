@@ -332,6 +332,16 @@ def test_a_mission_that_changes_in_flight_is_left() -> None:
     assert (record.ended, record.rtl_confirmed) == ("mission changed", True)
 
 
+def test_a_mission_of_the_same_length_uploaded_in_flight_is_left() -> None:
+    """The count does not show it, but the vehicle's words do: nothing unverified is flown on."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight.vehicle.at.append((2.0, lambda: flight.vehicle.say("Flight plan received", 6)))
+    flight.vehicle.at.append((30.0, lambda: flight.vehicle.say("Flight plan received", 6)))
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("mission changed", True)
+    assert record.auto_s < 30
+
+
 def test_a_vehicle_that_stops_on_its_way_is_sent_home() -> None:
     """No progress for a minute ends a flight that has no duration."""
     flight = flown(FakeVehicle(FakeClock(), item_s=1e9), duration_s=None)

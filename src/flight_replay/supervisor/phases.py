@@ -85,6 +85,7 @@ def _patience_s(watch: Watch, request: Request, blind_s: float) -> tuple[float, 
 
 def verify_mission(watch: Watch) -> None:
     """Make sure that the mission on board is still the one that was uploaded."""
+    watch.mission_replaced = False
     if not watch.vehicle.mission_verified(watch.catch_up):
         raise VehicleError(
             "the mission on board is not the one that was uploaded: another station changed it; "

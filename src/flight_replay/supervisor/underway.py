@@ -30,7 +30,7 @@ def fly_mission(watch: Watch, plan: Plan, start_s: float) -> str:
         if watch.surely_disarmed:
             raise Interrupted("disarmed", f"the vehicle disarmed in flight: {watch.reason or 'find out why'}")
         items = items or watch.mission.items
-        if watch.mission.items != items:
+        if watch.mission.items != items or watch.mission_replaced:
             raise Interrupted("mission changed", "another station changed the mission during the flight")
         now = (watch.mission.seq, distance_ahead_m(watch, plan) or 0.0)
         if now[0] != before[0] or abs(now[1] - before[1]) > _GAIN_M:

@@ -36,6 +36,7 @@ _STEP_S = 0.1  # Longest nap by the clock here; news ends it.
 _WARNING = 4  # MAV_SEVERITY_WARNING: texts from here up are reasons, the rest is chatter.
 _GAP_S = 1.0  # Between two position reports farther apart than this the vehicle was not heard.
 _FAILSAFE_WORDS = ("failsafe", "breach", "crash")
+_NEW_MISSION_WORDS = "flight plan received"  # Of ArduCopter 3.3 and later, when a mission was uploaded.
 _WORDS_HOLD_S = 10.0  # Older words than this, by the vehicle's clock, are not the reason of a new mode.
 
 
@@ -55,6 +56,8 @@ class Watch:
         self.state: VehicleState | None = None
         self.readiness: Readiness | None = None
         self.mission = MissionAt(0)
+        self.mission_replaced = False
+        """Whether the vehicle said that it was given a mission, since what is on board was verified last."""
         self.reached: dict[int, float] = {}
         self.flown: list[VehicleState] = []
         self.attended_s = 0.0
@@ -197,8 +200,10 @@ class Watch:
     def _(self, text: StatusText) -> None:
         if text.severity <= _WARNING:
             self.reason = text.text
-        if any(word in text.text.lower() for word in _FAILSAFE_WORDS):
+        words = text.text.lower()
+        if any(word in words for word in _FAILSAFE_WORDS):
             self._failsafe, self._failsafe_s = text.text, self.time_s
+        self.mission_replaced = self.mission_replaced or _NEW_MISSION_WORDS in words
         self.emit(text)
 
     @_take.register
