@@ -170,6 +170,32 @@ def test_the_fix_at_which_disarming_is_seen_belongs_to_the_flight(tmp_path: Path
     assert track.section.tolist() == [0, 0, 0, 0, 0, 1]
 
 
+def test_a_vehicle_that_booted_in_flight_is_not_flying(tmp_path: Path) -> None:
+    """The word of the boot before says nothing, and what comes ahead of the first new word is not known."""
+    log = LogWriter().heartbeat(True).position(60_000).heartbeat(True).position(60_250).heartbeat(True)
+    log.position(4_000).position(4_250).heartbeat(False).position(4_500).heartbeat(True).position(4_750)
+    track = read_log(write(tmp_path, log)).track
+    assert track.armed.tolist() == [1, 1, -1, -1, 0, 1]
+    assert track.section.tolist() == [0, 0, 1, 1, 1, 1]
+    log.position(3_000).position(3_250)
+    assert read_log(write(tmp_path, log)).track.armed.tolist() == [1, 1, -1, -1, 0, 1, -1, -1]
+    log.heartbeat(True).position(3_500)
+    assert read_log(write(tmp_path, log)).track.armed.tolist() == [1, 1, -1, -1, 0, 1, 1, 1, 1]
+
+
+def test_positions_that_come_late_do_not_move_the_arming(tmp_path: Path) -> None:
+    """Of a log that holds a second link's copies 2.75 s behind, the flight is that of the first link."""
+    log = LogWriter()
+    for step in range(60):
+        log.heartbeat(12 <= step < 36).position(10_000 + 250 * step)
+        if step >= 11:
+            log.position(10_000 + 250 * (step - 11))
+    track = read_log(write(tmp_path, log)).track
+    armed_s = track.time_s[track.armed == Armed.YES]
+    assert (armed_s[0], armed_s[-1]) == (pytest.approx(13.0, abs=0.25), pytest.approx(19.0, abs=0.25))
+    assert np.count_nonzero(np.diff(track.armed)) == 2
+
+
 def test_without_position_and_rejected_are_counted(tmp_path: Path) -> None:
     """Empty records and unbelievable ones are left out and counted, each by its kind."""
     log = flight(LogWriter().empty(100).empty(350), 10)
@@ -295,6 +321,7 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
         ("1>  Übersetzung läuft\n".encode(), "is text, not a MAVLink log"),
         ("\ufeff1>  Übersetzung läuft\n".encode(), "is text, not a MAVLink log"),
         (bytes(5_000), "holds no MAVLink position"),
+        (b"\xfd\x09\0" * 170, "holds no MAVLink position"),
         (
             b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n",
             "is a git LFS pointer",
@@ -321,6 +348,7 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
             "text",
             "text with mark",
             "zeros",
+            "bytes that could be Bengali",
             "lfs",
             "dataflash",
             "ulog",

@@ -68,6 +68,14 @@ def test_stamps_bridge_a_reboot_where_they_can_be_right(gap_s: float, bridged_s:
     assert clock.time_s.tolist() == pytest.approx([279.32, 279.32 + bridged_s, 279.72 + bridged_s])
 
 
+def test_stamps_move_a_clock_that_stands_still() -> None:
+    """Of a sender without a clock the log's stamps are all there is, but for steps that cannot be right."""
+    clock = clock_of([0] * 6, [10, 10.25, 10.25, 3, 3.5, 100_000])
+    assert clock.time_s.tolist() == [0, 0.25, 0.25, 0.25, 0.75, 0.75]
+    assert clock.section.tolist() == [0] * 6
+    assert clock_of([7_000, 7_000]).time_s.tolist() == [7.0, 7.0]
+
+
 def test_a_wrapped_clock_is_no_reboot() -> None:
     """After 49.7 days the counter begins again, and time goes on."""
     clock = clock_of([2**32 - 500, 2**32 - 250, 0, 250])

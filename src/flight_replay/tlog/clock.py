@@ -2,7 +2,8 @@
 
 A falling clock is a reboot and begins a new section, but for two kinds of falls: the 32-bit
 counter wraps after 49.7 days, and datagrams arrive out of order. Log stamps, which are often
-wrong, only say how long a reboot took, and only if they can be right.
+wrong, only say how long a reboot took, or how time went on for a vehicle whose clock stands
+still, and only if they can be right.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class Clock:
 
 def read_clock(positions: Positions) -> Clock:
     """The clock of one vehicle's records, of which there is at least one."""
-    clock_ms = _unwrapped(positions.time_ms.astype(np.int64))
+    clock_ms = _unwrapped(_running_ms(positions))
     falls = np.flatnonzero(clock_ms[1:] < clock_ms[:-1]) + 1
     reboots = falls[~_is_late(clock_ms, falls)]
     bounds = np.concatenate([[0], reboots, [len(clock_ms)]])
@@ -55,6 +56,14 @@ def read_clock(positions: Positions) -> Clock:
     clock_ms *= 1000
     clock_ms += shift_us[section]
     return Clock(clock_ms / 1e6, section, order)
+
+
+def _running_ms(positions: Positions) -> NDArray[np.int64]:
+    """The vehicle's clock (n,), moved by the stamps where it stands still, as that of senders without one."""
+    time_ms, stamp_us = positions.time_ms.astype(np.int64), positions.stamp_us
+    if time_ms[0] == time_ms[-1] and (time_ms == time_ms[0]).all():
+        time_ms[1:] += np.cumsum(_stamp_gaps_us(stamp_us[:-1], stamp_us[1:])) // 1000
+    return time_ms
 
 
 def _unwrapped(time_ms: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -134,8 +134,10 @@ def what_it_is(head: bytes) -> str:
             return kind
     if _is_text(head, "utf-8-sig"):
         return "is text, not a MAVLink log"
-    is_utf_16 = b"\0" in head and (_is_text(head, "utf-16-le") or _is_text(head, "utf-16-be"))
-    return _UTF_16 if is_utf_16 else _UNKNOWN
+    is_half_zeros = head.count(0) > len(head) // 3  # as UTF-16 is but for the alphabets of the East
+    if is_half_zeros and (_is_text(head, "utf-16-le") or _is_text(head, "utf-16-be")):
+        return _UTF_16
+    return _UNKNOWN
 
 
 def _is_text(head: bytes, encoding: str) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.tlog.columns import Heartbeats
+from flight_replay.tlog.crc import Index
 from flight_replay.track import Armed
 
 
@@ -67,10 +68,36 @@ def armed_at(
     """Whether the motors were armed at any time since the fix before, shape (n,), by the heartbeats.
 
     So a flight lasts from the first fix after they were reported armed to the first after disarmed.
+    Fixes are in the order of time; one that came late into the log is placed with those that follow it.
     """
     heartbeats = _of_autopilot(heartbeats)
     told = np.append(np.int8(Armed.UNKNOWN), heartbeats.armed.astype(np.int8))
-    firsts = np.searchsorted(offset, heartbeats.offset)  # far fewer than fixes, so this way round
+    timely = np.minimum.accumulate(offset[::-1])[::-1]
+    firsts = np.searchsorted(timely, heartbeats.offset)  # far fewer than fixes, so this way round
     armed = np.repeat(told, np.diff(firsts, prepend=0, append=len(offset)))
+    _forget_boots_before(armed, section, told, firsts)
     armed[1:] = np.where(section[1:] == section[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
     return np.asarray(armed)
+
+
+def _forget_boots_before(
+    armed: NDArray[np.int8], section: NDArray[np.int32], told: NDArray[np.int8], firsts: Index
+) -> None:
+    """Take back the word "armed" of the boot before from the fixes (n,) ahead of a boot's own first word.
+
+    A vehicle that boots is disarmed. Of equal words in a row only the first and last are known, so
+    where the next one is "armed" too, nobody can tell that there was none in between.
+
+    Args:
+        armed: What is told at each fix (n,), changed in place.
+        section: The boot of each fix (n,).
+        told: "unknown" and the words (m + 1,).
+        firsts: The first fix after each word (m,).
+    """
+    starts = np.flatnonzero(np.diff(section)) + 1
+    last = np.searchsorted(firsts, starts, "right")
+    following = np.append(told[1:], np.int8(Armed.UNKNOWN))[last]
+    ends = np.append(firsts, len(armed))[last]
+    old = (told[last] == Armed.YES) & (following != Armed.YES)
+    for start, end in zip(starts[old].tolist(), ends[old].tolist(), strict=True):
+        armed[start:end] = Armed.UNKNOWN
