@@ -255,6 +255,23 @@ def test_take_off_return_and_landing_in_a_mission() -> None:
     assert max(p[2] for p in flown.places) == pytest.approx(15.0, abs=0.3)
 
 
+def test_heights_of_another_kind_are_a_stop() -> None:
+    """Between heights above home and above terrain no corner is cut; without, it is."""
+    corner, end = items(place(40, 0), place(40, 40))
+    for above_terrain in (False, True):
+        copter = Copter(LIMITS, position_m=(0.0, 0.0, 20.0))
+        run = copter.start_auto([corner, replace(end, above_terrain=above_terrain)])
+        while len(run.reached) < 1:
+            copter.step()
+        assert (hypot(*copter.velocity_m_s) < 1.0) is above_terrain
+
+
+def test_commands_for_planes_that_hover_are_a_copters() -> None:
+    """NAV_VTOL_LAND is a landing."""
+    item = MissionItem(85, Frame.RELATIVE, (0.0,) * 4, 47.0, 8.0, 0.0)
+    assert _local(Mission((item,), Home(47.0, 8.0, 400.0)))[0].command == Command.LAND
+
+
 def test_the_leg_after_a_take_off_begins_where_the_copter_could_stop() -> None:
     """Some decimetres above the take-off's height, as in ArduCopter 4.6, and not at it."""
     flown = Flown((Command.TAKEOFF, (), None, 25.0), place(40, 0, 20.0), start=(0.0, 0.0, 10.0))

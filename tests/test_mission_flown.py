@@ -145,10 +145,31 @@ def test_wind_is_felt_and_told() -> None:
     assert (wind.direction, wind.speed) == pytest.approx((0, 8), abs=0.01)
 
 
-def test_items_that_this_copter_cannot_fly_are_passed_over() -> None:
-    """Commands that ArduCopter stores and this model has no motion for are reached at once."""
+def test_items_that_arducopter_cannot_fly_are_passed_over() -> None:
+    """Commands that it stores and does not start are spoken of, stopped before, and not reached."""
     _, station = sim()
     station.fly()
-    station.upload([place(20, 0), place(20, 5, command=94), act(183, 5, 1500), place(0, 0)])
+    station.upload([place(20, 0), act(183, 5, 1500), place(20, 5, command=30), act(178, 1, 1), place(0, 0)])
     station.mode(AUTO)
-    assert order_of(station, 4) == ["1 WP", "2 PayloadPlace", "3 SetServo", "4 WP"]
+    assert order_of(station, 5) == ["1 WP", "2 SetServo", "3 ContinueAndChangeAlt", "5 WP"]
+    assert reached(station) == [2, 5]
+
+
+@pytest.mark.parametrize(
+    ("item", "text"),
+    [
+        (place(20, 5, command=31), "Auto: 2 LoitAltitude is not simulated"),
+        (place(20, 5, command=94), "Auto: 2 PayloadPlace is not simulated"),
+        (act(93, 0, 12, 30), "Auto: 2 Delay is not simulated"),
+        (act(601, 3, 1), "Auto: 2 JumpToTag is not simulated"),
+    ],
+    ids=["loiter to altitude", "payload place", "delay to a time of day", "jump to a tag"],
+)
+def test_what_is_not_simulated_is_refused_by_name(item: Item, text: str) -> None:
+    """AUTO is not entered with an item that ArduCopter would fly and the model does not."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([place(20, 0), item, place(0, 0)])
+    assert station.mode(AUTO) == FAILED
+    assert text in station.texts
+    assert autopilot.mode == Mode.GUIDED

@@ -27,6 +27,14 @@ EXAMPLE = Path(__file__).parents[1] / "examples" / "simulate_mission.py"
 SQUARE = ((40.0, 0.0, 20.0), (40.0, 40.0, 20.0), (0.0, 40.0, 20.0), (0.0, 0.0, 20.0))
 
 
+def test_an_item_that_is_not_simulated_is_named() -> None:
+    """A mission is not flown as if it were another."""
+    mission = mission_at(SQUARE)
+    climb = MissionItem(31, Frame.RELATIVE, (0.0,) * 4, 47.0, 8.0, 40.0)
+    with pytest.raises(MissionError, match=r"Item 5 \(command 31\) cannot be simulated"):
+        simulate(Mission((*mission.items, climb), mission.home), LIMITS)
+
+
 def test_a_trajectory_has_a_row_per_step_and_the_start() -> None:
     """Time runs evenly from AUTO's beginning, the first row is the start, and every item has its time."""
     flown = simulate(mission_at(SQUARE), LIMITS)

@@ -13,8 +13,12 @@ from flight_replay.simulator.flat import FlatFrame
 Params = tuple[float, float, float, float]
 
 CONDITION_DELAY, CONDITION_DISTANCE, CONDITION_YAW, DO_JUMP = 112, 114, 115, 177
+LOITER_TO_ALTITUDE, GUIDED_ENABLE, PAYLOAD_PLACE, SET_HOME, JUMP_TO_TAG = 31, 92, 94, 179, 601
+_VTOL_TAKEOFF, _VTOL_LAND = 84, 85
+_LAST_NAVIGATION, _SET_YAW_SPEED = 95, 213
 _ABSOLUTE_FRAMES = frozenset({Frame.ABSOLUTE, 5})
-NAVIGATION = frozenset(
+_TERRAIN_FRAMES = frozenset({Frame.TERRAIN, 11})
+FLOWN = frozenset(
     {
         Command.WAYPOINT,
         Command.SPLINE_WAYPOINT,
@@ -27,6 +31,18 @@ NAVIGATION = frozenset(
         Command.DELAY,
     }
 )
+"""Navigation items that are flown; those that ArduCopter lacks are passed over (start_command)."""
+_NOT_SIMULATED = frozenset({LOITER_TO_ALTITUDE, GUIDED_ENABLE, PAYLOAD_PLACE, SET_HOME, JUMP_TO_TAG})
+
+
+def is_navigation(command: int) -> bool:
+    """Whether the vehicle flies this item, rather than doing it on the way (AP_Mission::is_nav_cmd)."""
+    return command <= _LAST_NAVIGATION or command == _SET_YAW_SPEED
+
+
+def as_flown(command: int) -> int:
+    """The command that does the same: a copter takes off and lands as VTOL planes do (start_command)."""
+    return {_VTOL_TAKEOFF: int(Command.TAKEOFF), _VTOL_LAND: int(Command.LAND)}.get(command, command)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +54,19 @@ class LocalItem:
     params: Params
     north_east_m: tuple[float, float] | None
     up_m: float | None
+    above_terrain: bool = False
+    """Whether ``up_m`` counts from the ground below, which here is as high as home."""
 
     @property
     def is_navigation(self) -> bool:
         """Whether AUTO flies this item, as against doing it on the way."""
-        return self.command in NAVIGATION
+        return is_navigation(self.command)
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the model does as ArduCopter; it knows no time of day, for NAV_DELAY without seconds."""
+        until_time_of_day = self.command == Command.DELAY and self.params[0] <= 0
+        return self.command not in _NOT_SIMULATED and not until_time_of_day
 
     def place(self, default: tuple[float, float, float]) -> tuple[float, float, float]:
         """Where the item is, taking what it leaves open from ``default`` (ModeAuto::loc_from_cmd)."""
@@ -69,10 +93,11 @@ def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) ->
         items.append(
             LocalItem(
                 seq,
-                int(item.command),
+                as_flown(int(item.command)),
                 item.params,
                 None if anywhere else (north, east),
                 None if item.alt_m == 0 else up,
+                item.frame in _TERRAIN_FRAMES,
             )
         )
     return tuple(items)

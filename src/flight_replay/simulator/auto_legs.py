@@ -40,8 +40,12 @@ class MissionLegs:
         flight.heading.use_default()
 
     def _following(self, item: LocalItem) -> LocalItem | None:
-        """The navigation item after this one, unless the vehicle stops here."""
-        return None if item.params[0] >= 1 else self._walk.peek(item.seq + 1)
+        """The navigation item after this one, unless the vehicle stops here.
+
+        It does so between heights above home and above terrain (AC_WPNav::set_wp_destination_next).
+        """
+        following = None if item.params[0] >= 1 else self._walk.peek(item.seq + 1)
+        return following if following and following.above_terrain == item.above_terrain else None
 
     def _arriving(self, item: LocalItem, place: Vector, origin: Vector) -> Vector:
         """Tangent at the end of a spline leg (get_spline_from_cmd, AC_WPNav::set_spline_destination)."""

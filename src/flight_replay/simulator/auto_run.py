@@ -99,8 +99,8 @@ class MissionRun:
 
     def _advance(self) -> None:
         """Start the next navigation item, after the first of the DO items before it."""
-        doing, item = self._walk.advance(self._next_seq)
-        self._do.begin(doing, self.time_s)
+        passed, item = self._walk.advance(self._next_seq)
+        self._do.begin([each for each in passed if not each.is_navigation], self.time_s)
         if item is None:
             self.completed = True
             self._stay()

@@ -6,14 +6,14 @@ exit_mission). The flying itself is the flight model's ``auto_run``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from flight_replay.mission import FIRST_SEQ, Command
-from flight_replay.simulator.auto import LocalItem
+from flight_replay.simulator.auto import LocalItem, as_flown, is_navigation
 from flight_replay.simulator.mavlink import dialect
 from flight_replay.simulator.mission_items import StoredItem
 from flight_replay.simulator.mission_names import SAYS_REACHED, name_of
-from flight_replay.simulator.mission_store import is_navigation
 from flight_replay.simulator.mission_walk import MissionWalk
 from flight_replay.simulator.modes import Mode
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _CRITICAL, _INFO = 2, 6
 _NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
 _ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLETE
-_ABSOLUTE = 0
+_ABSOLUTE, _ABOVE_TERRAIN = 0, 10
 # Items from the current one on whose change restarts its leg (ModeAuto::check_for_mission_change).
 _WATCHED = 3
 _TAKES_OFF_BY_ITSELF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottle
@@ -57,6 +57,8 @@ class MissionControl:
     def may_begin(self) -> bool:
         """Whether AUTO may be entered; from the ground, armed, only with a take-off item first."""
         vehicle = self._autopilot
+        if not self._can_be_simulated(self._local_items()):
+            return False
         if not vehicle.armed:
             return True
         needs_takeoff = vehicle.flight.landed and vehicle.faults.personality.auto_needs_takeoff
@@ -64,6 +66,13 @@ class MissionControl:
             vehicle.say(_CRITICAL, "Auto: Missing Takeoff Cmd")
             return False
         return len(vehicle.store) > 1
+
+    def _can_be_simulated(self, items: Sequence[LocalItem]) -> bool:
+        """Whether the flight model does what every item asks for; says which it does not."""
+        for item in items:
+            if not item.is_simulated:
+                self._autopilot.say(_CRITICAL, f"Auto: {item.seq} {name_of(item.command)} is not simulated")
+        return all(item.is_simulated for item in items)
 
     def _first(self) -> int:
         """Where the mission would go on: MIS_RESTART 1 begins anew."""
@@ -173,8 +182,8 @@ class MissionControl:
 
     def _tell_started(self) -> bool:
         """Speak of the next item to fly, if there is one, and of those that are done on the way to it."""
-        doing, item = self._walk.advance(self._next_seq)
-        for each in [*doing, item] if item else doing:
+        passed, item = self._walk.advance(self._next_seq)
+        for each in [*passed, item] if item else passed:
             self._autopilot.say(_INFO, f"Mission: {each.seq} {name_of(each.command)}")
         if item:
             self.seq, self._next_seq = item.seq, item.seq + 1
@@ -187,6 +196,7 @@ class MissionControl:
         seq, before = self.seq, self._items
         self._changes = self._autopilot.store.changes
         now = self._local_items()
+        self._can_be_simulated(now)
         first = max(seq - FIRST_SEQ, 0)
         if now[first : first + _WATCHED] == before[first : first + _WATCHED]:
             before[:] = now
@@ -199,7 +209,9 @@ class MissionControl:
     def _local_items(self) -> list[LocalItem]:
         items = self._autopilot.store.items[FIRST_SEQ:]
         return [
-            LocalItem(seq, item.command, item.params, *self._local(item))
+            LocalItem(
+                seq, as_flown(item.command), item.params, *self._local(item), item.frame == _ABOVE_TERRAIN
+            )
             for seq, item in enumerate(items, FIRST_SEQ)
         ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from flight_replay.simulator.auto import is_navigation
 from flight_replay.simulator.mission_items import StoredItem
 from flight_replay.simulator.mission_rules import TAKEOFFS
 
@@ -12,12 +13,6 @@ CAPACITY = 650
 
 _SKIPPED_BEFORE_TAKEOFF = frozenset({93, 218})  # NAV_DELAY, DO_AUX_FUNCTION (AP_Mission::is_takeoff_next)
 _LOOK_AHEAD = 16
-_LAST_NAVIGATION, _SET_YAW_SPEED = 95, 213
-
-
-def is_navigation(command: int) -> bool:
-    """Whether the vehicle flies this item, rather than doing it on the way (AP_Mission::is_nav_cmd)."""
-    return command <= _LAST_NAVIGATION or command == _SET_YAW_SPEED
 
 
 class MissionStore:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from flight_replay.mission import FIRST_SEQ
-from flight_replay.simulator.auto import DO_JUMP, LocalItem
+from flight_replay.simulator.auto import DO_JUMP, FLOWN, LocalItem
 
 # AP_Mission.cpp gives up after as many items without one to fly to.
 _MOST_STEPS = 255
@@ -20,26 +20,36 @@ class MissionWalk:
         self._jumped: Counter[int] = Counter()
 
     def advance(self, seq: int) -> tuple[list[LocalItem], LocalItem | None]:
-        """From item ``seq`` on: what to do on the way, and the next item to fly; counts jumps."""
-        return self._walk(seq, self._jumped)
+        """From item ``seq`` on: what is done or passed over on the way, and the item to fly; counts jumps.
+
+        What is to be done behind a navigation item that is passed over is left out, unless it is the
+        first of its group (AP_Mission::advance_current_do_cmd).
+        """
+        return self._walk(seq, self._jumped, lambda item: item.command in FLOWN)
 
     def peek(self, seq: int) -> LocalItem | None:
-        """The next item to fly from item ``seq`` on, without going there."""
-        return self._walk(seq, self._jumped.copy())[1]
+        """The next navigation item from item ``seq`` on, flown or not, without going there."""
+        return self._walk(seq, self._jumped.copy(), lambda item: item.is_navigation)[1]
 
-    def _walk(self, seq: int, jumped: Counter[int]) -> tuple[list[LocalItem], LocalItem | None]:
-        doing: list[LocalItem] = []
+    def _walk(
+        self, seq: int, jumped: Counter[int], ends: Callable[[LocalItem], bool]
+    ) -> tuple[list[LocalItem], LocalItem | None]:
+        passed: list[LocalItem] = []
+        complete = False
         for _ in range(_MOST_STEPS):
             index = seq - FIRST_SEQ
             if not 0 <= index < len(self._items):
                 break
             item = self._items[index]
-            if item.is_navigation:
-                return doing, item
+            if ends(item):
+                return passed, item
             seq += 1
-            if item.command != DO_JUMP:
-                doing.append(item)
+            if item.is_navigation:
+                complete = any(not each.is_navigation for each in passed)
+                passed.append(item)
+            elif item.command != DO_JUMP:
+                passed += [] if complete else [item]
             elif item.params[1] < 0 or jumped[item.seq] < item.params[1]:
                 jumped[item.seq] += 1
                 seq = int(item.params[0])
-        return doing, None
+        return passed, None

@@ -100,7 +100,11 @@ def _flat(frame: LocalFrame) -> FlatFrame:
 
 
 def _items(mission: Mission) -> tuple[LocalItem, ...]:
-    return local_items(mission, _flat(home_frame(mission)), _home_amsl_m(mission))
+    items = local_items(mission, _flat(home_frame(mission)), _home_amsl_m(mission))
+    for item in items:
+        if not item.is_simulated:
+            raise MissionError(f"Item {item.seq} (command {item.command}) cannot be simulated; take it out.")
+    return items
 
 
 def _flat_start(mission: Mission, start_m: Vector) -> Vector:
@@ -142,7 +146,7 @@ def simulate(  # noqa: PLR0913
         step_s: duration of a step.
 
     Raises:
-        MissionError: the mission has no place, or never ends.
+        MissionError: the mission has no place, never ends, or has an item that cannot be simulated.
     """
     items = _items(mission)
     start = (0.0, 0.0, _first_altitude_m(items)) if start_m is None else _flat_start(mission, start_m)
@@ -177,7 +181,7 @@ def simulate_flight(
         after_s: how long to stay in AUTO after the last item.
 
     Raises:
-        MissionError: the mission has no place, or never ends.
+        MissionError: the mission has no place, never ends, or has an item that cannot be simulated.
     """
     items = _items(mission)
     copter = Copter(limits, wind_m_s=wind_m_s, home_amsl_m=_home_amsl_m(mission))
