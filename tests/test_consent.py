@@ -45,3 +45,14 @@ def test_without_a_terminal_nobody_can_consent(monkeypatch: pytest.MonkeyPatch) 
     """A script must say --yes."""
     with pytest.raises(VehicleError, match="--yes"):
         ask(monkeypatch, io.StringIO("fly\n"))
+
+
+def test_a_terminal_that_is_closed_consents_to_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reading from a terminal that is gone fails; nothing is armed for that."""
+
+    class Closed(Terminal):
+        def readline(self, size: int | None = -1, /) -> str:  # type: ignore[override]
+            raise OSError(5, "Input/output error")
+
+    with pytest.raises(VehicleError, match="not armed"):
+        ask(monkeypatch, Closed())

@@ -2,15 +2,23 @@
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from flight_replay import flying
 from flight_replay.cli import main
+from flight_replay.errors import MissionError
+from flight_replay.events import VehicleState, ignore
 from flight_replay.formats import load_mission
+from flight_replay.mission import Mission, waypoint
+from flight_replay.options import parse
 from flight_replay.simulator import launch
 from flight_replay.simulator.place import Start
+from flight_replay.vehicle.identity import Identity
 
 SAMPLE_HOME = Start(47.397742, 8.545594, 488.1)
 SPEEDUP = "20"
@@ -91,3 +99,20 @@ def test_a_recording_that_fails_does_not_end_the_flight(
     said = capsys.readouterr()
     assert json.loads(said.out)["flight"]["rtl_confirmed"] is True
     assert "error: the recording /dev/full is incomplete: No space left on device" in said.err
+
+
+def test_a_vehicle_that_is_carried_away_while_asked_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a person saw before saying yes must still hold afterwards."""
+    real = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
+    here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
+    places = [here, replace(here, lat_deg=47.1)]
+    connected = SimpleNamespace(
+        identity=real, wait_position=lambda limit_s, listener: places.pop(0), fence_areas=lambda: ()
+    )
+    route = SimpleNamespace(mission=Mission((waypoint(47.001, 8.0, 30.0),)))
+    said: list[str] = []
+    console = SimpleNamespace(say=said.append)
+    monkeypatch.setattr(flying, "ask_consent", lambda console: said.append("asked"))
+    with pytest.raises(MissionError, match="the first waypoint is"):
+        flying._check(parse(["--connect", "x"]), route, connected, console, ignore)  # type: ignore[arg-type]
+    assert said[-1] == "asked"

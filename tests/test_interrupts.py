@@ -119,3 +119,14 @@ def test_ctrl_c_leaves_no_simulator(moment: str, armed: bool, scratch: Path) -> 
     assert status == 130
     assert ("The vehicle confirmed RTL" in said) is armed
     assert children_of_nobody(str(scratch)) == []
+
+
+@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"], ids=["stdout", "all"])
+def test_a_program_without_standard_streams_works(closed: str, scratch: Path) -> None:
+    """A daemon may start it with them closed; the plan is written all the same."""
+    plan = scratch.parent / "plan.waypoints"
+    line = f'exec "$@" {closed}'
+    command = [sys.executable, "-m", "flight_replay", "--tlog", str(SAMPLE), "--dry-run", "--save", str(plan)]
+    done = subprocess.run(["sh", "-c", line, "sh", *command], cwd=scratch.parent, check=False, timeout=60)
+    assert done.returncode == 0
+    assert plan.is_file()

@@ -117,6 +117,14 @@ def test_parameters_are_set_for_a_while() -> None:
         assert vehicle.parameters(wanted) == {"WPNAV_SPEED": 1000.0}
 
 
+def test_where_it_is_now_is_told_and_not_where_it_was() -> None:
+    """Reports that nobody took meanwhile, while a person was asked, say, are old."""
+    with copter() as vehicle:
+        first = vehicle.wait_position(10.0)
+        time.sleep(0.3)
+        assert vehicle.wait_position(10.0).time_s > first.time_s + 0.3 * 20.0 / 2
+
+
 def test_the_speed_of_a_simulator_is_set_if_it_is_another() -> None:
     """``run_at`` leaves a vehicle alone that runs at that speed, and parameters that it lacks too."""
     with copter() as vehicle:

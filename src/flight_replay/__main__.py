@@ -5,8 +5,19 @@ import os
 import sys
 
 
+def _open_closed_streams() -> None:
+    """Give a program that was started without stdin, stdout or stderr (``>&-``) ones that lead nowhere.
+
+    Otherwise the next file or socket that is opened would be taken for them.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115, PTH123 - for all that is left
+
+
 def main() -> int:
     """Run the command line; returns the exit status."""
+    _open_closed_streams()
     # numpy's linear algebra starts a thread per core when it is imported, which takes longer than
     # all the reading and planning of a log; nothing here is large enough to need them.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

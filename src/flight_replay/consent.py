@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 
 from flight_replay.console import Console
 from flight_replay.errors import VehicleError
@@ -21,6 +22,8 @@ def ask_consent(console: Console) -> None:
     with console.paused():
         sys.stderr.write(f"Its motors will start. Stand clear, then type {WORD} to arm and fly: ")
         sys.stderr.flush()
-        answer = sys.stdin.readline()
+        answer = ""
+        with suppress(OSError):  # The terminal was closed.
+            answer = sys.stdin.readline()
     if answer.strip().lower() != WORD:
         raise VehicleError("the vehicle was not armed, as it was not asked for")

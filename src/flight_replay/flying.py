@@ -21,6 +21,7 @@ from flight_replay.supervisor import fly as supervise
 
 if TYPE_CHECKING:
     from flight_replay.record import Recorder
+    from flight_replay.safety import Briefing
     from flight_replay.vehicle import ConnectedVehicle
 
 _POSITION_S = 120.0
@@ -118,16 +119,7 @@ def _check(
     options: Options, route: Route, connected: ConnectedVehicle, console: Console, listener: Listener
 ) -> None:
     """Refuse what must not be flown, and ask before a real vehicle is."""
-    from flight_replay import safety
-
-    briefing = safety.check(
-        connected.identity,
-        route.mission,
-        connected.wait_position(_POSITION_S, listener),
-        takeoff_altitude_m=options.takeoff_altitude_m,
-        max_distance_m=options.max_distance_m,
-        areas=connected.fence_areas(),
-    )
+    briefing = _briefing(options, route, connected, listener)
     if connected.identity.simulated:
         return
     if options.limits == "recorded":
@@ -136,6 +128,22 @@ def _check(
         console.say(line)
     if not options.yes:
         ask_consent(console)
+        # Who takes the time to think may have carried it elsewhere, or armed it.
+        _briefing(options, route, connected, listener)
+
+
+def _briefing(options: Options, route: Route, connected: ConnectedVehicle, listener: Listener) -> Briefing:
+    """Refuse what must not be flown from where the vehicle is now; else, what to know before it is."""
+    from flight_replay import safety
+
+    return safety.check(
+        connected.identity,
+        route.mission,
+        connected.wait_position(_POSITION_S, listener),
+        takeoff_altitude_m=options.takeoff_altitude_m,
+        max_distance_m=options.max_distance_m,
+        areas=connected.fence_areas(),
+    )
 
 
 def _raised(connected: ConnectedVehicle, limits: Mapping[str, float]) -> AbstractContextManager[None]:

@@ -141,7 +141,7 @@ class ConnectedVehicle:
         return areas_of(Reader(self._port, as_int=True, mission_type=FENCE).read())
 
     def wait_position(self, limit_s: float, listener: Listener = ignore) -> VehicleState:
-        """Where the vehicle is, waiting until it knows: seconds here.
+        """Where the vehicle is now, waiting until it knows: seconds here.
 
         Raises:
             PhaseTimeoutError: It does not know in time.
@@ -149,9 +149,9 @@ class ConnectedVehicle:
         now_s = self._port.now_s
         end_s, tell_s = now_s() + limit_s, now_s()
         while now_s() < end_s:
-            for news in self.news(0.1):
-                if isinstance(news, VehicleState):
-                    return news
+            states = [news for news in self.news(0.1) if isinstance(news, VehicleState)]
+            if states:
+                return states[-1]
             if now_s() - tell_s >= _TELL_S:
                 tell_s = now_s()
                 listener(Waiting(Phase.PREARM, "no position yet"))
