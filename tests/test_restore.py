@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from flight_replay import restore, vehicle
+from flight_replay.formats import load_mission
 from flight_replay.mission import Home, Mission, change_speed, waypoint
 from flight_replay.restore import keep_mission, restoring_line
 from flight_replay.simulator import launch
@@ -41,6 +42,17 @@ def test_the_file_is_named_by_its_time(tmp_path: Path) -> None:
     path = keep_mission(Held(BEFORE), tmp_path, NOW)
     assert path == tmp_path / "mission-before-20261120-230507.waypoints"
     assert path.is_file()
+
+
+def test_two_missions_kept_in_the_same_second_both_stay(tmp_path: Path) -> None:
+    """Two vehicles may be replayed to from one folder at once."""
+    other = Mission(BEFORE.items[:1])
+    paths = [keep_mission(Held(mission), tmp_path, NOW) for mission in (BEFORE, other)]
+    assert [path.name for path in paths if path] == [
+        "mission-before-20261120-230507.waypoints",
+        "mission-before-20261120-230507-2.waypoints",
+    ]
+    assert [len(load_mission(path).items) for path in paths if path] == [3, 1]
 
 
 @pytest.mark.parametrize(

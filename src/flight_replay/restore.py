@@ -9,6 +9,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from datetime import datetime
+from itertools import chain, count
 from pathlib import Path
 from typing import Protocol
 
@@ -33,9 +34,15 @@ def keep_mission(vehicle: Vehicle, folder: Path, now: datetime) -> Path | None:
     mission = vehicle.mission_on_board()
     if not mission.items:
         return None
-    path = folder / f"mission-before-{now:%Y%m%d-%H%M%S}.waypoints"
+    path = _unused(folder / f"mission-before-{now:%Y%m%d-%H%M%S}.waypoints")
     formats.save(path, mission)
     return path
+
+
+def _unused(path: Path) -> Path:
+    """The path, or one beside it: several vehicles' missions may be kept in the same second."""
+    numbered = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
+    return next(other for other in chain([path], numbered) if not other.exists())
 
 
 def restoring_line(path: Path, connection: str, baud: int) -> str:
