@@ -131,8 +131,11 @@ def test_a_land_item_lands_there_and_ends_the_mission() -> None:
 
 
 def test_wind_is_felt_and_told() -> None:
-    """SIM_WIND_* leans the copter against the wind at once, and WIND says where it comes from."""
-    autopilot, station = sim()
+    """SIM_WIND_* leans the copter against the wind at once, and WIND says where it comes from.
+
+    By default it grows with the root of the height up to SIM_WIND_T_ALT.
+    """
+    autopilot, station = sim(SIM_WIND_T_ALT=80)
     station.fly()
     autopilot.parameters.assign("SIM_WIND_DIR", 0)
     autopilot.parameters.assign("SIM_WIND_SPD", 8)
@@ -142,7 +145,11 @@ def test_wind_is_felt_and_told() -> None:
     assert math.degrees(roll * math.sin(yaw) + pitch * math.cos(yaw)) < -3
     station.channel.request(dialect.MAVLINK_MSG_ID_WIND)
     wind = station.last("WIND")
-    assert (wind.direction, wind.speed) == pytest.approx((0, 8), abs=0.01)
+    assert (wind.direction, wind.speed) == pytest.approx((0, 4), abs=0.1)
+    for profile, speed_m_s in ((1, 8.0), (2, 8.0 - 0.01 * 60)):
+        autopilot.parameters.assign("SIM_WIND_T", profile)
+        station.channel.request(dialect.MAVLINK_MSG_ID_WIND)
+        assert station.last("WIND").speed == pytest.approx(speed_m_s, abs=0.05)
 
 
 def test_items_that_arducopter_cannot_fly_are_passed_over() -> None:

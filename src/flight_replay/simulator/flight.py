@@ -47,7 +47,7 @@ class ModelFlight:
             position_m=position_m,
             yaw_rad=yaw_rad,
             velocity_m_s=velocity_m_s,
-            wind_m_s=wind_m_s(parameters),
+            wind_m_s=wind_m_s(parameters, position_m[2] + self._shift_m[2]),
             home_amsl_m=self._autopilot.start.alt_amsl_m,
         )
 
@@ -130,7 +130,7 @@ class ModelFlight:
         if self._new_limits:
             self._new_limits = False
             self._copter.change_limits(limits_of(self._autopilot.parameters))
-            self._copter.change_wind(wind_m_s(self._autopilot.parameters))
+        self._copter.change_wind(wind_m_s(self._autopilot.parameters, self.position_m[2]))
         self._attitude_before = self._copter.attitude_rad
         self._copter.step()
 

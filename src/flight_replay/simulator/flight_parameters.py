@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import cos, radians, sin
+from math import cos, radians, sin, sqrt
 
 from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.place import Metres
@@ -19,6 +19,7 @@ _HOVER_THROTTLE = (0.125, 0.6875)
 # ANGLE_MAX, degrees: what the prearm check lets pass.
 _LEAN_DEG = (10.0, 80.0)
 _STRONGEST_WIND_M_S = 100.0
+_SQUARE_ROOT, _LINEAR = 0, 2  # SIM_WIND_T
 
 
 def _within(value: float, bounds: tuple[float, float]) -> float:
@@ -40,9 +41,23 @@ def limits_of(parameters: Mapping[str, float]) -> Limits:
     )
 
 
-def wind_m_s(parameters: Mapping[str, float]) -> Metres:
-    """The air's velocity, north, east and up; SIM_WIND_DIR is where it comes from (SIM_Aircraft.cpp)."""
-    speed = _within(parameters["SIM_WIND_SPD"], (-_STRONGEST_WIND_M_S, _STRONGEST_WIND_M_S))
+def wind_m_s(parameters: Mapping[str, float], above_ground_m: float) -> Metres:
+    """The air's velocity at a height, north, east and up; SIM_WIND_DIR is where it comes from.
+
+    Source: SIM_Aircraft.cpp (update_wind).
+    """
+    speed = _wind_speed_m_s(parameters, above_ground_m)
     direction, rise = radians(parameters["SIM_WIND_DIR"]), radians(parameters["SIM_WIND_DIR_Z"])
     level = -speed * cos(rise)
     return level * cos(direction), level * sin(direction), speed * sin(rise)
+
+
+def _wind_speed_m_s(parameters: Mapping[str, float], above_ground_m: float) -> float:
+    """SIM_WIND_SPD, by default weaker near the ground (AP_HAL_SITL/SITL_State.cpp: _simulator_servos)."""
+    speed, full_at_m = parameters["SIM_WIND_SPD"], parameters["SIM_WIND_T_ALT"]
+    kind = parameters["SIM_WIND_T"]
+    if kind == _SQUARE_ROOT and above_ground_m < full_at_m:
+        speed *= sqrt(above_ground_m / full_at_m) if above_ground_m > 0 else 0.0
+    elif kind == _LINEAR:
+        speed += (above_ground_m - full_at_m) * parameters["SIM_WIND_T_COEF"]
+    return _within(speed, (0.0, _STRONGEST_WIND_M_S))

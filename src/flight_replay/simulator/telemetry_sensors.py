@@ -128,7 +128,7 @@ def _wind(autopilot: Autopilot) -> Message | None:
     """Where the wind comes from, its speed, and its speed downwards."""
     if not autopilot.sensors.position_ok:
         return None
-    north, east, up = wind_m_s(autopilot.parameters)
+    north, east, up = wind_m_s(autopilot.parameters, autopilot.flight.position_m[2])
     direction_deg = math.degrees(math.atan2(-east, -north))
     return dialect.MAVLink_wind_message(direction_deg, math.hypot(north, east, up), -up)
 
