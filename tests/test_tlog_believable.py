@@ -10,6 +10,8 @@ from log_writer import LogWriter
 
 from flight_replay.geodesy import LocalFrame
 from flight_replay.tlog import Log, read_log
+from flight_replay.tlog.believable import _Moves
+from flight_replay.tlog.crc import Flags, Index
 
 FRAME = LocalFrame(47.4, 8.5)
 Velocity = tuple[float, float, float]
@@ -103,6 +105,24 @@ def test_two_places_told_in_turns_leave_the_one_told_most(tmp_path: Path) -> Non
         flight.to(5_000.0 if fix % 3 == 2 else 0.0, 20.0)
     log = flight.read(tmp_path)
     assert log.rejected == {"impossible jump": 100}
+
+
+def test_thousands_of_jumps_are_judged_in_a_few_steps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two vehicles under one id jump at every record, and still cost little more than one."""
+    flight, steps = Flight(), []
+    for _ in range(500):
+        flight.to(5_000.0).to(0.0)
+    possible = _Moves.possible
+
+    def counted(moves: _Moves, start: Index, end: Index) -> Flags:
+        steps.append(len(start))
+        return possible(moves, start, end)
+
+    monkeypatch.setattr(_Moves, "possible", counted)
+    assert flight.read(tmp_path).rejected == {"impossible jump": 500}
+    assert len(steps) < 20
 
 
 def test_a_jump_over_a_reboot_is_believed(tmp_path: Path) -> None:

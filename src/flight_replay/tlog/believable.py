@@ -141,14 +141,16 @@ def _disbelieved(moves: _Moves, firsts: Index, lasts: Index) -> set[int]:
     Looks back at the last few runs and at the end of the heaviest chain so far, so that time does
     not grow with the square of the number of runs.
     """
+    may_follow = _may_follow(moves, firsts, lasts)
     weights = (lasts - firsts + 1).tolist()
     before = [-1] * len(weights)
     heaviest = 0
     for run in range(1, len(weights)):
-        earlier = np.array(sorted({*range(max(run - _LOOK_BACK, 0), run), heaviest}))
-        possible = earlier[moves.possible(lasts[earlier], np.full(len(earlier), firsts[run]))]
-        if len(possible):
-            before[run] = max(possible.tolist(), key=weights.__getitem__)
+        earlier = [run - back for back in range(_LOOK_BACK, 0, -1) if may_follow[back - 1][run]]
+        if heaviest < run - _LOOK_BACK and moves.possible(lasts[[heaviest]], firsts[[run]]).all():
+            earlier.insert(0, heaviest)
+        if earlier:
+            before[run] = max(earlier, key=weights.__getitem__)
             weights[run] += weights[before[run]]
         if weights[run] > weights[heaviest]:
             heaviest = run
@@ -157,3 +159,12 @@ def _disbelieved(moves: _Moves, firsts: Index, lasts: Index) -> set[int]:
         chain.add(heaviest)
         heaviest = before[heaviest]
     return set(range(len(weights))) - chain
+
+
+def _may_follow(moves: _Moves, firsts: Index, lasts: Index) -> list[list[bool]]:
+    """Whether a run may follow the one before it, the second before it and so on: a row (m,) each."""
+    rows = np.zeros((_LOOK_BACK, len(firsts)), np.bool_)
+    for back in range(1, min(_LOOK_BACK, len(firsts) - 1) + 1):
+        rows[back - 1, back:] = moves.possible(lasts[:-back], firsts[back:])
+    rows_listed: list[list[bool]] = rows.tolist()
+    return rows_listed
