@@ -18,6 +18,7 @@ from flight_replay.simulator import launch
 from flight_replay.simulator.faults import SECOND_COPTER, Faults, Personality, old_copter
 from flight_replay.simulator.place import Start
 from flight_replay.vehicle import ConnectedVehicle, connect
+from flight_replay.vehicle import vehicle as module
 from flight_replay.vehicle.mavlink import dialect
 
 START = Start(47.397742, 8.545594, 488.0)
@@ -115,6 +116,16 @@ def test_parameters_are_set_for_a_while() -> None:
         with vehicle.parameters_set(wanted):
             assert vehicle.parameters(wanted) == wanted
         assert vehicle.parameters(wanted) == {"WPNAV_SPEED": 1000.0}
+
+
+def test_a_vehicle_that_falls_silent_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A link that is lost before take-off is told as what it is, and not as a missing position."""
+    monkeypatch.setattr(module, "_SILENT_S", 0.5)
+    with copter() as vehicle:
+        vehicle.link.close()
+        vehicle.news(0.0)
+        with pytest.raises(VehicleError, match="nothing was heard from the vehicle"):
+            vehicle.wait_position(10.0)
 
 
 def test_where_it_is_now_is_told_and_not_where_it_was() -> None:

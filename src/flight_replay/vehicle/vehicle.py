@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
-from flight_replay.errors import PhaseTimeoutError
+from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import (
     Listener,
     Notice,
@@ -42,6 +42,7 @@ from flight_replay.vehicle.telemetry import Telemetry
 
 CONNECT_LIMIT_S = 30.0
 _TELL_S = 1.0
+_SILENT_S = 15.0
 _SPEEDUP = "SIM_SPEEDUP"
 _POLYGONS = 4  # The bit of FENCE_TYPE for areas on the map (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
@@ -145,13 +146,20 @@ class ConnectedVehicle:
 
         Raises:
             PhaseTimeoutError: It does not know in time.
+            VehicleError: It is not heard any more.
         """
         now_s = self._port.now_s
-        end_s, tell_s = now_s() + limit_s, now_s()
+        end_s, tell_s, heard_s = now_s() + limit_s, now_s(), now_s()
         while now_s() < end_s:
-            states = [news for news in self.news(0.1) if isinstance(news, VehicleState)]
+            told = self.news(0.1)
+            heard_s = now_s() if told else heard_s
+            states = [news for news in told if isinstance(news, VehicleState)]
             if states:
                 return states[-1]
+            if now_s() - heard_s > _SILENT_S:
+                raise VehicleError(
+                    f"nothing was heard from the vehicle for {_SILENT_S:.0f} s; check the link"
+                )
             if now_s() - tell_s >= _TELL_S:
                 tell_s = now_s()
                 listener(Waiting(Phase.PREARM, "no position yet"))
