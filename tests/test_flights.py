@@ -102,6 +102,9 @@ def test_times_without_a_fix_are_told() -> None:
     """The error says between which times there are fixes."""
     with pytest.raises(LogError, match=r"choose from 0 to 1\.0 s"):
         select(made([0, 1, 0]), from_s=7.0)
+    gap = r"the log has none from 0\.50 to 1\.00 s, choose times beside that"
+    with pytest.raises(LogError, match=gap):
+        select(made([0, 1, 0]), from_s=0.6, to_s=0.7)
 
 
 def test_the_dronekit_log_has_seven_flights() -> None:

@@ -192,6 +192,22 @@ def test_an_interrupt_while_a_reader_starts_leaves_no_process_behind(
     assert not multiprocessing.active_children()
 
 
+@pytest.mark.usefixtures("three_parts")
+def test_progress_is_told_in_the_callers_process_only(tmp_path: Path) -> None:
+    """Who asked to be told is not run again in every reader."""
+    path, told = tmp_path / "made.tlog", tmp_path / "told"
+    path.write_bytes((NEST + INNER) * 32)
+
+    def tell(done: int, size: int) -> None:
+        with told.open("a") as file:
+            file.write(f"{os.getpid()} {done} {size}\n")
+
+    with source.opened(path) as opened:
+        scan.scan(opened, tell)
+    size = path.stat().st_size
+    assert told.read_text() == f"{os.getpid()} {size} {size}\n"
+
+
 KILLED = """
 import os, signal, sys
 from flight_replay.tlog import parts

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.errors import LogError
+from flight_replay.geodesy import Floats
 from flight_replay.track import Armed, Track
 
 Flags = NDArray[np.bool_]
@@ -70,8 +71,17 @@ def select(
     if to_s is not None:
         keep &= since_s <= to_s
     if not keep.any():
-        raise LogError(f"no fix lies between --from and --to; choose from 0 to {since_s[-1]:.1f} s")
+        raise LogError(f"no fix lies between --from and --to; {_times(since_s, from_s or 0.0)}")
     return track if keep.all() else track.select(keep)
+
+
+def _times(since_s: Floats, from_s: float) -> str:
+    """What can be chosen, by the fixes' times (n,): what is beside a gap that ``from_s`` lies in."""
+    following = int(np.searchsorted(since_s, from_s))
+    if not 0 < following < len(since_s):
+        return f"choose from 0 to {since_s[-1]:.1f} s"
+    last_s, next_s = since_s[following - 1], since_s[following]
+    return f"the log has none from {last_s:.2f} to {next_s:.2f} s, choose times beside that"
 
 
 def _there_are(count: int) -> str:

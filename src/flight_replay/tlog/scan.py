@@ -41,9 +41,10 @@ def _scan_file(descriptor: int, size: int, tell: Progress, block_length: int) ->
         if enter is None:
             approach = max(begin - _APPROACH, 0)
             enter = _read(blocks(approach, begin), approach).leave
-        length = end - begin
-        # All parts are read at the same speed, so the share of this one stands for the file's.
-        return _read(blocks(begin, end), enter, lambda stop: tell((stop - begin) * size // length, size))
+        if begin > 0:  # most likely in another process, where nobody is to be told
+            return _read(blocks(begin, end), enter)
+        # All parts are read at the same speed, so the share of the first stands for the file's.
+        return _read(blocks(0, end), enter, lambda stop: tell(stop * size // end, size))
 
     gathered = Gathered()
     for part in read_parts(size, read):
