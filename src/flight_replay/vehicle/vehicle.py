@@ -42,7 +42,7 @@ from flight_replay.vehicle.telemetry import Telemetry
 
 CONNECT_LIMIT_S = 30.0
 _TELL_S = 1.0
-_SILENT_S = 15.0
+_SILENT_S = 30.0  # As long as a flight waits for a link that was lost.
 _SPEEDUP = "SIM_SPEEDUP"
 _POLYGONS = 4  # The bit of FENCE_TYPE for areas on the map (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
