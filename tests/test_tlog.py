@@ -280,6 +280,32 @@ def test_a_closed_standard_input_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
         read_log("-")
 
 
+def test_a_standard_input_that_does_not_wait_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pipe that says "nothing yet" is read to its end all the same."""
+    read_end, write_end = os.pipe()
+    os.set_blocking(read_end, False)
+    data = bytes(flight(LogWriter(), 500).data)
+
+    set_blocking, asked = os.set_blocking, threading.Event()
+
+    def ask(descriptor: int, blocking: bool) -> None:
+        set_blocking(descriptor, blocking)
+        asked.set()
+
+    def send() -> None:
+        with os.fdopen(write_end, "wb") as pipe:
+            asked.wait(1)
+            pipe.write(data)
+
+    monkeypatch.setattr(os, "set_blocking", ask)
+    sender = threading.Thread(target=send)
+    with os.fdopen(read_end) as stdin:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        sender.start()
+        assert len(read_log("-").track) == 500
+    sender.join(10)
+
+
 def test_a_named_pipe_is_read_to_its_end(tmp_path: Path) -> None:
     """What is not a plain file is read as it comes."""
     pipe = tmp_path / "pipe"

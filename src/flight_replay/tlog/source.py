@@ -7,7 +7,7 @@ import stat
 import sys
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -122,6 +122,8 @@ def _standard_input() -> Stream:
     """The bytes that come in; Python has no such thing where the shell closed it."""
     if sys.stdin is None:
         raise LogError("standard input is closed; send a log to it, or name one with --tlog")
+    with suppress(OSError, AttributeError):  # not every stand-in has a descriptor, nor every system the call
+        os.set_blocking(sys.stdin.fileno(), True)  # or a sender's pause may look like the end
     return sys.stdin.buffer
 
 
