@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 _CRITICAL, _WARNING, _INFO = 2, 4, 6
 _LANDS_ITSELF = frozenset({Mode.LAND, Mode.RTL, Mode.AUTO})
-_SURE_AFTER_S = 2.0  # the land detector's second, and the motors' way to idle
+_SURE_AFTER_S = 4.0  # longer than the model takes to stop the motors when it lands by itself
 
 
 class Arming:

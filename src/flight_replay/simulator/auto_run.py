@@ -88,6 +88,9 @@ class MissionRun:
             flight.navigation.advance()
             flight.heading.update()
         self.steps += 1
+        if self._item is not None and isinstance(self._phase, Return) and self._phase.done:
+            # RTL is reached when it has landed; LAND never is (ModeAuto::verify_RTL, verify_land).
+            self.reached.append((self._item.seq, self.time_s))
 
     def _update(self) -> None:
         if self._item is None:

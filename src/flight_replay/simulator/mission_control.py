@@ -7,6 +7,7 @@ exit_mission). The flying itself is the flight model's ``auto_run``.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from flight_replay.mission import FIRST_SEQ, Command
@@ -27,6 +28,9 @@ _ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLET
 _ABSOLUTE, _ABOVE_TERRAIN = 0, 10
 # Items from the current one on whose change restarts its leg (ModeAuto::check_for_mission_change).
 _WATCHED = 3
+# Conditions, DO_CHANGE_SPEED, _SET_HOME, _RETURN_PATH_START, _LAND_START, _SET_ROI, _MOUNT_CONTROL,
+# _FENCE_ENABLE, _GUIDED_LIMITS and _WINCH.
+_REPORTED = frozenset({112, 114, 115, 178, 179, 188, 189, 201, 205, 207, 222, 42600})
 _TAKES_OFF_BY_ITSELF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottle
 
 
@@ -171,14 +175,23 @@ class MissionControl:
                 vehicle.say(_INFO, f"Reached command #{seq}")
             if item.is_navigation:
                 self._tell_started()
-        if reached:
-            # Of one instant ArduCopter sends but the last.
-            vehicle.broadcast(dialect.MAVLink_mission_item_reached_message(reached[-1]))
+        self._report(reached)
         if run.completed and not self._completed_told:
             self._completed_told = True
             self._state = _COMPLETE
             if vehicle.flight.landed:
                 vehicle.disarm()
+
+    def _report(self, reached: Sequence[int]) -> None:
+        """MISSION_ITEM_REACHED, but of DO items only those that are the vehicle's (ModeAuto::verify_command).
+
+        One that is over at once takes the place of the item flown to before it.
+        """
+        flown = {seq: self._items[seq - FIRST_SEQ].is_navigation for seq in reached}
+        told = [seq for seq in reached if flown[seq] or self._items[seq - FIRST_SEQ].command in _REPORTED]
+        for seq, after in zip_longest(told, told[1:]):
+            if after is None or not flown[seq]:
+                self._autopilot.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
 
     def _tell_started(self) -> bool:
         """Speak of the next item to fly, if there is one, and of those that are done on the way to it."""
