@@ -317,9 +317,7 @@ def test_a_named_pipe_is_read_to_its_end(tmp_path: Path) -> None:
     writer.join(10)
 
 
-def test_blocks_read_by_several_threads_are_put_together_in_order(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_blocks_are_put_together_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A log of many blocks gives the same track as one of a single block, with progress to its end."""
     path = write(tmp_path, flight(LogWriter(version=1), 3_000))
     whole = read_log(path)

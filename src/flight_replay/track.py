@@ -21,11 +21,12 @@ class Armed(IntEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Fixes in the order recorded; every column has shape (n,).
+    """Fixes in the order of time; every column has shape (n,).
 
-    ``time_s`` is the vehicle's own clock (``time_boot_ms``), carried on over reboots, so that it
-    never falls within a track; ``alt_m`` is height above home, ``amsl_m`` above mean sea level;
-    velocities are m/s; ``section`` numbers the boots from 0; ``armed`` holds ``Armed`` values.
+    ``time_s`` is the vehicle's own clock (``time_boot_ms``; log stamps where that stands still),
+    carried on over reboots, so that it never falls within a track; ``alt_m`` is height above home,
+    ``amsl_m`` above mean sea level; velocities are m/s; ``section`` numbers the boots from 0;
+    ``armed`` holds ``Armed`` values.
     """
 
     time_s: Floats

@@ -42,6 +42,7 @@ class Window:
     def marks(self, start: int, stop: int) -> Index:
         """Where the start marks in [start, stop) are, counted from ``start``; of no more than a slice."""
         marks = self._marks[: stop - start]
+        # The two marks are neighbours, so one subtraction and one comparison in place find both.
         np.subtract(self.data[start:stop], messages.MAVLINK2_MARK, out=marks)
         others = messages.MAVLINK1_MARK - messages.MAVLINK2_MARK
         return np.flatnonzero(np.less_equal(marks, others, out=marks.view(np.bool_)))

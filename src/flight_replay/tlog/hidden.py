@@ -45,6 +45,7 @@ def _frames_over(data: Bytes, starts: Index, ends: Index, places: Index) -> Iter
     """Start and end of each right frame that begins before one of the places and ends behind it."""
     firsts = np.searchsorted(starts, places - messages.LONGEST_FRAME)
     counts = np.searchsorted(starts, places) - firsts
+    # All the ranges [first, first + count) one after the other, without a loop.
     near = np.arange(counts.sum()) + np.repeat(firsts - np.cumsum(counts) + counts, counts)
     over = near[ends[near] > np.repeat(places, counts)]
     for start, end in {*zip(starts[over].tolist(), ends[over].tolist(), strict=True)}:
