@@ -6,6 +6,7 @@ import pytest
 from virtual_port import VirtualPort, Weather
 
 from flight_replay.errors import VehicleError
+from flight_replay.simulator.faults import old_copter
 from flight_replay.vehicle.identity import identify
 from flight_replay.vehicle.parameters import (
     limits_as_parameters,
@@ -34,6 +35,14 @@ def test_a_name_that_the_vehicle_does_not_have_costs_little() -> None:
     port = VirtualPort()
     assert read_parameters(port, [*NAMES, "NO_SUCH_NAME"]).keys() == set(NAMES)
     assert port.now_s() < 1.0
+
+
+def test_a_vehicle_without_echoes_is_not_waited_for_by_guess() -> None:
+    """ArduCopter 3.3 knows no TIMESYNC: one name answered tells how long to wait for another."""
+    port = VirtualPort(faults=old_copter())
+    port.trip = RoundTrip()
+    assert read_parameters(port, ["WPNAV_SPEED", "NO_SUCH_NAME"]).keys() == {"WPNAV_SPEED"}
+    assert port.now_s() < 2.0
 
 
 def test_a_link_that_answers_nothing_is_waited_for_no_longer_than_the_limit() -> None:

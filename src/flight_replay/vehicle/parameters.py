@@ -49,6 +49,7 @@ class _Reader:
         self._port = port
         self._names = names
         self._rounds = self._answered = 0  # Rounds with a known name, and those in which it was answered.
+        self._asked_s: dict[str, float] = {}  # When each name was asked for first.
         self.values: dict[str, float] = {}
 
     @property
@@ -69,6 +70,7 @@ class _Reader:
         awaited = set(asked)
         echo.ping(self._port)
         for name in asked:
+            self._asked_s.setdefault(name, self._port.now_s())
             self._port.send(
                 dialect.MAVLink_param_request_read_message(
                     self._port.system, self._port.component, name.encode(), -1
@@ -84,6 +86,9 @@ class _Reader:
         """Strike from ``awaited`` what comes, until a time or until all came."""
         while awaited and (message := inbox.get(until_s - self._port.now_s())) is not None:
             if not echo.learn(self._port, message) and message.param_id in self._names:
+                # ArduCopter 3.3 sends no echoes: without this, waits for names it lacks would be guesses.
+                if message.param_id in self._asked_s:
+                    self._port.trip.guess(self._port.now_s() - self._asked_s[message.param_id])
                 self.values[message.param_id] = message.param_value
                 awaited.discard(message.param_id)
 

@@ -169,7 +169,10 @@ class ConnectedVehicle:
 
     def parameters(self, names: Iterable[str]) -> dict[str, float]:
         """Values of those of the named parameters that the vehicle has, in its own units."""
-        return read_parameters(self._port, names)
+        wanted = list(names)
+        # Asked together with one that it is known to have, a name that it lacks is soon known to be one.
+        values = read_parameters(self._port, [*wanted, *list(self.identity.parameters)[:1]])
+        return {name: value for name, value in values.items() if name in wanted}
 
     def parameters_set(self, wanted: Mapping[str, float]) -> AbstractContextManager[None]:
         """Set parameters, in the vehicle's own units, for as long as the context lasts."""
