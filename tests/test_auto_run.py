@@ -211,6 +211,20 @@ def test_a_circle_is_begun_at_once_on_its_edge() -> None:
     assert flown.run.completed
 
 
+def test_a_circle_without_a_radius_is_as_wide_as_the_one_before() -> None:
+    """Radius 0 after a circle of 16 m is 16 m, as in ArduCopter 4.6."""
+    wide = (Command.LOITER_TURNS, (1.0, 0.0, 16.0), (16, 0), 20.0)
+    flown = Flown(wide, (Command.LOITER_TURNS, (1.0,), (16, 0), 20.0))
+    assert flown.reached[2] - flown.reached[1] == pytest.approx(flown.reached[1], abs=3.0)
+    assert max(abs(hypot(p[0] - 16, p[1]) - 16.0) for p in flown.places) < 1.5
+
+
+def test_parameters_are_flown_as_they_are_stored() -> None:
+    """Of one and a half turns ArduPilot keeps one (AP_Mission)."""
+    item = MissionItem(Command.LOITER_TURNS, Frame.RELATIVE, (1.5, 0.0, 300.9, 0.0), 47.0, 8.0, 20.0)
+    assert _local(Mission((item,), Home(47.0, 8.0, 400.0)))[0].params == (1.0, 0.0, 300.0, 0.0)
+
+
 def test_delays_wait_where_the_vehicle_is() -> None:
     """NAV_DELAY holds its seconds between two waypoints, the first of which is a stop."""
     flown = Flown(place(20, 0), do(Command.DELAY, 4.0), place(40, 0))

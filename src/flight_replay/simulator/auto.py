@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from flight_replay.mission import FIRST_SEQ, Command, Frame, Mission
 from flight_replay.simulator.flat import FlatFrame
+from flight_replay.simulator.mission_rules import RULES, kept
 
 Params = tuple[float, float, float, float]
 
@@ -94,7 +95,7 @@ def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) ->
             LocalItem(
                 seq,
                 as_flown(int(item.command)),
-                item.params,
+                kept(item.command, item.params) if item.command in RULES else item.params,
                 None if anywhere else (north, east),
                 None if item.alt_m == 0 else up,
                 item.frame in _TERRAIN_FRAMES,

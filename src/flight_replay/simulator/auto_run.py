@@ -41,6 +41,7 @@ class MissionRun:
         self._phase: Phase | None = None
         self._next_seq = start_seq
         self._since_s: float | None = None
+        self._circle_radius_m = flight.limits.circle_radius_m
         flight.navigation.start()
 
     # state
@@ -161,12 +162,14 @@ class MissionRun:
         flight.heading.use_default()
 
     def _start_circle(self, item: LocalItem) -> None:
-        """Circle around a place; param1 turns, param3 radius, below 0 counterclockwise."""
-        flight = self._flight
+        """Circle around a place; param1 turns, param3 radius, below 0 counterclockwise.
+
+        Without a radius it is as wide as the last (ModeAuto::circle_movetoedge_start).
+        """
         turns, radius = item.params[0], item.params[2]
-        radius_m = abs(radius) or flight.limits.circle_radius_m
-        centre = item.place(flight.position)
-        self._phase = Circle(flight, centre, radius_m, -turns if radius < 0 else turns)
+        self._circle_radius_m = abs(radius) or self._circle_radius_m
+        centre = item.place(self._flight.position)
+        self._phase = Circle(self._flight, centre, self._circle_radius_m, -turns if radius < 0 else turns)
 
     # ending items
 

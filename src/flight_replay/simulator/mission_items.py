@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from flight_replay.simulator.mavlink import Message, dialect
-from flight_replay.simulator.mission_rules import PLACED, RULES
+from flight_replay.simulator.mission_rules import PLACED, RULES, kept
 
 _ALTITUDE_LIMIT_M = 83000.0  # LOCATION_ALT_MAX_M: what fits 24 bits of centimetres
 
@@ -69,24 +68,17 @@ def stored(message: Message) -> StoredItem:
     _check_params(message.command, params)
     if message.command in (0, 1):
         raise ItemRefused(dialect.MAV_MISSION_INVALID)
-    rules = RULES.get(message.command)
-    if rules is None:
+    if message.command not in RULES:
         raise ItemRefused(dialect.MAV_MISSION_UNSUPPORTED)
-    kept = _kept(rules, params)
     if message.command not in PLACED:
-        return StoredItem(message.command, 0, kept)
+        return StoredItem(message.command, 0, kept(message.command, params))
     _check_place(x, y, message.z)
     frame = _STORED_FRAME.get(message.frame)
     if frame is None:
         raise ItemRefused(dialect.MAV_MISSION_UNSUPPORTED_FRAME)
-    return StoredItem(message.command, frame, kept, x, y, int(float32(message.z * 100.0)))
-
-
-def _kept(
-    rules: tuple[Callable[[float], float], ...], params: tuple[float, ...]
-) -> tuple[float, float, float, float]:
-    values = [rule(0.0 if math.isnan(value) else value) for rule, value in zip(rules, params, strict=True)]
-    return values[0], values[1], values[2], values[3]
+    return StoredItem(
+        message.command, frame, kept(message.command, params), x, y, int(float32(message.z * 100.0))
+    )
 
 
 def _place(message: Message) -> tuple[int, int]:

@@ -5,6 +5,7 @@ A command that is missing here is answered with MAV_MISSION_UNSUPPORTED.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Callable
 
@@ -109,6 +110,15 @@ RULES: dict[int, tuple[Rule, ...]] = {
     2501: _rules(_U8),  # VIDEO_STOP_CAPTURE
     42600: _rules(_U8, _U8, _real, _real),  # DO_WINCH
 }
+
+
+def kept(command: int, params: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    """What is stored of the parameters of a command in RULES; what is not a number counts as 0."""
+    values = [
+        rule(0.0 if math.isnan(value) else value) for rule, value in zip(RULES[command], params, strict=True)
+    ]
+    return values[0], values[1], values[2], values[3]
+
 
 PLACED = frozenset({16, 17, 18, 19, 21, 22, 30, 31, 82, 84, 85, 92, 94, 179, 188, 189, 191, 201})
 """Commands stored with latitude, longitude and altitude."""
