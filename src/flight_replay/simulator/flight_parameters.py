@@ -10,20 +10,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import cos, radians, sin, sqrt
 
+from flight_replay.simulator.control import clamp
 from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.place import Metres
 
 _LEAST = 0.01
-# AP_MotorsMulticopter.h: AP_MOTORS_THST_HOVER_MIN and _MAX.
-_HOVER_THROTTLE = (0.125, 0.6875)
-# ANGLE_MAX, degrees: what the prearm check lets pass.
-_LEAN_DEG = (10.0, 80.0)
 _STRONGEST_WIND_M_S = 100.0
 _SQUARE_ROOT, _LINEAR = 0, 2  # SIM_WIND_T
-
-
-def _within(value: float, bounds: tuple[float, float]) -> float:
-    return min(max(value, bounds[0]), bounds[1])
 
 
 def limits_of(parameters: Mapping[str, float]) -> Limits:
@@ -36,8 +29,6 @@ def limits_of(parameters: Mapping[str, float]) -> Limits:
         wp_accel_z_m_s2=max(limits.wp_accel_z_m_s2, _LEAST),
         position_p=max(limits.position_p, _LEAST),
         position_z_p=max(limits.position_z_p, _LEAST),
-        hover_throttle=_within(limits.hover_throttle, _HOVER_THROTTLE),
-        lean_angle_rad=_within(limits.lean_angle_rad, (radians(_LEAN_DEG[0]), radians(_LEAN_DEG[1]))),
     )
 
 
@@ -60,4 +51,4 @@ def _wind_speed_m_s(parameters: Mapping[str, float], above_ground_m: float) -> f
         speed *= sqrt(above_ground_m / full_at_m) if above_ground_m > 0 else 0.0
     elif kind == _LINEAR:
         speed += (above_ground_m - full_at_m) * parameters["SIM_WIND_T_COEF"]
-    return _within(speed, (0.0, _STRONGEST_WIND_M_S))
+    return clamp(speed, 0.0, _STRONGEST_WIND_M_S)
