@@ -169,11 +169,21 @@ def test_a_file_that_is_no_program_is_told(tmp_path: Path) -> None:
 
 
 def test_a_binary_that_never_is_ready_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its last words are told, and it is stopped."""
-    monkeypatch.setattr(process, "_READY_S", 0.3)
-    path = stand_in(tmp_path, "print('thinking', flush=True); time.sleep(60)")
+    """Its last words are told, and it is stopped: that it holds its ports is no reason to start it anew."""
+    monkeypatch.setattr(process, "_READY_S", 0.5)
+    body = """
+import socket
+held = socket.create_server(("127.0.0.1", 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))))
+open("../runs", "a").write("x")
+print("thinking", flush=True)
+time.sleep(60)
+"""
+    path = stand_in(tmp_path, body)
     with pytest.raises(SimulatorError, match="last words: thinking"), process.run(Binary(path), START):
         raise AssertionError
+    runs = Path(tempfile.gettempdir()) / "runs"
+    assert runs.read_text() == "x"
+    runs.unlink()
 
 
 def test_one_that_does_not_answer_help_is_no_simulator(

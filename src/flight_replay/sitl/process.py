@@ -112,7 +112,8 @@ def _started(binary: Binary, options: str, scratch: Path, start: Start, speedup:
             try:
                 _wait_ready(binary.path, process, log)
             except SimulatorError:
-                if tries_left and not _is_unused(instance):
+                outrun = process.poll() is not None and not _is_unused(instance)
+                if tries_left and outrun:
                     continue
                 raise
             yield Process(_first_port(instance), process, log)
