@@ -28,7 +28,9 @@ NEST = frame(ENCAPSULATED_DATA, (b"\1\1" + INNER * 6).ljust(255, b"\7"), 1)
 
 @pytest.fixture
 def three_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make short files worth three processes, wherever the tests run."""
+    """Make short files worth three processes, wherever the tests run and whatever threads others left."""
+    active_count, before = threading.active_count, threading.active_count()
+    monkeypatch.setattr(threading, "active_count", lambda: active_count() - before + 1)
     monkeypatch.setattr(parts, "PART_LENGTH", 3_000)
     monkeypatch.setattr(parts, "_HEAD_START", 100)
     monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {0, 1, 2})
