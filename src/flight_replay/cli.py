@@ -12,7 +12,6 @@ import signal
 import sys
 import threading
 import time
-import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType
@@ -64,6 +63,8 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
             problem = replay(options, arguments, console)
     except Exception as error:
         if options.verbose:
+            import traceback
+
             traceback.print_exc()
         problem = _explained(error)
     _finish_stdout()

@@ -83,7 +83,11 @@ def build_parser() -> argparse.ArgumentParser:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
+        add_help=False,
     )
+    # Of an option outside a group argparse makes a trial help text, whose imports take longer than parsing.
+    group = parser.add_argument_group("options")
+    group.add_argument("-h", "--help", action="help", help="show this help message and exit")
     add_groups(parser)
     return parser
 

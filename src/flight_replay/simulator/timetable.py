@@ -14,8 +14,8 @@ from flight_replay.simulator.path_limits import PathLimits, Vector, minus
 from flight_replay.simulator.scurve import SCurve
 from flight_replay.simulator.straight_legs import may_turn
 
-_HALVINGS = 10
-"""Of a leg's duration: to a hundredth of a second in legs of ten."""
+_EXACT_S = 0.01
+"""How exactly the moment is found at which a leg begins to turn into the next."""
 
 
 def straight_duration_s(places: Sequence[Vector], limits: Limits) -> float:
@@ -44,7 +44,7 @@ def straight_duration_s(places: Sequence[Vector], limits: Limits) -> float:
 def _turn_s(leg: SCurve, following: SCurve, limits: Limits, since_s: float) -> float:
     """When, from ``since_s`` on, the following leg begins: seconds from the leg's own beginning."""
     early_s, late_s = max(since_s, leg.turn_out_time - following.turn_in_time), leg.end_time
-    for _ in range(_HALVINGS):
+    while late_s - early_s > _EXACT_S:
         middle_s = 0.5 * (early_s + late_s)
         leg.time, leg.position = middle_s, leg.at(middle_s)[0]
         if may_turn(leg, following, limits):

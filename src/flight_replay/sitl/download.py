@@ -153,9 +153,8 @@ def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: fl
     with urllib.request.build_opener().open(url, timeout=silence_s) as answer, path.open("wb") as file:
         total = int(answer.headers.get("Content-Length") or 0)
         done = 0
-        while chunk := answer.read1(
-            _CHUNK
-        ):  # Not "read", which waits for a whole chunk however slowly it comes.
+        # Not "read", which waits for a whole chunk however slowly it comes.
+        while chunk := answer.read1(_CHUNK):
             done += file.write(chunk)
             if time.monotonic() > end_s:
                 raise TimeoutError("it takes too long")
