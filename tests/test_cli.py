@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from flight_replay import __main__ as program
+from flight_replay import cli
 from flight_replay.cli import main
 from flight_replay.sample import sample_log
 
@@ -148,3 +150,16 @@ def test_a_reader_that_has_gone_is_no_failure() -> None:
         told = process.stderr.read().decode()
     assert "Error" not in told
     assert "Exception" not in told
+
+
+def test_interrupted_before_it_could_begin(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Ctrl-C while the imports run is an interrupt like any other, and no traceback."""
+
+    def interrupted() -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "main", interrupted)
+    assert program.main() == 130
+    assert capsys.readouterr().err == "flight-replay: error: interrupted\n"

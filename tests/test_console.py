@@ -233,6 +233,13 @@ def test_characters_that_a_stream_lacks_are_spelled_out() -> None:
     assert raw.getvalue() == rb"Gr\xfc\xdfe an \udcff.tlog" + b"\n"
 
 
+def test_an_error_is_one_line_whatever_the_file_is_called() -> None:
+    """Names may hold newlines and what would set a terminal's colours."""
+    stream = io.StringIO()
+    write_error(stream, "cannot read two\nlines\x1b[31m ü.tlog")
+    assert stream.getvalue() == "flight-replay: error: cannot read two\\nlines\\x1b[31m ü.tlog\n"
+
+
 class Gone(io.StringIO):
     """A pipe whose reader has left."""
 

@@ -18,6 +18,16 @@ def _open_closed_streams() -> None:
 def main() -> int:
     """Run the command line; returns the exit status."""
     _open_closed_streams()
+    try:
+        return _started()
+    except KeyboardInterrupt:
+        # Sooner than the command line takes signals: nothing was begun that must be ended.
+        sys.stderr.write("flight-replay: error: interrupted\n")
+        return 130
+
+
+def _started() -> int:
+    """Import the command line, which takes longer than most of what it does, and run it."""
     # numpy's linear algebra starts a thread per core when it is imported, which takes longer than
     # all the reading and planning of a log; nothing here is large enough to need them.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -54,10 +54,14 @@ def is_capable_terminal(stream: TextIO, environment: Mapping[str, str] = os.envi
 
 
 def write_error(stream: TextIO, message: str, environment: Mapping[str, str] = os.environ) -> None:
-    """``flight-replay: error: ...``, in colour on a terminal unless NO_COLOR is set."""
+    """``flight-replay: error: ...`` in one line, in colour on a terminal unless NO_COLOR is set.
+
+    What does not show, as a newline in the name of a file, is written as Python escapes it.
+    """
     coloured = is_capable_terminal(stream, environment) and not environment.get("NO_COLOR")
     error = "\x1b[1;31merror:\x1b[0m" if coloured else "error:"
-    _write(stream, f"flight-replay: {error} {message}")
+    shown = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
+    _write(stream, f"flight-replay: {error} {shown}")
 
 
 def _write(stream: TextIO, text: str) -> None:
