@@ -19,8 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from flight_replay.compare import in_order_distances, in_time
+from flight_replay.formats import load_mission
 from flight_replay.geodesy import Floats
-from flight_replay.mission import Home, Mission, MissionItem, waypoint
+from flight_replay.mission import Home, Mission, waypoint
 from flight_replay.simulator.limits import Limits
 from flight_replay.simulator.model import Trajectory, home_frame, simulate, simulate_flight
 
@@ -48,18 +49,8 @@ class Recording:
         return max(self.reached_s.values())
 
 
-def read_mission(path: Path) -> Mission:
-    rows = [line.split() for line in path.read_text().splitlines()[1:] if line.strip()]
-    home = Home(*(float(value) for value in rows[0][8:11]))
-    items = tuple(
-        MissionItem(int(r[3]), int(r[2]), tuple(map(float, r[4:8])), float(r[8]), float(r[9]), float(r[10]))  # type: ignore[arg-type]
-        for r in rows[1:]
-    )
-    return Mission(items, home)
-
-
 def read_recording(directory: Path, name: str) -> Recording:
-    mission = read_mission(directory / f"{name}.waypoints")
+    mission = load_mission(directory / f"{name}.waypoints")
     columns = np.genfromtxt(directory / f"{name}.csv", delimiter=",", names=True)
     story = json.loads((directory / f"{name}.json").read_text())
     ground = home_frame(mission).to_metres(columns["lat_e7"] * 1e-7, columns["lon_e7"] * 1e-7)
