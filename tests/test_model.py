@@ -113,6 +113,17 @@ def test_wind_changes_little_and_is_felt() -> None:
     assert 0.02 < off.max() < 2.0
 
 
+def test_thin_air_lets_a_leaning_copter_fly_faster() -> None:
+    """At full lean the real ArduCopter 4.6 flew 10.19 m/s where home was 400 m above the sea."""
+    speeds = {}
+    for home_amsl_m in (0.0, 400.0, 4000.0, 1e6):
+        mission = mission_at([(20, 0, 20), (320, 0, 20)], home=Home(47.0, 8.0, home_amsl_m))
+        flown = simulate(mission, Limits.from_parameters({"WPNAV_SPEED": 1500.0}))
+        speeds[home_amsl_m] = float((np.diff(flown.north_east_m[:, 0]) / np.diff(flown.time_s)).max())
+    assert speeds[400.0] == pytest.approx(10.19, abs=0.03)
+    assert list(speeds.values()) == sorted(speeds.values())
+
+
 def test_missions_that_lead_nowhere_are_refused() -> None:
     """No place, no altitude, or no end: each is one sentence."""
     with pytest.raises(MissionError, match="neither home nor waypoint"):

@@ -90,3 +90,9 @@ BACK = mission_at([(50, 0, 20), (0, 0, 20), (50, 0, 20), (20, 0, 20)], spline=Tr
 def test_odd_missions_fly_alike(mission: Mission, tmp_path: Path) -> None:
     """Splines without length, and splines straight back."""
     check(mission, {}, tmp_path)
+
+
+def test_as_fast_as_full_lean_allows_they_fly_alike(tmp_path: Path) -> None:
+    """Beyond some 10 m/s it is the drag of the air at that height that sets the speed."""
+    far = mission_at([(20, 0, 20), (320, 0, 20), (320, 200, 20), (0, 200, 20)])
+    check(far, {"WPNAV_SPEED": 1500.0}, tmp_path)

@@ -8,7 +8,7 @@ from flight_replay.events import Listener, Notice, Progress
 from flight_replay.flights import Flight, find_flights, select
 from flight_replay.options import Options
 from flight_replay.path import planned_path
-from flight_replay.route import Predicted, Route, home_of, spaced_route
+from flight_replay.route import Predicted, Route, spaced_route
 from flight_replay.sample import default_log
 from flight_replay.simulator.limits import Limits
 from flight_replay.tlog import Log, VehicleId, read_log
@@ -76,7 +76,7 @@ def _fitted(options: Options, track: Track, limits: Limits, listener: Listener) 
     )
     return Route(
         method="fit",
-        mission=found.mission.with_home(home_of(found.flown)),
+        mission=found.mission,
         covered=found.flown,
         path=planned_path(found.mission, found.frame),
         planned_error=found.planned,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -106,8 +107,10 @@ def spaced_route(
 
 def home_of(track: Track) -> Home:
     """Where a replay of the track takes off, and returns to: the ground below its first fix."""
-    ground_m = track.amsl_m[0] - track.alt_m[0]
-    return Home(float(track.lat_deg[0]), float(track.lon_deg[0]), float(ground_m))
+    ground_m = float(track.amsl_m[0] - track.alt_m[0])
+    return Home(
+        float(track.lat_deg[0]), float(track.lon_deg[0]), ground_m if math.isfinite(ground_m) else 0.0
+    )
 
 
 def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:

@@ -37,7 +37,13 @@ class Flown:
     passed_s: Floats
 
 
-def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = None) -> Flown:
+def flown(
+    draft: Draft,
+    limits: Limits,
+    step_s: float,
+    choose: Choose | None = None,
+    home_amsl_m: float = 0.0,
+) -> Flown:
     """Fly a draft that begins above where the vehicle takes off.
 
     Args:
@@ -46,12 +52,13 @@ def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = N
         step_s: duration of the model's steps.
         choose: sets the speed of every leg at the moment that it begins; the draft's own speeds if
             None. The draft that comes back has the speeds that were flown.
+        home_amsl_m: the place of take-off above sea level: thin air holds the vehicle back less.
 
     Raises:
         MissionError: the flight does not end.
     """
     items, seqs = _items(draft, every_speed=choose is not None)
-    copter = _climbing_copter(draft, limits, step_s)
+    copter = _climbing_copter(draft, limits, step_s, home_amsl_m)
     chosen = draft.speed_m_s.copy()
     plan: Sequence[LocalItem] = items
     if choose is not None:
@@ -76,7 +83,7 @@ def flown(draft: Draft, limits: Limits, step_s: float, choose: Choose | None = N
     )
 
 
-def _climbing_copter(draft: Draft, limits: Limits, step_s: float) -> Copter:
+def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float) -> Copter:
     """A copter as AUTO finds it: nearly as high as the first place, and slowing down as its controller does.
 
     What is left of the climb when the first leg begins costs that leg some tenths of a second.
@@ -85,7 +92,11 @@ def _climbing_copter(draft: Draft, limits: Limits, step_s: float) -> Copter:
     short_m = (1.0 - ENOUGH_OF_TARGET) * up
     climb_m_s = min(_LATE_CLIMB * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
     return Copter(
-        limits, position_m=(north, east, up - short_m), velocity_m_s=(0.0, 0.0, climb_m_s), step_s=step_s
+        limits,
+        position_m=(north, east, up - short_m),
+        velocity_m_s=(0.0, 0.0, climb_m_s),
+        step_s=step_s,
+        home_amsl_m=home_amsl_m,
     )
 
 

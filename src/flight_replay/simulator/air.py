@@ -21,11 +21,12 @@ _REFERENCE_AMSL_M = 593.0
 _HOVER_FORCE_N = _MASS_KG * GRAVITY_M_S2
 # Speed of the air below the rotors in hover: twice power (12.09 V, 29.3 A) over force.
 _OUTFLOW_M_S = 2.0 * 12.09 * 29.3 / _HOVER_FORCE_N
+_TROPOPAUSE_M = 11_000.0
 
 
 def air_density_kg_m3(amsl_m: float) -> float:
-    """Density of the international standard atmosphere."""
-    return 1.225 * float((1.0 - 2.25577e-5 * amsl_m) ** 4.25588)
+    """Density of the international standard atmosphere; above its lowest layer, that of the layer's top."""
+    return 1.225 * float((1.0 - 2.25577e-5 * min(amsl_m, _TROPOPAUSE_M)) ** 4.25588)
 
 
 def _drag_coefficients(amsl_m: float) -> tuple[float, float]:

@@ -157,6 +157,7 @@ def simulate(  # noqa: PLR0913
             velocity_m_s=velocity_m_s,
             yaw_rad=yaw_rad,
             wind_m_s=wind_m_s,
+            home_amsl_m=_home_amsl_m(mission),
             step_s=step_s,
         )
     )
