@@ -186,7 +186,8 @@ def test_an_interrupt_while_a_reader_starts_leaves_no_process_behind(
 
     def interrupted(*given: Any) -> None:
         start(*given)
-        os.kill(os.getpid(), signal.SIGINT)
+        # To this thread: one that another test left would not let it wait.
+        signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(parts._Reader, "__init__", interrupted)
     with source.opened(path) as opened, pytest.raises(KeyboardInterrupt):
