@@ -7,8 +7,9 @@ import sys
 
 from flight_replay import vehicle
 from flight_replay.events import Event, WaypointReached
+from flight_replay.home import home_of
 from flight_replay.outcome import compare_flight
-from flight_replay.route import home_of, spaced_route
+from flight_replay.route import spaced_route
 from flight_replay.sample import sample_log
 from flight_replay.simulator import launch
 from flight_replay.simulator.place import Start

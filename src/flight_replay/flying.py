@@ -13,9 +13,10 @@ from flight_replay.consent import ask_consent
 from flight_replay.console import Console
 from flight_replay.errors import VehicleError
 from flight_replay.events import Finished, Listener, Notice
+from flight_replay.home import home_of
 from flight_replay.options import Options
 from flight_replay.outcome import Outcome, compare_flight
-from flight_replay.route import Route, home_of
+from flight_replay.route import Route
 from flight_replay.supervisor import FlightRecord, Plan, WallClock
 from flight_replay.supervisor import fly as supervise
 

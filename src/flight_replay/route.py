@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -11,8 +10,9 @@ import numpy as np
 from flight_replay.compare import Spread, spread
 from flight_replay.decimate import MAX_POINTS, SPACING_M, spaced
 from flight_replay.geodesy import Floats
+from flight_replay.home import home_of
 from flight_replay.matching import in_order
-from flight_replay.mission import Command, Home, Mission, MissionItem, change_speed, waypoint
+from flight_replay.mission import Command, Mission, MissionItem, change_speed, waypoint
 from flight_replay.option_types import RECORDED, Recorded
 from flight_replay.path import Path, planned_path
 from flight_replay.simulator.limits import Limits
@@ -103,14 +103,6 @@ def spaced_route(
     mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)), home_of(track))
     covered = track.select(slice(0, int(kept[-1]) + 1))
     return route_through("spacing", mission, covered)
-
-
-def home_of(track: Track) -> Home:
-    """Where a replay of the track takes off, and returns to: the ground below its first fix."""
-    ground_m = float(track.amsl_m[0] - track.alt_m[0])
-    return Home(
-        float(track.lat_deg[0]), float(track.lon_deg[0]), ground_m if math.isfinite(ground_m) else 0.0
-    )
 
 
 def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:

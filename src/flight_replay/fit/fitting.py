@@ -20,9 +20,9 @@ from flight_replay.fit.reduce import douglas_peucker, straight_draft
 from flight_replay.fit.result import FitResult
 from flight_replay.fit.search import Task, searched
 from flight_replay.geodesy import Floats
+from flight_replay.home import home_of
 from flight_replay.option_types import RECORDED, Recorded
 from flight_replay.path import planned_path
-from flight_replay.route import home_of
 from flight_replay.simulator.limits import Limits
 from flight_replay.track import Track
 
@@ -68,9 +68,7 @@ def fit(  # noqa: PLR0913
     flown, notes = flown_part(track)
     timed = speed_m_s == RECORDED
     recording = recording_of(flown, None if altitude_m == RECORDED else float(altitude_m))
-    task = task_for(
-        recording, max_points, limits or Limits(), timed=timed, home_amsl_m=home_of(flown).alt_amsl_m
-    )
+    task = task_for(recording, max_points, limits or Limits(), timed=timed)
     drafts = _drafts(task, recording, flown, max_points)
     if speed_m_s is not None and speed_m_s != RECORDED:
         drafts = [replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:])) for draft in drafts]
@@ -80,15 +78,12 @@ def fit(  # noqa: PLR0913
     return _result(best, flown, recording, notes)
 
 
-def task_for(
-    recording: Recording, max_points: int, limits: Limits, *, timed: bool, home_amsl_m: float = 0.0
-) -> Task:
+def task_for(recording: Recording, max_points: int, limits: Limits, *, timed: bool) -> Task:
     """What the search looks at: some of the fixes, the longest hovers, steps that can be afforded."""
     work = recording.thinned(WORK_FIXES)
     most_hovers = (max_points - 2) // _HOVER_SHARE
     step_s = float(np.interp(recording.time_s[-1], *_STEPS_S))
-    held = hovers(work, most_hovers) if most_hovers > 0 else []
-    return Task(work, held, limits, timed, step_s, home_amsl_m)
+    return Task(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
 
 
 def _drafts(task: Task, recording: Recording, flown: Track, max_points: int) -> list[Draft]:

@@ -9,6 +9,7 @@ import numpy as np
 from flight_replay.fit.recording import Recording
 from flight_replay.flights import Flight, find_flights
 from flight_replay.geodesy import Floats
+from flight_replay.home import home_of
 from flight_replay.simulator.flat import FlatFrame
 from flight_replay.track import Track
 
@@ -80,7 +81,8 @@ def recording_of(track: Track, altitude_m: float | None) -> Recording:
     """
     times = track.time_s - track.time_s[0]
     heights = believable_heights_m(track) if altitude_m is None else np.full(len(track), float(altitude_m))
-    return Recording(times, flat_frame(track).to_metres(track.lat_deg, track.lon_deg), heights)
+    places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
+    return Recording(times, places, heights, home_of(track).alt_amsl_m)
 
 
 def believable_heights_m(track: Track) -> Floats:

@@ -18,11 +18,15 @@ _MOST_CORNERS = 4000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """What is to be followed: n fixes in local metres (n, 2), heights and seconds from the first (n,)."""
+    """What is to be followed: n fixes in local metres (n, 2), heights and seconds from the first (n,).
+
+    ``home_amsl_m`` is how high above the sea the place of take-off is: thin air holds a vehicle back less.
+    """
 
     time_s: Floats
     north_east_m: Floats
     up_m: Floats
+    home_amsl_m: float = 0.0
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -30,7 +34,7 @@ class Recording:
     def thinned(self, most: int) -> Recording:
         """At most ``most`` of the fixes, evenly spread, both ends included."""
         keep = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.intp))
-        return Recording(self.time_s[keep], self.north_east_m[keep], self.up_m[keep])
+        return Recording(self.time_s[keep], self.north_east_m[keep], self.up_m[keep], self.home_amsl_m)
 
     def nearest_m(self, places_m: Floats) -> Floats:
         """The points (m, 2) of the line through the fixes that are nearest to places (m, 2)."""

@@ -35,8 +35,7 @@ _LEAST_URGENCY, _MOST_URGENCY = 0.5, 5.0
 class Task:
     """What to fit: the recording, its hovers, and what the vehicle may do.
 
-    ``timed`` says whether the recorded speed is to be kept; ``step_s`` is the step of the model,
-    ``home_amsl_m`` the height above sea level of the place of take-off.
+    ``timed`` says whether the recorded speed is to be kept; ``step_s`` is the step of the model.
     """
 
     recording: Recording
@@ -44,13 +43,11 @@ class Task:
     limits: Limits
     timed: bool
     step_s: float
-    home_amsl_m: float = 0.0
 
     def fly(self, draft: Draft, choose: Choose | None = None) -> Forecast:
         """What a draft would look like in the air, with the speeds that are chosen on the way if they are."""
-        return forecast(
-            flown(draft, self.limits, self.step_s, choose, self.home_amsl_m), self.recording, timed=self.timed
-        )
+        air = flown(draft, self.limits, self.step_s, choose, self.recording.home_amsl_m)
+        return forecast(air, self.recording, timed=self.timed)
 
 
 def searched(task: Task, draft: Draft, *, bend: float, flights: int, tick: Callable[[], None]) -> Forecast:
