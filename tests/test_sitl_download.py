@@ -223,7 +223,7 @@ def test_a_name_that_is_not_known_is_told(tmp_path: Path) -> None:
 def test_a_name_server_that_is_silent_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Looking up a name has a time limit too."""
     over = threading.Event()
-    monkeypatch.setattr(socket, "getaddrinfo", lambda *_: over.wait(10))
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
     place = Source("https://slow.invalid/sitl", tmp_path / "cache", "linux")
     with pytest.raises(SimulatorError, match="not found in time"):
         download(place, silence_s=0.2)

@@ -184,8 +184,24 @@ def test_what_cannot_be_opened_is_told_at_once(
 def test_a_name_server_that_is_silent_does_not_hold_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
     """Looking up a name has a time limit, in which Ctrl-C is heard."""
     over = threading.Event()
-    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: over.wait(10))
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
     monkeypatch.setattr(transport, "_LOOK_UP_S", 0.2)
     with pytest.raises(VehicleError, match=r"the name slow\.invalid is not found in time"):
         opened("tcp:slow.invalid:5760", 0)
     over.set()
+
+
+def test_a_host_is_looked_up_once_and_each_of_its_addresses_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No second question to a name server, which would have no time limit; the first address may be dead."""
+    asked: list[str] = []
+    with socket.create_server(("127.0.0.1", 0)) as server, socket.create_server(("127.0.0.1", 0)) as gone:
+        port, dead = server.getsockname()[1], gone.getsockname()
+        gone.close()
+
+        def addresses(host: str, *_: object, **__: object) -> list[object]:
+            asked.append(host)
+            return [(socket.AF_INET, socket.SOCK_STREAM, 0, "", at) for at in (dead, ("127.0.0.1", port))]
+
+        monkeypatch.setattr(socket, "getaddrinfo", addresses)
+        opened(f"tcp:drone.invalid:{port}", 0).close()
+    assert asked == ["drone.invalid"]

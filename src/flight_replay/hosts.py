@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import socket
 import threading
+from typing import Any
+
+AddressInfo = tuple[socket.AddressFamily, socket.SocketKind, int, str, Any]
+"""Family, kind, protocol, canonical name and address, as of ``socket.getaddrinfo``."""
 
 
-def look_up(host: str, port: int | str, limit_s: float) -> None:
-    """Ask for a name's addresses, which the system then knows.
+def look_up(
+    host: str, port: int | str, limit_s: float, kind: socket.SocketKind = socket.SOCK_STREAM
+) -> list[AddressInfo]:
+    """A name's addresses, at least one.
 
     Raises:
         socket.gaierror: The name is not known, or is none.
         TimeoutError: Nobody answers in time.
     """
+    found: list[AddressInfo] = []
     failures: list[OSError] = []
 
     def ask() -> None:
         try:
-            socket.getaddrinfo(host, port)
+            found.extend(socket.getaddrinfo(host, port, type=kind))
         except OSError as error:
             failures.append(error)
         except UnicodeError:
@@ -30,3 +37,4 @@ def look_up(host: str, port: int | str, limit_s: float) -> None:
         raise TimeoutError(f"the name {host} is not found in time")
     if failures:
         raise failures[0]
+    return found

@@ -11,7 +11,7 @@ import socket
 from typing import Any, Protocol
 
 from flight_replay.errors import VehicleError
-from flight_replay.hosts import look_up
+from flight_replay.hosts import AddressInfo, look_up
 
 _CONNECT_S = 3.0
 _LOOK_UP_S = 4.0  # Less than closing a link waits for its thread.
@@ -90,8 +90,7 @@ class _Socket:
 
     def _new(self, kind: socket.SocketKind) -> tuple[socket.socket, Any]:
         """A socket of the address's family, and the address in that family's form."""
-        look_up(*self._address, _LOOK_UP_S)
-        family, _, _, _, address = socket.getaddrinfo(*self._address, type=kind)[0]
+        family, _, _, _, address = look_up(*self._address, _LOOK_UP_S, kind)[0]
         return socket.socket(family, kind), address
 
     def _readable(self, timeout_s: float) -> bool:
@@ -104,6 +103,22 @@ class _Socket:
             self._socket = None
 
 
+def _connected(places: list[AddressInfo]) -> socket.socket:
+    """A connection to the first of a host's addresses that takes one; the last one's refusal if none does."""
+    refusal: OSError | None = None
+    for family, kind, protocol, _, address in places:
+        connection = socket.socket(family, kind, protocol)
+        try:
+            connection.settimeout(_CONNECT_S)
+            connection.connect(address)
+        except OSError as error:
+            connection.close()
+            refusal = error
+        else:
+            return connection
+    raise refusal or OSError("the host has no address")
+
+
 class TcpClient(_Socket):
     """A stream to a vehicle that listens; a connection that a router forgot stays open and silent."""
 
@@ -112,8 +127,7 @@ class TcpClient(_Socket):
     def open(self) -> None:
         """Connect, in seconds at most."""
         self.close()
-        look_up(*self._address, _LOOK_UP_S)
-        self._socket = socket.create_connection(self._address, _CONNECT_S)
+        self._socket = _connected(look_up(*self._address, _LOOK_UP_S))
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def read(self, timeout_s: float) -> bytes:
