@@ -101,31 +101,38 @@ def _prepare(binary: Binary, options: str, scratch: Path, start: Start) -> None:
 
 @contextlib.contextmanager
 def _started(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> Iterator[Process]:
-    """The simulator while it runs; started anew where another one was faster to take its ports."""
+    """The simulator while it runs; what goes wrong once it has ended is told as its end."""
     log = scratch / "console.txt"
+    instance, process = _ready(binary, _arguments(binary, options, scratch, start, speedup), log)
+    try:
+        yield Process(_first_port(instance), process, log)
+    except SimulatorError:
+        raise
+    except Exception as error:
+        if process.poll() is not None:
+            raise _ended(binary.path, process, log) from error
+        raise
+    finally:
+        _stop(process)
+
+
+def _ready(binary: Binary, arguments: Sequence[str], log: Path) -> tuple[int, subprocess.Popen[bytes]]:
+    """The instance and process of a simulator that waits for us.
+
+    It is started anew where another one was faster to take its ports.
+    """
     for tries_left in reversed(range(_STARTS)):
         instance = _free_instance()
-        process = _spawn(
-            binary, [*_arguments(binary, options, scratch, start, speedup), f"-I{instance}"], log
-        )
+        process = _spawn(binary, [*arguments, f"-I{instance}"], log)
         try:
-            try:
-                _wait_ready(binary.path, process, log)
-            except SimulatorError:
-                outrun = process.poll() is not None and not _is_unused(instance)
-                if tries_left and outrun:
-                    continue
-                raise
-            yield Process(_first_port(instance), process, log)
-            return
-        except SimulatorError:
-            raise
-        except Exception as error:
-            if process.poll() is not None:
-                raise _ended(binary.path, process, log) from error
-            raise
-        finally:
+            _wait_ready(binary.path, process, log)
+            return instance, process
+        except BaseException as error:
+            outrun = process.poll() is not None and not _is_unused(instance)
             _stop(process)
+            if not (isinstance(error, SimulatorError) and outrun and tries_left):
+                raise
+    raise AssertionError("the last try returns or raises")
 
 
 def _arguments(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> list[str]:
