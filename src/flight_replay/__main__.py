@@ -22,8 +22,10 @@ def main() -> int:
         return _started()
     except KeyboardInterrupt:
         # Sooner than the command line takes signals: nothing was begun that must be ended.
+        from flight_replay import endings
+
         sys.stderr.write("flight-replay: error: interrupted\n")
-        return 130
+        return endings.INTERRUPTED
 
 
 def _started() -> int:
@@ -33,16 +35,16 @@ def _started() -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Imports make much that lasts: looking for garbage in it, now and on leaving, takes a tenth of a dry run.
     gc.disable()
-    from flight_replay import cli
+    from flight_replay import cli, endings
 
     gc.freeze()
     gc.enable()
     status = cli.main()
-    if status == cli.INTERRUPTED:
+    if status == endings.INTERRUPTED:
         # A second Ctrl-C while Python takes itself down would change the exit status.
         import signal
 
-        for number in cli.ENDING_SIGNALS:
+        for number in endings.SIGNALS:
             signal.signal(number, signal.SIG_IGN)
     return status
 

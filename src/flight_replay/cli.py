@@ -17,7 +17,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from flight_replay import outputs, planning
+from flight_replay import endings, outputs, planning
 from flight_replay.console import Console, open_console, write_error
 from flight_replay.errors import FlightReplayError
 from flight_replay.journal import Journal
@@ -30,10 +30,6 @@ if TYPE_CHECKING:
     from flight_replay.flying import Flown
     from flight_replay.route import Route
 
-INTERRUPTED = 130
-ENDING_SIGNALS = tuple(
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
-)
 _ENDS_WITHIN_S = 10.0
 
 
@@ -53,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _run(options, arguments)
         except KeyboardInterrupt:
             write_error(sys.stderr, "interrupted")
-            return INTERRUPTED
+            return endings.INTERRUPTED
 
 
 def _run(options: Options, arguments: Sequence[str]) -> int:
@@ -150,7 +146,7 @@ def _ended_like_interrupted() -> Iterator[None]:
             interrupted_s = time.monotonic()
             raise KeyboardInterrupt
 
-    heard = [number for number in ENDING_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    heard = [number for number in endings.SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
     before = {number: signal.signal(number, interrupt) for number in heard}
     try:
         yield

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from flight_replay import endings
 from flight_replay.tlog.columns import Records
 
 if TYPE_CHECKING:
@@ -99,16 +100,11 @@ def _started(stack: ExitStack, read: Read, begin: int, end: int) -> _Reader | No
 @contextmanager
 def _endings_held() -> Iterator[None]:
     """Let Ctrl-C and the like wait until a new process is known to who has to stop it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _endings())
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, endings.SIGNALS)
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _endings() -> tuple[signal.Signals, ...]:
-    """The signals that ask a program to end."""
-    return signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
 
 class _Reader:
@@ -147,8 +143,8 @@ class _Reader:
 def _send(parents: Connection, results: Connection, read: Read, begin: int, end: int) -> None:
     """Read a part, and send what it holds; of errors, nothing: the parent meets them itself."""
     parents.close()  # or a parent that was killed would leave this process sending to itself for ever
-    for number in _endings():
+    for number in endings.SIGNALS:
         signal.signal(number, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, _endings())
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, endings.SIGNALS)
     with suppress(Exception):
         results.send(read(begin, end, None))
