@@ -16,16 +16,16 @@ from pathlib import Path
 import numpy as np
 from reducers import reducers
 
-from flight_replay.compare import Spread, in_order_distances, in_time, spread
-from flight_replay.fit import fit
-from flight_replay.fit.flown import flown_part, recording_of
-from flight_replay.fit.flying import flown
-from flight_replay.fit.recording import Recording
-from flight_replay.fit.reduce import straight_draft
-from flight_replay.flights import select
-from flight_replay.option_types import RECORDED
-from flight_replay.simulator.limits import Limits
-from flight_replay.tlog import read_log
+from flight_replay.geometry.distances import Spread, in_order_distances, in_time, spread
+from flight_replay.logs.flights import select
+from flight_replay.logs.tlog import read_log
+from flight_replay.planning.altitude import RECORDED
+from flight_replay.planning.fit import fit
+from flight_replay.planning.fit.line_simplification import straight_draft
+from flight_replay.planning.fit.reference import Recording, recording_of
+from flight_replay.planning.fit.simulated_draft import flown
+from flight_replay.planning.flown_part import flown_part
+from flight_replay.simulator.dynamics.limits import Limits
 
 SAMPLE = Path(__file__).resolve().parents[1] / "data" / "flight.tlog"
 ALTITUDE_M = 30.0

@@ -13,8 +13,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.fit.reduce import douglas_peucker
-from flight_replay.geodesy import Floats, LocalFrame
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.planning.fit.line_simplification import douglas_peucker
 
 Indices = NDArray[np.intp]
 Reducer = Callable[[Floats, int], Indices]

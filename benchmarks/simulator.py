@@ -18,14 +18,14 @@ from pathlib import Path
 
 import numpy as np
 
-from flight_replay.compare import in_order_distances, in_time
-from flight_replay.formats import load_mission
-from flight_replay.geodesy import Floats
-from flight_replay.mission import Home, Mission, waypoint
-from flight_replay.simulator.limits import Limits
-from flight_replay.simulator.model import Trajectory, home_frame, simulate, simulate_flight
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.distances import in_order_distances, in_time
+from flight_replay.mission.formats import load_mission
+from flight_replay.mission.items import Home, Mission, waypoint
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.flight.trajectory import Trajectory, home_frame, simulate, simulate_flight
 
-TRUTH = Path(__file__).resolve().parents[2] / "shared" / "arducopter"
+TRUTH = Path(__file__).resolve().parents[1] / "tests" / "data" / "arducopter"
 AUTO, RTL = 3, 6
 # An event has the time of the position recorded before it, at 10 Hz: on average half a sample early.
 HALF_SAMPLE_S = 0.05

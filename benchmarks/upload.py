@@ -20,16 +20,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from fault_link import FaultLink, Message, Trip, Weather, fault_link
-
-from flight_replay import formats, vehicle
+from flight_replay import vehicle
 from flight_replay.errors import FlightReplayError
-from flight_replay.mission import Mission, waypoint
-from flight_replay.simulator import launch
-from flight_replay.simulator.place import Start
-from flight_replay.vehicle.drone import import_dronekit
+from flight_replay.mission import formats
+from flight_replay.mission.items import Mission, waypoint
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.server import launch
+from flight_replay.vehicle.dronekit_adapter import import_dronekit
+from tests.helpers.fault_link import FaultLink, Message, Trip, Weather, fault_link
 
 ITEMS = 100
 LIMIT_S = 150.0

@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight_replay.compare import in_order_distances, in_time, spread
-from flight_replay.sample import sample_log
-from flight_replay.tlog import read_log
+from flight_replay.geometry.distances import in_order_distances, in_time, spread
+from flight_replay.logs.sample import sample_log
+from flight_replay.logs.tlog import read_log
 
 if len(sys.argv) > 2:
     first, second = read_log(sys.argv[1]).track, read_log(sys.argv[2]).track

@@ -11,9 +11,9 @@ from pathlib import Path
 from dask import bag
 
 from flight_replay.errors import FlightReplayError
-from flight_replay.route import spaced_route
-from flight_replay.sample import sample_log
-from flight_replay.tlog import read_log
+from flight_replay.logs.sample import sample_log
+from flight_replay.logs.tlog import read_log
+from flight_replay.planning.spacing import spaced_route
 
 
 def plan(path: str) -> tuple[str, str]:

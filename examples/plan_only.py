@@ -5,11 +5,11 @@ python examples/plan_only.py [LOG.tlog [MISSION.waypoints]]
 
 import sys
 
-from flight_replay import formats
-from flight_replay.flights import find_flights
-from flight_replay.route import spaced_route
-from flight_replay.sample import sample_log
-from flight_replay.tlog import read_log
+from flight_replay.logs.flights import find_flights
+from flight_replay.logs.sample import sample_log
+from flight_replay.logs.tlog import read_log
+from flight_replay.mission import formats
+from flight_replay.planning.spacing import spaced_route
 
 log = read_log(sys.argv[1] if len(sys.argv) > 1 else sample_log())
 for flight in find_flights(log.track):

@@ -7,14 +7,14 @@ import sys
 
 from flight_replay import vehicle
 from flight_replay.events import Event, WaypointReached
-from flight_replay.home import home_of
-from flight_replay.outcome import compare_flight
-from flight_replay.route import spaced_route
-from flight_replay.sample import sample_log
-from flight_replay.simulator import launch
-from flight_replay.simulator.place import Start
+from flight_replay.logs.sample import sample_log
+from flight_replay.logs.tlog import read_log
+from flight_replay.output.outcome import compare_flight
+from flight_replay.planning.altitude import home_of
+from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.server import launch
 from flight_replay.supervisor import Plan, WallClock, fly
-from flight_replay.tlog import read_log
 
 SPEEDUP = 20.0
 

@@ -10,11 +10,11 @@ import sys
 
 import numpy as np
 
-from flight_replay.formats import load_mission
-from flight_replay.geodesy import LocalFrame
-from flight_replay.mission import Home, Mission, waypoint
-from flight_replay.simulator.limits import Limits
-from flight_replay.simulator.model import home_frame, simulate, simulate_flight
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.mission.formats import load_mission
+from flight_replay.mission.items import Home, Mission, waypoint
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.flight.trajectory import home_frame, simulate, simulate_flight
 
 
 def square() -> Mission:

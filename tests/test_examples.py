@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay import formats
-from flight_replay.sample import sample_log
-
-EXAMPLES = Path(__file__).parents[1] / "examples"
+from flight_replay.logs.sample import sample_log
+from flight_replay.mission import formats
+from tests.helpers.paths import EXAMPLES
 
 
 def run(name: str, folder: Path, *arguments: str) -> str:

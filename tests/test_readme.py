@@ -1,15 +1,15 @@
 """The README says what the program does."""
 
 import re
-from pathlib import Path
 
 import pytest
 
-from flight_replay.formats import SAVED_SUFFIXES
-from flight_replay.options import build_parser
-from flight_replay.plot import SUFFIXES
+from flight_replay.cli.options import build_parser
+from flight_replay.mission.formats import SAVED_SUFFIXES
+from flight_replay.output.charts.plot import SUFFIXES
+from tests.helpers.paths import ROOT
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def block_after(mark: str) -> str:

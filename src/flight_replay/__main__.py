@@ -22,10 +22,10 @@ def main() -> int:
         return _started()
     except KeyboardInterrupt:
         # Sooner than the command line takes signals: nothing was begun that must be ended.
-        from flight_replay import endings
+        from flight_replay import signals
 
         sys.stderr.write("flight-replay: error: interrupted\n")
-        return endings.INTERRUPTED
+        return signals.INTERRUPTED
 
 
 def _started() -> int:
@@ -35,16 +35,17 @@ def _started() -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Imports make much that lasts: looking for garbage in it, now and on leaving, takes a tenth of a dry run.
     gc.disable()
-    from flight_replay import cli, endings
+    from flight_replay import signals
+    from flight_replay.cli import main
 
     gc.freeze()
     gc.enable()
-    status = cli.main()
-    if status == endings.INTERRUPTED:
+    status = main.main()
+    if status == signals.INTERRUPTED:
         # A second Ctrl-C while Python takes itself down would change the exit status.
         import signal
 
-        for number in endings.SIGNALS:
+        for number in signals.SIGNALS:
             signal.signal(number, signal.SIG_IGN)
     return status
 

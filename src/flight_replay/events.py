@@ -160,3 +160,18 @@ Listener = Callable[[Event], None]
 
 def ignore(event: Event) -> None:
     """A listener that does nothing."""
+
+
+def together(*listeners: Listener) -> Listener:
+    """One listener that tells all of them, in order; one that fails must not end a flight."""
+
+    def tell(event: Event) -> None:
+        for listener in listeners:
+            try:
+                listener(event)
+            except Exception:
+                import logging
+
+                logging.getLogger(__name__).exception("a watcher failed at %r", event)
+
+    return tell

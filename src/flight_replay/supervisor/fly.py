@@ -9,14 +9,14 @@ import numpy as np
 
 from flight_replay.errors import VehicleError
 from flight_replay.events import Event, Listener, Phase, PhaseStarted, VehicleState, ignore
-from flight_replay.mission import FIRST_SEQ
-from flight_replay.supervisor.contract import Clock, Vehicle
-from flight_replay.supervisor.interrupted import Interrupted
-from flight_replay.supervisor.phases import change_mode, go_up, verify_mission, wait_ready
-from flight_replay.supervisor.plan import FlightRecord, Plan
-from flight_replay.supervisor.underway import fly_mission, return_home, wait_landed
-from flight_replay.supervisor.watch import Watch
-from flight_replay.track import Track, track_from_columns
+from flight_replay.logs.track import Track, track_from_columns
+from flight_replay.mission.items import FIRST_SEQ
+from flight_replay.supervisor.flight_plan import FlightRecord, Plan
+from flight_replay.supervisor.interruptions import Interrupted
+from flight_replay.supervisor.mission_phases import fly_mission, return_home, wait_landed
+from flight_replay.supervisor.takeoff_phases import change_mode, go_up, verify_mission, wait_ready
+from flight_replay.supervisor.vehicle_interface import Clock, Vehicle
+from flight_replay.supervisor.vehicle_monitor import Watch
 
 _LET_GO = frozenset({"pilot", "failsafe"})
 """Ends after which the vehicle is somebody else's: it is not commanded any more."""

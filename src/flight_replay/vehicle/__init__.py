@@ -3,6 +3,6 @@
 ``connect`` is the way in. DroneKit is imported in ``drone`` alone, when a vehicle is connected.
 """
 
-from flight_replay.vehicle.vehicle import ConnectedVehicle, connect
+from flight_replay.vehicle.connected_vehicle import ConnectedVehicle, connect
 
 __all__ = ["ConnectedVehicle", "connect"]

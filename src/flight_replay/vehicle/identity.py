@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from flight_replay.errors import VehicleError
-from flight_replay.vehicle import echo
-from flight_replay.vehicle.commands import command
-from flight_replay.vehicle.mavlink import Message, dialect
-from flight_replay.vehicle.parameters import read_parameters
-from flight_replay.vehicle.port import Port
-from flight_replay.vehicle.sightings import Sighting, Sightings
+from flight_replay.mavlink import Message, dialect
+from flight_replay.vehicle.link import timesync
+from flight_replay.vehicle.link.discovery import Sighting, Sightings
+from flight_replay.vehicle.link.port import Port
+from flight_replay.vehicle.protocol.commands import command
+from flight_replay.vehicle.protocol.parameters import read_parameters
 
 _VERSION_S = 8.0
 _REQUEST_CAPABILITIES = 520  # MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, which 3.3 knows too.
@@ -109,13 +109,13 @@ def identify(port: Port, sighting: Sighting) -> Identity:
 def _ask_version(port: Port) -> Message | None:
     """AUTOPILOT_VERSION, or None from a vehicle that never tells it; on the way, learn the round trip."""
     first_s = port.now_s()
-    with port.inbox("AUTOPILOT_VERSION", echo.KIND) as inbox:
+    with port.inbox("AUTOPILOT_VERSION", timesync.KIND) as inbox:
         while (asked_s := port.now_s()) < first_s + _VERSION_S:
-            echo.ping(port)
+            timesync.ping(port)
             port.send(command(port, _REQUEST_CAPABILITIES, 1))
             again_s = asked_s + port.trip.again_s
             while (message := inbox.get(again_s - port.now_s())) is not None:
-                if not echo.learn(port, message):
+                if not timesync.learn(port, message):
                     if asked_s == first_s:  # A later answer may be to any of the requests.
                         port.trip.guess(port.now_s() - asked_s)
                     return message

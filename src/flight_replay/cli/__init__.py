@@ -1,0 +1,1 @@
+"""The command line: each step of a replay is one module."""

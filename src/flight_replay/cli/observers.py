@@ -1,0 +1,45 @@
+"""Who watches a replay: everybody hears the same events."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from flight_replay.cli.options import Options
+from flight_replay.events import Listener, Notice, together
+from flight_replay.output.console.console import Console
+from flight_replay.planning.route import Route
+
+
+@contextmanager
+def mapped(options: Options, route: Route, console: Console, listener: Listener) -> Iterator[Listener]:
+    """The listener, and with ``--map`` the live map; at a terminal, it stays until Enter after the flight."""
+    if not options.map:
+        yield listener
+        return
+    from flight_replay.output.live_map.server import LiveMap
+
+    with LiveMap(route) as live:
+        listener(Notice(f"The map is at {live.url}"))
+        _open_browser(live.url)
+        yield together(listener, live.listener)
+        if live.is_watched and sys.stdin.isatty():
+            _wait_for_enter(console)
+
+
+def _open_browser(url: str) -> None:
+    """Open the page where somebody sits before a screen; a browser in the terminal would hide the flight."""
+    has_screen = sys.platform in {"win32", "darwin"} or any(map(os.getenv, ("DISPLAY", "WAYLAND_DISPLAY")))
+    if has_screen and sys.stdout.isatty():
+        import webbrowser
+
+        webbrowser.open(url)
+
+
+def _wait_for_enter(console: Console) -> None:
+    with console.paused(), suppress(KeyboardInterrupt):
+        sys.stderr.write("The flight is over. The map stays until you press Enter: ")
+        sys.stderr.flush()
+        sys.stdin.readline()

@@ -1,0 +1,128 @@
+"""What a replay leaves behind: words, the JSON object, the mission, pictures and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flight_replay.cli.options import Options
+from flight_replay.errors import FlightReplayError
+from flight_replay.output import json_summary as contract
+
+if TYPE_CHECKING:
+    from flight_replay.cli.flight_step import Flown
+    from flight_replay.geometry.distances import Spread
+    from flight_replay.logs.flights import Flight
+    from flight_replay.logs.tlog import Log
+    from flight_replay.output.event_log import Entry
+    from flight_replay.planning.route import Route
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replay:
+    """Everything there is to tell of a run; ``flown`` is None when nothing was flown."""
+
+    log: Log
+    flights: tuple[Flight, ...]
+    route: Route
+    flown: Flown | None
+
+
+def check(options: Options) -> None:
+    """Refuse files and stations that could not be served, before anything is read or flown.
+
+    Raises:
+        FlightReplayError: A suffix that no format has, a folder that is not there, a station
+            that cannot be understood.
+    """
+    _check_suffixes(options)
+    for file in (*options.save, options.plot, options.report, options.record):
+        if file and not file.expanduser().parent.is_dir():
+            raise FlightReplayError(f"cannot write {file}: there is no folder {file.parent}; make it first")
+    if options.gcs:
+        from flight_replay.vehicle.link.ground_station_sockets import socket_for
+
+        for station in options.gcs:
+            socket_for(station)
+
+
+def _check_suffixes(options: Options) -> None:
+    if options.save:
+        from flight_replay.mission import formats
+
+        for path in options.save:
+            formats.check_suffix(path)
+    if options.plot:
+        from flight_replay.output.charts import plot
+
+        plot.check_suffix(options.plot)
+    if options.report:
+        from flight_replay.output.charts import report
+
+        report.check_suffix(options.report)
+
+
+def save_mission(options: Options, route: Route) -> None:
+    """Write the mission, and the recorded track where the format holds one."""
+    if options.save:
+        from flight_replay.mission import formats
+
+        for path in options.save:
+            formats.save(path, route.mission, route.covered)
+
+
+def save_pictures(
+    options: Options, result: Replay, events: Sequence[Entry], arguments: Sequence[str]
+) -> None:
+    """Draw and report the replay."""
+    record, outcome = (result.flown.record, result.flown.outcome) if result.flown else (None, None)
+    if options.plot:
+        from flight_replay.output.charts.plot import save_plot
+
+        save_plot(options.plot, result.route, record, outcome)
+    if options.report:
+        from flight_replay.output.charts.report import Account, save_report
+
+        account = Account(summary(result), events, arguments)
+        save_report(options.report, account, result.route, record, outcome)
+
+
+def summary(result: Replay) -> dict[str, Any]:
+    """The ``--json`` object."""
+    flown = result.flown
+    return {
+        "log": contract.log_summary(result.log, result.flights),
+        "route": contract.route_summary(result.route),
+        "flight": flown
+        and contract.flight_summary(flown.vehicle, flown.simulated, flown.record, flown.outcome),
+    }
+
+
+def words(result: Replay) -> list[str]:
+    """The result for people, a line each."""
+    route = result.route
+    lines = [
+        f" The route is {route.path.length_m:.0f} m long and covers {len(route.covered)} of "
+        f"{len(result.log.track)} fixes; planned error: {_metres(route.planned_error)}"
+    ]
+    if route.predicted:
+        lines.append(
+            f" Predicted: {route.predicted_duration_s:.0f} s; in space {_metres(route.predicted.in_space)}; "
+            f"in time {_metres(route.predicted.in_time)}"
+        )
+    if result.flown:
+        record, outcome = result.flown.record, result.flown.outcome
+        lines += [
+            f" Reached {record.waypoints_reached} of {len(route.mission.places)} waypoints "
+            f"in {record.auto_s:.1f} s of AUTO",
+            f" Distance from the recorded flight in space: {_metres(outcome.in_space)}",
+            f" Distance from the recorded flight in time: {_metres(outcome.in_time)}",
+        ]
+    return lines
+
+
+def _metres(spread: Spread | None) -> str:
+    if spread is None:
+        return "nothing to compare"
+    return f"mean {spread.mean:.2f} m, p95 {spread.p95:.2f} m, max {spread.max:.2f} m"

@@ -1,0 +1,87 @@
+"""The steps before anything flies: read the log, choose what of it to fly, plan the route."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from flight_replay.cli.options import Options
+from flight_replay.events import Listener, Notice, Progress
+from flight_replay.logs.flights import Flight, find_flights, select
+from flight_replay.logs.sample import default_log
+from flight_replay.logs.tlog import Log, VehicleId, read_log
+from flight_replay.logs.track import Track
+from flight_replay.mission.path import planned_path
+from flight_replay.planning.route import Predicted, Route
+from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
+
+
+def read(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...], Track]:
+    """The log, its flights, and the part of its track that was asked for.
+
+    Raises:
+        LogError: The log cannot be read, or holds nothing of what was asked for.
+    """
+    listener(Notice("Generating waypoints from tlog..."))
+    log = read_log(
+        default_log() if options.tlog is None else options.tlog,
+        vehicle=None if options.vehicle is None else VehicleId(*options.vehicle),
+        progress=lambda done, total: listener(Progress("log", done, total, "bytes")),
+    )
+    track = select(log.track, options.flight, options.from_s, options.to_s)
+    if options.vehicle is None and len(log.vehicles) > 1:
+        others = ", ".join(f"{each.id} ({each.fixes} fixes)" for each in log.vehicles[1:])
+        listener(Notice(f" Vehicle {log.vehicle.id} is replayed; the log also holds {others}: see --vehicle"))
+    return log, find_flights(log.track), track
+
+
+def plan(options: Options, track: Track, listener: Listener) -> Route:
+    """The route that the options ask for, and what a person should know of it."""
+    raised = _raised(track) if options.limits == "recorded" else {}
+    if options.route == "fit":
+        route = _fitted(options, track, Limits(**raised), listener)
+    else:
+        route = _spaced(options, track)
+    listener(Notice(f" Generated {len(route.mission.places)} waypoints from tlog"))
+    for note in route.notes:
+        listener(Notice(f" {note}"))
+    return replace(route, raised=raised)
+
+
+def _raised(track: Track) -> dict[str, float]:
+    from flight_replay.planning.fit import recorded_limits
+
+    return recorded_limits(track, Limits())
+
+
+def _spaced(options: Options, track: Track) -> Route:
+    return spaced_route(
+        track,
+        spacing_m=options.spacing_m,
+        max_points=options.max_points,
+        altitude_m=options.altitude_m,
+        speed_m_s=options.speed_m_s,
+    )
+
+
+def _fitted(options: Options, track: Track, limits: Limits, listener: Listener) -> Route:
+    from flight_replay.planning.fit import fit
+
+    found = fit(
+        track,
+        max_points=options.max_points,
+        altitude_m=options.altitude_m,
+        speed_m_s=options.speed_m_s,
+        limits=limits,
+        progress=lambda done, total: listener(Progress("fit", done, total, "flights")),
+    )
+    return Route(
+        method="fit",
+        mission=found.mission,
+        covered=found.flown,
+        path=planned_path(found.mission, found.frame),
+        planned_error=found.planned,
+        predicted_duration_s=found.predicted_duration_s,
+        predicted=Predicted(found.predicted_space, found.predicted_time),
+        notes=found.notes,
+    )

@@ -1,0 +1,74 @@
+"""Keeps the mission that was on board before a replay, and puts it back.
+
+``python -m flight_replay.cli.restore FILE CONNECTION [BAUD]`` sends a kept mission to the vehicle.
+"""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Sequence
+from datetime import datetime
+from itertools import chain, count
+from pathlib import Path
+from typing import Protocol
+
+from flight_replay.errors import FlightReplayError
+from flight_replay.mission import formats
+from flight_replay.mission.items import Mission
+
+
+class Vehicle(Protocol):
+    """A vehicle whose mission can be read."""
+
+    def mission_on_board(self) -> Mission:
+        """The mission that is on board now."""
+
+
+def keep_mission(vehicle: Vehicle, folder: Path, now: datetime) -> Path | None:
+    """Save what is on board to a new ``.waypoints`` file; None if nothing is.
+
+    Raises:
+        FlightReplayError: The mission cannot be read or written.
+    """
+    mission = vehicle.mission_on_board()
+    if not mission.items:
+        return None
+    path = _unused(folder / f"mission-before-{now:%Y%m%d-%H%M%S}.waypoints")
+    formats.save(path, mission)
+    return path
+
+
+def _unused(path: Path) -> Path:
+    """The path, or one beside it: several vehicles' missions may be kept in the same second."""
+    numbered = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
+    return next(other for other in chain([path], numbered) if not other.exists())
+
+
+def restoring_line(path: Path, connection: str, baud: int) -> str:
+    """The command line that puts a kept mission back."""
+    speed = [str(baud)] if ":" not in connection else []
+    return shlex.join(["python", "-m", "flight_replay.cli.restore", str(path), connection, *speed])
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Put a kept mission back on board; returns the exit status."""
+    if len(arguments) not in (2, 3) or (len(arguments) == 3 and not arguments[2].isdigit()):
+        sys.stderr.write("usage: python -m flight_replay.cli.restore FILE CONNECTION [BAUD]\n")
+        return 2
+    from flight_replay import vehicle
+
+    try:
+        mission = formats.load_mission(Path(arguments[0]))
+        baud = int(arguments[2]) if len(arguments) == 3 else 57600
+        with vehicle.connect(arguments[1], baud=baud) as connected:
+            connected.upload(mission)
+    except FlightReplayError as error:
+        sys.stderr.write(f"flight-replay: error: {error}\n")
+        return 1
+    sys.stdout.write(f"{len(mission.items)} mission items are on board, as in {arguments[0]}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

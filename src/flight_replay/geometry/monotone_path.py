@@ -1,0 +1,76 @@
+"""Dynamic programming: one choice per row, never going back, with the least sum of costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.arrays import Floats, Indices
+
+_BLOCK = 32
+"""Rows whose costs are found together."""
+
+
+def forwards(costs_of: Callable[[slice, slice], Floats], low: Indices, high: Indices) -> Indices:
+    """One column of each row, never falling from row to row, so that their costs are least in sum.
+
+    Args:
+        costs_of: gives the costs of some rows and columns, shape (rows, columns).
+        low: the first column that each row may have, shape (n,), never falling.
+        high: the one behind the last, never falling; every row begins before the one in front of it ends.
+    """
+    marks: list[_Marks] = []
+    before, start = np.zeros(1), int(low[0])
+    for first in range(0, len(low), _BLOCK):
+        rows = slice(first, first + _BLOCK)
+        left, right = int(low[first]), int(high[rows][-1])
+        costs = costs_of(rows, slice(left, right))
+        _forbid(costs, low[rows] - left, high[rows] - left)
+        least = np.empty_like(costs)
+        before = _continued(before[left - start :], right - left)
+        for row, running in zip(costs, least, strict=True):
+            np.add(row, before, out=row)
+            before = np.minimum.accumulate(row, out=running)
+        start = left
+        marks.append(_Marks(left, right, np.packbits(least == costs, axis=1)))
+    return _backwards(marks, high)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Marks:
+    """Where the running minima of n rows were attained: bits (n, w / 8) of columns ``left`` to ``right``."""
+
+    left: int
+    right: int
+    bits: NDArray[np.uint8]
+
+
+def _forbid(costs: Floats, low: Indices, high: Indices) -> None:
+    """Make all but the columns from ``low`` up to below ``high`` cost too much, in each row."""
+    width = costs.shape[1]
+    if low[-1] > 0 or high[0] < width:
+        column = np.arange(width)
+        costs[(column < low[:, None]) | (column >= high[:, None])] = np.inf
+
+
+def _continued(minima: Floats, width: int) -> Floats:
+    """Running minima over more or fewer columns: behind the last one they stay what they are."""
+    more = max(width - len(minima), 0)
+    return np.concatenate([minima, np.full(more, minima[-1])])[:width]
+
+
+def _backwards(marks: list[_Marks], high: Indices) -> Indices:
+    """Walk back through the marks of where each row's running minimum was attained."""
+    chosen = np.zeros(len(high), np.intp)
+    i, limit = len(high) - 1, int(high[-1])
+    for block in reversed(marks):
+        limit = min(limit, block.right)
+        for attained in np.unpackbits(block.bits, axis=1)[::-1]:
+            backwards = attained[: limit - block.left][::-1]
+            limit -= int(backwards.argmax())
+            chosen[i] = limit - 1
+            i -= 1
+    return chosen

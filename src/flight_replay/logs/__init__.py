@@ -1,0 +1,1 @@
+"""Recorded flights: the track, its flights, and the readers of log files."""

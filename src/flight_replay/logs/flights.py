@@ -1,0 +1,121 @@
+"""The flights of a log: its armed stretches, or what moved where the log tells nothing of arming."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.errors import LogError
+from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.logs.track import Armed, Track
+
+_MOVING_M_S = 0.5  # receivers at rest report less
+_PAUSE_S = 10.0  # a copter that hovers for less is on the same flight
+_SHORTEST_MOVE_S = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """A flown stretch: the fixes ``first`` to ``last`` of the log's track, both of it.
+
+    ``number`` counts from 1; ``start_s`` and ``end_s`` are seconds since the track's first fix.
+    """
+
+    number: int
+    start_s: float
+    end_s: float
+    fixes: int
+    length_m: float
+    first: int
+    last: int
+
+
+def find_flights(track: Track) -> tuple[Flight, ...]:
+    """The flights of a track, in order; one that spans a reboot is two."""
+    flown = track.armed == Armed.YES
+    if (track.armed == Armed.UNKNOWN).all():
+        flown = _moving(track)
+    return tuple(
+        _flight(track, number, first, last)
+        for number, (first, last) in enumerate(_stretches(track, flown), 1)
+    )
+
+
+def select(
+    track: Track, flight: int | None = None, from_s: float | None = None, to_s: float | None = None
+) -> Track:
+    """The fixes of a flight, or of all the track, between two times.
+
+    Args:
+        track: The whole track of a log.
+        flight: Number of a flight, from 1.
+        from_s: First second wanted, counted from the first fix of the flight (or track).
+        to_s: Last second wanted, counted likewise.
+
+    Raises:
+        LogError: There is no such flight, or no fix between those times.
+    """
+    if flight is not None:
+        flights = find_flights(track)
+        if not 1 <= flight <= len(flights):
+            raise LogError(f"there is no flight {flight} in the log, {_there_are(len(flights))}")
+        track = track.select(slice(flights[flight - 1].first, flights[flight - 1].last + 1))
+    since_s = track.time_s - track.time_s[0]
+    keep = np.ones(len(track), np.bool_)
+    if from_s is not None:
+        keep &= since_s >= from_s
+    if to_s is not None:
+        keep &= since_s <= to_s
+    if not keep.any():
+        raise LogError(f"no fix lies between --from and --to; {_times(since_s, from_s or 0.0)}")
+    return track if keep.all() else track.select(keep)
+
+
+def _times(since_s: Floats, from_s: float) -> str:
+    """What can be chosen, by the fixes' times (n,): what is beside a gap that ``from_s`` lies in."""
+    following = int(np.searchsorted(since_s, from_s))
+    if not 0 < following < len(since_s):
+        return f"choose from 0 to {since_s[-1]:.1f} s"
+    last_s, next_s = since_s[following - 1], since_s[following]
+    return f"the log has none from {last_s:.2f} to {next_s:.2f} s, choose times beside that"
+
+
+def _there_are(count: int) -> str:
+    """What can be chosen."""
+    if count == 0:
+        return "which holds none; leave out --flight"
+    return "choose --flight 1" if count == 1 else f"choose --flight 1 to {count}"
+
+
+def _stretches(track: Track, flown: Flags) -> list[tuple[int, int]]:
+    """First and last index of each run of flown fixes within one section."""
+    index = np.flatnonzero(flown)
+    if not len(index):
+        return []
+    breaks = np.flatnonzero((np.diff(index) > 1) | (np.diff(track.section[index]) != 0))
+    firsts = index[np.concatenate([[0], breaks + 1])]
+    lasts = index[np.append(breaks, len(index) - 1)]
+    return list(zip(firsts.tolist(), lasts.tolist(), strict=True))
+
+
+def _moving(track: Track) -> Flags:
+    """The fixes of stretches in which the vehicle moved, short pauses included."""
+    speed = np.sqrt(track.north_m_s**2 + track.east_m_s**2 + track.up_m_s**2)
+    flown = np.zeros(len(track), np.bool_)
+    index = np.flatnonzero(np.nan_to_num(speed) > _MOVING_M_S)
+    if not len(index):
+        return flown
+    pauses = (np.diff(track.time_s[index]) > _PAUSE_S) | (np.diff(track.section[index]) != 0)
+    breaks = np.flatnonzero(pauses)
+    for begin, end in zip(np.r_[0, breaks + 1], np.r_[breaks, len(index) - 1], strict=True):
+        if track.time_s[index[end]] - track.time_s[index[begin]] >= _SHORTEST_MOVE_S:
+            flown[index[begin] : index[end] + 1] = True
+    return flown
+
+
+def _flight(track: Track, number: int, first: int, last: int) -> Flight:
+    """A flight of the fixes ``first`` to ``last``."""
+    start_s, end_s = track.time_s[[first, last]] - track.time_s[0]
+    length_m = track.select(slice(first, last + 1)).length_m
+    return Flight(number, float(start_s), float(end_s), last - first + 1, length_m, first, last)

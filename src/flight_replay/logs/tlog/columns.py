@@ -1,0 +1,126 @@
+"""Records of the three messages that positions are read from, as columns of equal length."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, fields
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.arrays import Flags, Indices
+
+AnyColumns = TypeVar("AnyColumns", bound="Columns")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Columns:
+    """Records in the order of the log, every column of shape (n,).
+
+    ``offset`` is the record's place in the log, ``vehicle`` its system id * 256 + component id.
+    """
+
+    offset: NDArray[np.int64]
+    vehicle: NDArray[np.uint16]
+
+    def __len__(self) -> int:
+        return len(self.offset)
+
+    def select(self: AnyColumns, keep: Flags | Indices) -> AnyColumns:
+        """The records that a mask or an index array picks."""
+        if keep.dtype == np.bool_ and keep.all():
+            return self
+        return type(self)(**{each.name: getattr(self, each.name)[keep] for each in fields(self)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Positions(Columns):
+    """GLOBAL_POSITION_INT in its own units; ``stamp_us`` is what the eight bytes before the record say."""
+
+    stamp_us: NDArray[np.int64]
+    time_ms: NDArray[np.uint32]
+    lat_e7: NDArray[np.int32]
+    lon_e7: NDArray[np.int32]
+    amsl_mm: NDArray[np.int32]
+    alt_mm: NDArray[np.int32]
+    north_cm_s: NDArray[np.int16]
+    east_cm_s: NDArray[np.int16]
+    down_cm_s: NDArray[np.int16]
+
+    @property
+    def is_empty(self) -> Flags:
+        """Where latitude and longitude are both 0: no position at all."""
+        return np.asarray((self.lat_e7 == 0) & (self.lon_e7 == 0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heartbeats(Columns):
+    """HEARTBEAT: who sent it (MAV_AUTOPILOT, MAV_TYPE), and whether the motors were armed."""
+
+    autopilot: NDArray[np.uint8]
+    type: NDArray[np.uint8]
+    armed: Flags
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fixes(Columns):
+    """GPS_RAW_INT: whether the receiver had a 3D fix or better."""
+
+    is_3d: Flags
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Records:
+    """What was read; ``empty`` counts the positions at 0, 0 by vehicle."""
+
+    positions: Positions
+    heartbeats: Heartbeats
+    fixes: Fixes
+    empty: dict[int, int]
+
+
+class Gathered:
+    """Records of one part of a log after the other."""
+
+    def __init__(self) -> None:
+        self._positions = _Growing(Positions)
+        self._heartbeats = _Growing(Heartbeats)
+        self._fixes = _Growing(Fixes)
+        self._empty: Counter[int] = Counter()
+
+    def add(self, part: Records) -> None:
+        """Append a part's records."""
+        self._positions.add(part.positions)
+        self._heartbeats.add(part.heartbeats)
+        self._fixes.add(part.fixes)
+        self._empty.update(part.empty)
+
+    @property
+    def records(self) -> Records:
+        """All records so far."""
+        columns = self._positions.columns, self._heartbeats.columns, self._fixes.columns
+        return Records(*columns, dict(self._empty))
+
+
+class _Growing(Generic[AnyColumns]):
+    """Columns in byte arrays, which grow in place: no record is ever held twice."""
+
+    def __init__(self, kind: type[AnyColumns]) -> None:
+        self._kind = kind
+        self._bytes = {each.name: bytearray() for each in fields(kind)}
+        self._dtypes: dict[str, np.dtype[Any]] = {}
+
+    def add(self, part: AnyColumns) -> None:
+        for name in self._bytes:
+            column: NDArray[Any] = getattr(part, name)
+            self._dtypes[name] = column.dtype
+            self._bytes[name] += np.ascontiguousarray(column).view(np.uint8).data
+
+    @property
+    def columns(self) -> AnyColumns:
+        columns = {}
+        for name, grown in self._bytes.items():
+            dtype = self._dtypes[name]
+            columns[name] = np.ndarray((len(grown) // dtype.itemsize,), dtype, grown)
+        return self._kind(**columns)

@@ -1,0 +1,92 @@
+"""A recorded or flown track: fixes of one vehicle as columns of equal length, in SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.geodesy import LocalFrame, surface_xyz_m
+
+
+class Armed(IntEnum):
+    """What the log tells of the motors at a fix."""
+
+    UNKNOWN = -1
+    NO = 0
+    YES = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Fixes in the order of time; every column has shape (n,).
+
+    ``time_s`` is the vehicle's own clock (``time_boot_ms``; log stamps where that stands still),
+    carried on over reboots, so that it never falls within a track; ``alt_m`` is height above home,
+    ``amsl_m`` above mean sea level; velocities are m/s; ``section`` numbers the boots from 0;
+    ``armed`` holds ``Armed`` values.
+    """
+
+    time_s: Floats
+    lat_deg: Floats
+    lon_deg: Floats
+    alt_m: Floats
+    amsl_m: Floats
+    north_m_s: Floats
+    east_m_s: Floats
+    up_m_s: Floats
+    section: NDArray[np.int32]
+    armed: NDArray[np.int8]
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def select(self, keep: NDArray[np.intp] | NDArray[np.bool_] | slice) -> Track:
+        """The fixes that a mask, a slice or an index array picks, in that order."""
+        return Track(**{field.name: getattr(self, field.name)[keep] for field in fields(self)})
+
+    @property
+    def frame(self) -> LocalFrame:
+        """The local metric frame around the first fix."""
+        return LocalFrame(float(self.lat_deg[0]), float(self.lon_deg[0]))
+
+    def north_east_m(self, frame: LocalFrame | None = None) -> Floats:
+        """Ground positions (n, 2) in metres north and east of the frame's origin (first fix)."""
+        return (frame or self.frame).to_metres(self.lat_deg, self.lon_deg)
+
+    @property
+    def length_m(self) -> float:
+        """Ground distance along the fixes, metres."""
+        steps = np.diff(surface_xyz_m(self.lat_deg, self.lon_deg), axis=0)
+        return float(np.linalg.norm(steps, axis=1).sum())
+
+
+def track_from_columns(  # noqa: PLR0913
+    time_s: Floats,
+    lat_deg: Floats,
+    lon_deg: Floats,
+    alt_m: Floats,
+    *,
+    amsl_m: Floats | None = None,
+    velocity_m_s: Floats | None = None,
+    section: NDArray[np.int32] | None = None,
+    armed: NDArray[np.int8] | None = None,
+) -> Track:
+    """A track from what is known: missing heights are ``alt_m``, missing velocities (n, 3) not a number."""
+    n = len(time_s)
+    velocity = np.full((n, 3), np.nan) if velocity_m_s is None else velocity_m_s
+    return Track(
+        time_s=np.asarray(time_s, float),
+        lat_deg=np.asarray(lat_deg, float),
+        lon_deg=np.asarray(lon_deg, float),
+        alt_m=np.asarray(alt_m, float),
+        amsl_m=np.asarray(alt_m if amsl_m is None else amsl_m, float),
+        north_m_s=velocity[:, 0],
+        east_m_s=velocity[:, 1],
+        up_m_s=velocity[:, 2],
+        section=np.zeros(n, np.int32) if section is None else section,
+        armed=np.full(n, Armed.UNKNOWN, np.int8) if armed is None else armed,
+    )

@@ -1,0 +1,21 @@
+"""ArduPilot's MAVLink dialect, version 2, which ships no type information, and words for its results."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pymavlink.dialects.v20 import ardupilotmega
+
+dialect: Any = ardupilotmega
+Message = Any
+
+RESULTS = {
+    number: entry.name.removeprefix("MAV_RESULT_").replace("_", " ").lower()
+    for number, entry in dialect.enums["MAV_RESULT"].items()
+}
+"""Words for what a COMMAND_ACK answers."""
+MISSION_RESULTS = {
+    number: entry.name.removeprefix("MAV_MISSION_").replace("_", " ").lower()
+    for number, entry in dialect.enums["MAV_MISSION_RESULT"].items()
+}
+"""Words for what a MISSION_ACK answers."""

@@ -1,0 +1,1 @@
+"""What will be flown, as data, and the files that other programs read it from."""

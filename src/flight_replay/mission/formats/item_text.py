@@ -1,0 +1,80 @@
+"""Mission items in words and in heights above the sea, for formats that know no MAVLink."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.mission.items import Command, Frame, Home, Mission, MissionItem
+from flight_replay.mission.path import path_through, stops
+
+CURVE_TOLERANCE_M = 0.1
+"""How far the lines that stand for a spline leg may lie from it: nobody sees that on a map."""
+_NAMES: dict[int, str] = {command: command.name.lower().replace("_", " ") for command in Command}
+_HEIGHTS: dict[int, str] = {
+    Frame.ABSOLUTE: "above mean sea level",
+    Frame.RELATIVE: "above home",
+    Frame.TERRAIN: "above terrain",
+}
+
+
+def command_name(item: MissionItem) -> str:
+    """What the item does: "waypoint", "spline waypoint", or its MAV_CMD number where it has no word here."""
+    return _NAMES.get(item.command, f"command {item.command}")
+
+
+def described(item: MissionItem) -> str:
+    """One line on a place: how it is flown to, how high, how long it is held."""
+    height = _HEIGHTS.get(item.frame, f"in frame {item.frame}")
+    hold = f", hold {item.hold_s:g} s" if item.hold_s > 0 else ""
+    return f"{command_name(item)}, {round(item.alt_m, 1):g} m {height}{hold}"
+
+
+def amsl_m(item: MissionItem, home: Home | None) -> float:
+    """The item's height above mean sea level; not a number where only a terrain model or home would tell."""
+    if item.frame == Frame.ABSOLUTE:
+        return item.alt_m
+    if item.frame == Frame.RELATIVE and home is not None:
+        return home.alt_amsl_m + item.alt_m
+    return math.nan
+
+
+def speeds_m_s(mission: Mission) -> dict[int, float]:
+    """Speed asked for on the leg to each waypoint, by sequence number; none where none was asked."""
+    speeds: dict[int, float] = {}
+    asked = math.nan
+    for seq, item in enumerate(mission.items, 1):
+        if item.command == Command.CHANGE_SPEED and item.params[1] > 0:
+            asked = item.params[1]
+        elif item.is_place and math.isfinite(asked):
+            speeds[seq] = asked
+    return speeds
+
+
+def route_line(mission: Mission) -> tuple[Floats, bool]:
+    """The planned path as rows (latitude, longitude, height), and whether the heights are above the sea.
+
+    Spline legs are drawn as the curves that ArduCopter flies; heights whose reference is not known
+    for every waypoint are the items' own.
+    """
+    places = [item for _, item in mission.places]
+    if not places:
+        return np.zeros((0, 3)), False
+    above_sea = all(math.isfinite(amsl_m(item, mission.home)) for item in places)
+    items = [_raised(item, mission.home) if above_sea else item for item in mission.items]
+    frame = LocalFrame(places[0].lat_deg, places[0].lon_deg)
+    line = path_through(stops(items, frame), tolerance_m=CURVE_TOLERANCE_M)
+    rows = np.column_stack([*frame.to_degrees(line.north_east_m), line.up_m])
+    moved = np.append(True, np.any(np.diff(rows, axis=0) != 0, axis=1))
+    return rows[moved], above_sea
+
+
+def _raised(item: MissionItem, home: Home | None) -> MissionItem:
+    """A place with its height above the sea; height 0 stays, for it means "as before"."""
+    if not item.is_place or item.alt_m == 0:
+        return item
+    return replace(item, alt_m=amsl_m(item, home))

@@ -1,0 +1,103 @@
+"""KML 2.2 (OGC 07-147r2): the mission as pins and a line, the track as a line.
+
+Heights are above mean sea level where home's is known, else above ground, which home's surroundings
+then are taken for. What KML has no word for (command, parameters, speed) stands in ExtendedData.
+"""
+
+from __future__ import annotations
+
+import math
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.logs.track import Track
+from flight_replay.mission.formats.item_text import amsl_m, command_name, described, route_line, speeds_m_s
+from flight_replay.mission.formats.validation import finite
+from flight_replay.mission.items import Home, Mission, MissionItem
+
+_NAMESPACE = "http://www.opengis.net/kml/2.2"
+# aabbggrr: colours that the colour-blind tell apart (Okabe and Ito), those of the plots.
+_STYLES = {"recorded": "ff999999", "planned": "ffb27200"}
+
+
+def text(mission: Mission, track: Track | None = None) -> str:
+    """The mission, and the recorded track if there is one."""
+    root = Xml.Element("kml", xmlns=_NAMESPACE)
+    document = Xml.SubElement(root, "Document")
+    _child(document, "name", "Flight replay")
+    for name, colour in _STYLES.items():
+        line_style = Xml.SubElement(Xml.SubElement(document, "Style", id=name), "LineStyle")
+        _child(line_style, "color", colour)
+        _child(line_style, "width", "3")
+    folder = Xml.SubElement(document, "Folder")
+    _child(folder, "name", "Mission")
+    _add_mission(folder, mission)
+    if track is not None and len(track):
+        line = np.column_stack([track.lat_deg, track.lon_deg, track.amsl_m])
+        _add_line(document, "Recorded track", "recorded", "absolute", line)
+    Xml.indent(root)
+    return Xml.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _add_mission(folder: Xml.Element, mission: Mission) -> None:
+    if mission.home is not None:
+        home = mission.home
+        pin = _pin(folder, "Home", "where the vehicle returns to")
+        _add_point(pin, "absolute", home.lat_deg, home.lon_deg, home.alt_amsl_m)
+    speeds = speeds_m_s(mission)
+    for seq, item in mission.places:
+        pin = _pin(folder, str(seq), described(item))
+        _add_data(pin, seq, item, speeds.get(seq))
+        mode, height_m = _height(item, mission.home)
+        _add_point(pin, mode, item.lat_deg, item.lon_deg, height_m)
+    line, above_sea = route_line(mission)
+    if len(line) > 1:
+        mode = "absolute" if above_sea else "relativeToGround"
+        _add_line(folder, "Route", "planned", mode, line)
+
+
+def _height(item: MissionItem, home: Home | None) -> tuple[str, float]:
+    height_m = amsl_m(item, home)
+    return ("absolute", height_m) if math.isfinite(height_m) else ("relativeToGround", item.alt_m)
+
+
+def _pin(folder: Xml.Element, name: str, description: str) -> Xml.Element:
+    pin = Xml.SubElement(folder, "Placemark")
+    _child(pin, "name", name)
+    _child(pin, "description", description)
+    return pin
+
+
+def _add_data(pin: Xml.Element, seq: int, item: MissionItem, speed_m_s: float | None) -> None:
+    values: dict[str, object] = {"seq": seq, "command": int(item.command), "command_name": command_name(item)}
+    values |= {"frame": int(item.frame), "alt_m": item.alt_m, "hold_s": item.hold_s}
+    if speed_m_s is not None:
+        values["speed_m_s"] = speed_m_s
+    extended = Xml.SubElement(pin, "ExtendedData")
+    for name, value in values.items():
+        _child(Xml.SubElement(extended, "Data", name=name), "value", str(value))
+
+
+def _add_point(pin: Xml.Element, mode: str, lat_deg: float, lon_deg: float, height_m: float) -> None:
+    point = Xml.SubElement(pin, "Point")
+    _child(point, "altitudeMode", mode)
+    _child(point, "coordinates", _coordinates(lat_deg, lon_deg, height_m))
+
+
+def _add_line(parent: Xml.Element, name: str, style: str, mode: str, places: Floats) -> None:
+    line = Xml.SubElement(parent, "Placemark")
+    _child(line, "name", name)
+    _child(line, "styleUrl", f"#{style}")
+    geometry = Xml.SubElement(line, "LineString")
+    _child(geometry, "altitudeMode", mode)
+    _child(geometry, "coordinates", "\n".join(_coordinates(*place) for place in places))
+
+
+def _coordinates(lat_deg: float, lon_deg: float, height_m: float) -> str:
+    return f"{lon_deg:.8f},{lat_deg:.8f},{finite(height_m):.3f}"
+
+
+def _child(parent: Xml.Element, tag: str, content: str) -> None:
+    Xml.SubElement(parent, tag).text = content

@@ -1,0 +1,109 @@
+"""QGroundControl's .plan file (QGroundControl developer guide, "Plan File Format").
+
+JSON, version 1 with mission version 2. Home is not an item; a parameter that is not a number is
+null. QGroundControl wants a home in every plan: where none is known, the first waypoint stands in.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from flight_replay.errors import MissionError
+from flight_replay.logs.track import Track
+from flight_replay.mission.formats.validation import checked_place, finite
+from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Home, Mission, MissionItem
+
+_ARDUPILOT = 3  # MAV_AUTOPILOT_ARDUPILOTMEGA
+_QUADROTOR = 2  # MAV_TYPE_QUADROTOR
+# ArduCopter's own speed when a mission sets none (WPNAV_SPEED since 4.1), and QGroundControl's for planes.
+_HOVER_SPEED_M_S = 10.0
+_CRUISE_SPEED_M_S = 15.0
+# QGroundControl's altitude modes: 1 above home, 2 above mean sea level, 4 above terrain.
+_ALTITUDE_MODES: dict[int, int] = {Frame.RELATIVE: 1, Frame.ABSOLUTE: 2, Frame.TERRAIN: 4}
+
+
+def text(mission: Mission, track: Track | None = None) -> str:
+    """The mission for QGroundControl; this format holds no track."""
+    home = mission.home or _stand_in(mission)
+    plan = {
+        "fileType": "Plan",
+        "version": 1,
+        "groundStation": "flight-replay",
+        "mission": {
+            "version": 2,
+            "firmwareType": _ARDUPILOT,
+            "vehicleType": _QUADROTOR,
+            "cruiseSpeed": _CRUISE_SPEED_M_S,
+            "hoverSpeed": _first_speed_m_s(mission),
+            "globalPlanAltitudeMode": _ALTITUDE_MODES[Frame.RELATIVE],
+            "plannedHomePosition": [home.lat_deg, home.lon_deg, home.alt_amsl_m],
+            "items": [_simple_item(seq, item) for seq, item in enumerate(mission.items, FIRST_SEQ)],
+        },
+        "geoFence": {"version": 2, "circles": [], "polygons": []},
+        "rallyPoints": {"version": 2, "points": []},
+    }
+    return json.dumps(plan, indent=2, allow_nan=False) + "\n"
+
+
+def _stand_in(mission: Mission) -> Home:
+    places = mission.places
+    return Home(places[0][1].lat_deg, places[0][1].lon_deg, 0.0) if places else Home(0.0, 0.0, 0.0)
+
+
+def _first_speed_m_s(mission: Mission) -> float:
+    speeds = (item.params[1] for item in mission.items if item.command == Command.CHANGE_SPEED)
+    return next((speed for speed in speeds if speed > 0), _HOVER_SPEED_M_S)
+
+
+def _simple_item(seq: int, item: MissionItem) -> dict[str, Any]:
+    numbers = (*item.params, item.lat_deg, item.lon_deg, item.alt_m)
+    simple: dict[str, Any] = {
+        "type": "SimpleItem",
+        "autoContinue": True,
+        "command": int(item.command),
+        "doJumpId": seq,
+        "frame": int(item.frame),
+        "params": [number if math.isfinite(number) else None for number in numbers],
+    }
+    mode = _ALTITUDE_MODES.get(item.frame)
+    if mode is not None:
+        simple |= {"Altitude": finite(item.alt_m), "AltitudeMode": mode, "AMSLAltAboveTerrain": None}
+    return simple
+
+
+def parse(content: str, name: str) -> Mission:
+    """The mission in a file's text; ``name`` stands in errors.
+
+    Raises:
+        MissionError: It is no plan, or holds a pattern (a survey, say) instead of single items.
+    """
+    try:
+        mission = json.loads(content)["mission"]
+        home = _home(mission["plannedHomePosition"])
+        rows = list(mission["items"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise MissionError(f"{name} is not a QGroundControl plan ({error!r}); save it again there") from error
+    return Mission(tuple(_item(row, f"{name} item {number}") for number, row in enumerate(rows, 1)), home)
+
+
+def _home(position: list[float]) -> Home:
+    lat_deg, lon_deg, alt_amsl_m = (float(number) for number in position)
+    return Home(lat_deg, lon_deg, alt_amsl_m)
+
+
+def _item(row: Any, where: str) -> MissionItem:
+    try:
+        if row["type"] != "SimpleItem":
+            kind = row.get("complexItemType", row["type"])
+            raise MissionError(f"{where} is a {kind} pattern; turn it into single waypoints first")
+        p1, p2, p3, p4, lat_deg, lon_deg, alt_m = (
+            math.nan if number is None else float(number) for number in row["params"]
+        )
+        item = MissionItem(int(row["command"]), int(row["frame"]), (p1, p2, p3, p4), lat_deg, lon_deg, alt_m)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise MissionError(
+            f"{where} is not a SimpleItem of seven numbers ({error!r}); save it again"
+        ) from error
+    return checked_place(item, where)

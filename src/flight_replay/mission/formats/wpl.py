@@ -1,0 +1,81 @@
+"""QGC WPL 110, the text file of missions (https://mavlink.io/en/file_formats/).
+
+A header, then one line an item of 12 columns: number, current, frame, command, four parameters,
+latitude, longitude, altitude, autocontinue. For ArduPilot line 0 is home, its altitude above mean
+sea level; zeros there say that home is not known. A parameter that is not a number is written as 0,
+which ArduCopter takes it for.
+"""
+
+from __future__ import annotations
+
+import math
+
+from flight_replay.errors import MissionError
+from flight_replay.logs.track import Track
+from flight_replay.mission.formats.validation import checked_place, finite
+from flight_replay.mission.items import FIRST_SEQ, HOME_SEQ, Command, Frame, Home, Mission, MissionItem
+
+_HEADER = "QGC WPL 110"
+_COLUMNS = 12
+
+
+def text(mission: Mission, track: Track | None = None) -> str:
+    """The mission with home as item 0 and 8 decimals (1 mm); this format holds no track."""
+    home = mission.home or Home(0.0, 0.0, 0.0)
+    first = MissionItem(
+        Command.WAYPOINT, Frame.ABSOLUTE, (0.0, 0.0, 0.0, 0.0), home.lat_deg, home.lon_deg, home.alt_amsl_m
+    )
+    lines = [_line(HOME_SEQ, first), *(_line(seq, item) for seq, item in enumerate(mission.items, FIRST_SEQ))]
+    return "\n".join([_HEADER, *lines, ""])
+
+
+def _line(seq: int, item: MissionItem) -> str:
+    numbers = (*item.params, item.lat_deg, item.lon_deg, item.alt_m)
+    current = int(seq == HOME_SEQ)
+    values = "\t".join(f"{finite(number):.8f}" for number in numbers)
+    return f"{seq}\t{current}\t{int(item.frame)}\t{int(item.command)}\t{values}\t1"
+
+
+def parse(content: str, name: str) -> Mission:
+    """The mission in a file's text; ``name`` stands in errors.
+
+    Blank lines and lines that begin with # are skipped, as MAVProxy does. The item numbered 0 is
+    home whatever its command (Mission Planner writes 0 there).
+
+    Raises:
+        MissionError: A line is not what the format says.
+    """
+    lines = content.splitlines()
+    if not lines or lines[0].strip() != _HEADER:
+        raise MissionError(f'{name} does not begin with "{_HEADER}"; give a mission in that format')
+    rows = [
+        _row(line, f"{name} line {number}")
+        for number, line in enumerate(lines[1:], 2)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    home = None
+    if rows and rows[0][0] == HOME_SEQ:
+        home, rows = _home(rows[0][1]), rows[1:]
+    return Mission(tuple(item for _, item in rows), home)
+
+
+def _home(item: MissionItem) -> Home | None:
+    known = item.lat_deg != 0 or item.lon_deg != 0
+    return Home(item.lat_deg, item.lon_deg, item.alt_m) if known else None
+
+
+def _row(line: str, where: str) -> tuple[int, MissionItem]:
+    columns = line.split()
+    if len(columns) != _COLUMNS:
+        raise MissionError(
+            f"{where} has {len(columns)} columns instead of {_COLUMNS}; mend or leave out that line"
+        )
+    try:
+        seq, frame, command = int(columns[0]), int(columns[2]), int(columns[3])
+        p1, p2, p3, p4, lat_deg, lon_deg, alt_m = (float(column) for column in columns[4:11])
+    except ValueError as error:
+        raise MissionError(f"{where} holds {error}; mend or leave out that line") from error
+    if math.isinf(sum(map(abs, (p1, p2, p3, p4, alt_m)))):
+        raise MissionError(f"{where} holds a number without end; mend or leave out that line")
+    item = MissionItem(command, frame, (p1, p2, p3, p4), lat_deg, lon_deg, alt_m)
+    return seq, checked_place(item, where, home=seq == HOME_SEQ)

@@ -1,0 +1,111 @@
+"""A mission as plain data: what will be flown, and nothing about how it was found or is sent.
+
+Altitudes are metres in the item's frame, places are degrees. Home, which ArduPilot keeps as
+item 0, is not an item here: the first item has sequence number 1 on board.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+HOME_SEQ = 0
+FIRST_SEQ = 1
+
+
+class Command(IntEnum):
+    """The MAV_CMD numbers that routes are made of (mavlink.io, common.xml)."""
+
+    WAYPOINT = 16
+    LOITER_UNLIMITED = 17
+    LOITER_TURNS = 18
+    LOITER_TIME = 19
+    RETURN_TO_LAUNCH = 20
+    LAND = 21
+    TAKEOFF = 22
+    SPLINE_WAYPOINT = 82
+    DELAY = 93
+    CHANGE_SPEED = 178
+
+
+class Frame(IntEnum):
+    """The MAV_FRAME numbers that routes are made of (mavlink.io, common.xml)."""
+
+    ABSOLUTE = 0
+    MISSION = 2
+    RELATIVE = 3
+    TERRAIN = 10
+
+
+PLACES = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT})
+"""Commands that routes fly to, and that count as waypoints."""
+
+
+@dataclass(frozen=True, slots=True)
+class MissionItem:
+    """One mission item: ``params`` are MAVLink's param1 to param4."""
+
+    command: int
+    frame: int
+    params: tuple[float, float, float, float]
+    lat_deg: float
+    lon_deg: float
+    alt_m: float
+
+    @property
+    def is_place(self) -> bool:
+        """Whether the vehicle flies to this item, straight or along a spline."""
+        return self.command in PLACES
+
+    @property
+    def is_spline(self) -> bool:
+        """Whether the vehicle curves to this item."""
+        return self.command == Command.SPLINE_WAYPOINT
+
+    @property
+    def hold_s(self) -> float:
+        """Seconds that the vehicle waits at this waypoint."""
+        return self.params[0] if self.is_place else 0.0
+
+
+def waypoint(
+    lat_deg: float, lon_deg: float, alt_m: float, *, hold_s: float = 0.0, spline: bool = False
+) -> MissionItem:
+    """A waypoint ``alt_m`` metres above home; ArduCopter holds for whole seconds only."""
+    command = Command.SPLINE_WAYPOINT if spline else Command.WAYPOINT
+    return MissionItem(command, Frame.RELATIVE, (float(hold_s), 0.0, 0.0, 0.0), lat_deg, lon_deg, alt_m)
+
+
+def change_speed(speed_m_s: float) -> MissionItem:
+    """DO_CHANGE_SPEED of the horizontal speed (param1 1: ground speed), metres per second."""
+    return MissionItem(Command.CHANGE_SPEED, Frame.MISSION, (1.0, float(speed_m_s), 0.0, 0.0), 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """Where the vehicle returns to: degrees, and metres above mean sea level."""
+
+    lat_deg: float
+    lon_deg: float
+    alt_amsl_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """The items to fly, in order, without home."""
+
+    items: tuple[MissionItem, ...]
+    home: Home | None = None
+
+    @property
+    def places(self) -> tuple[tuple[int, MissionItem], ...]:
+        """(sequence number on board, item) of every waypoint, straight or spline."""
+        return tuple((seq, item) for seq, item in enumerate(self.items, FIRST_SEQ) if item.is_place)
+
+    def with_home(self, home: Home) -> Mission:
+        """The same items under another home."""
+        return replace(self, home=home)
+
+
+ENOUGH_OF_TARGET = 0.95
+"""Share of the take-off altitude at which DroneKit's example counts take-off as done."""

@@ -1,0 +1,1 @@
+"""Pictures: one page for matplotlib, interactive charts, the report."""

@@ -1,0 +1,1 @@
+"""Plain lines, or a live display on a terminal."""

@@ -1,0 +1,1 @@
+"""The live map of ``--map``: server, data and page."""

@@ -1,0 +1,97 @@
+"""A live map in the browser, served on loopback only; everything that the page needs comes from here.
+
+The server has a thread of its own. The flight only hands it events: no page, slow or closed, can
+hold the flight up.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+import time
+from types import TracebackType
+from typing import Any
+
+from flight_replay.errors import FlightReplayError
+from flight_replay.events import Event
+from flight_replay.output.charts import map_tiles
+from flight_replay.output.charts.series import curves
+from flight_replay.output.live_map.data import LiveData
+from flight_replay.output.live_map.page import TICK_MS, Page
+from flight_replay.planning.route import Route
+
+_HOST = "127.0.0.1"
+_START_S = 10.0
+_LAST_LOOK_S = 3 * TICK_MS / 1000
+
+
+class LiveMap:
+    """The map of one replay, from ``with`` until its end; ``url`` is where the page is."""
+
+    def __init__(self, route: Route) -> None:
+        self._data = LiveData(route)
+        self._shown = curves(route)
+        self._frame = route.covered.frame
+        self._ready = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name="flight-replay map", daemon=True)
+        self._loop: Any = None
+        self._bokeh: Any = None
+        self.url = ""
+
+    def __enter__(self) -> LiveMap:
+        self._tiles = map_tiles.probe()
+        self._thread.start()
+        if not self._ready.wait(_START_S):
+            raise FlightReplayError("the map's server does not start; leave out --map, see -v")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop, after open pages have had the time to show the end."""
+        if self.is_watched:
+            time.sleep(_LAST_LOOK_S)
+        self._loop.add_callback(self._loop.stop)
+        self._thread.join(_START_S)
+
+    def listener(self, event: Event) -> None:
+        """Take an event to the map; costs microseconds."""
+        self._data.listener(event)
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a page is open."""
+        return any(session.connection_count for session in self._bokeh.get_sessions("/"))
+
+    def _serve(self) -> None:
+        from bokeh.application import Application
+        from bokeh.application.handlers.function import FunctionHandler
+        from bokeh.server.server import BaseServer
+        from bokeh.server.tornado import BokehTornado
+        from bokeh.server.util import bind_sockets
+        from tornado.httpserver import HTTPServer
+        from tornado.ioloop import IOLoop
+
+        # A browser asks for icons that are not there; nobody needs to read that.
+        logging.getLogger("tornado.access").setLevel(logging.ERROR)
+        asyncio.set_event_loop(asyncio.new_event_loop())
+        sockets, port = bind_sockets(_HOST, 0)
+        origins = [f"{_HOST}:{port}", f"localhost:{port}"]
+        self._bokeh = BokehTornado(
+            {"/": Application(FunctionHandler(self._open_page))}, extra_websocket_origins=origins
+        )
+        http = HTTPServer(self._bokeh)
+        http.add_sockets(sockets)
+        self._loop = IOLoop.current()
+        server = BaseServer(self._loop, self._bokeh, http)
+        server.start()
+        self.url = f"http://{_HOST}:{port}/"
+        self._loop.add_callback(self._ready.set)
+        self._loop.start()
+        server.unlisten()
+        server.stop()
+        self._loop.close(all_fds=True)
+
+    def _open_page(self, document: Any) -> None:
+        Page(self._data, self._shown, self._frame, self._tiles).fill(document)

@@ -1,0 +1,1 @@
+"""From a recorded track to a route; no MAVLink, no clock."""

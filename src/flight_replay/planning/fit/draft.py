@@ -1,0 +1,72 @@
+"""A route while it is being fitted, in local metres, and the mission that it stands for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.geometry.flat_earth import FlatFrame
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.mission.items import FIRST_SEQ, Home, Mission, change_speed, waypoint
+from flight_replay.mission.path import Path, Stop, path_through
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Draft:
+    """n places with how each is flown to: columns of shape (n,), places (n, 3) north, east, up.
+
+    ``hold_s`` are whole seconds of waiting; ``speed_m_s`` is the ground speed asked for on the way
+    to each place, not a number where the one before goes on (at the first: the vehicle's own).
+    """
+
+    places_m: Floats
+    spline: Flags
+    hold_s: Floats
+    speed_m_s: Floats
+
+    def __len__(self) -> int:
+        return len(self.places_m)
+
+    @property
+    def halts(self) -> Flags:
+        """Where the vehicle comes to rest: where it waits, and at the end."""
+        halts = self.hold_s > 0
+        halts[-1] = True
+        return halts
+
+    def mission(self, frame: LocalFrame | FlatFrame) -> Mission:
+        """The mission items of this route, with home at the origin of ``frame``."""
+        lat, lon = frame.to_degrees(self.places_m[:, :2])
+        items = []
+        for i in range(len(self)):
+            if np.isfinite(self.speed_m_s[i]):
+                items.append(change_speed(round(float(self.speed_m_s[i]), 2)))
+            items.append(
+                waypoint(
+                    float(lat[i]),
+                    float(lon[i]),
+                    float(self.places_m[i, 2]),
+                    hold_s=float(self.hold_s[i]),
+                    spline=bool(self.spline[i]),
+                )
+            )
+        return Mission(tuple(items), Home(frame.lat_deg, frame.lon_deg, 0.0))
+
+    @property
+    def seqs(self) -> list[int]:
+        """Sequence number on board of every place."""
+        numbers = np.arange(len(self)) + np.cumsum(np.isfinite(self.speed_m_s)) + FIRST_SEQ
+        return [int(number) for number in numbers]
+
+    def path(self, tolerance_m: float) -> Path:
+        """The planned path; ``seq`` of its points is the index of the place that they lead to."""
+        halts = self.halts
+        return path_through(
+            [
+                Stop(i, place, bool(self.spline[i]), float(self.hold_s[i]), bool(halts[i]))
+                for i, place in enumerate(self.places_m)
+            ],
+            tolerance_m=tolerance_m,
+        )

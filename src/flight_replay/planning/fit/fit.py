@@ -1,0 +1,148 @@
+"""The fit in one go: flown part, first drafts, search, and the answer in words and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.errors import LogError
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.distances import Spread, in_order_distances, in_time, spread
+from flight_replay.logs.track import Track
+from flight_replay.mission.path import planned_path
+from flight_replay.planning.altitude import RECORDED, Recorded, home_of
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.knot_placement import enough_places, first_draft
+from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
+from flight_replay.planning.fit.objective import Forecast, least_objective_m
+from flight_replay.planning.fit.reference import Recording, flat_frame, hovers, recording_of
+from flight_replay.planning.fit.result import FitResult, where_it_lags
+from flight_replay.planning.fit.search import Task, searched
+from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.spacing import MAX_POINTS, spaced
+from flight_replay.simulator.dynamics.limits import Limits
+
+WORK_FIXES = 1000
+"""Fixes that the search looks at; the errors of the answer are those of all fixes."""
+RIVAL_FLIGHTS = 2
+"""Flights in the model for each of the classic routes that the fit has to beat."""
+_HOVER_SHARE = 3
+# Durations of flights, and the steps of the model that can be afforded for each.
+_STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.025, 0.05, 0.05, 0.1))
+_WORK_S = 7000.0
+"""Seconds of flight that the search may simulate, unless that is less than ``_FEWEST_FLIGHTS`` flights."""
+_FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 24
+_BEND = 0.02
+
+Progress = Callable[[int, int], None]
+
+
+def fit(  # noqa: PLR0913
+    track: Track,
+    *,
+    max_points: int = MAX_POINTS,
+    altitude_m: float | Recorded = 30.0,
+    speed_m_s: float | Recorded | None = None,
+    limits: Limits | None = None,
+    progress: Progress | None = None,
+) -> FitResult:
+    """The mission whose flown path follows the flown part of ``track`` best.
+
+    Args:
+        track: fixes of one vehicle.
+        max_points: most waypoints; speed changes come on top.
+        altitude_m: height above home, constant or as recorded (never below 5 m).
+        speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
+        limits: what the vehicle may do; ArduCopter's defaults if None.
+        progress: told how much of the work is done, and how much there is.
+
+    Raises:
+        LogError: the track holds no fix.
+    """
+    if not len(track):
+        raise LogError("The log holds no position that could be followed; choose another log or vehicle.")
+    flown, notes = flown_part(track)
+    timed = speed_m_s == RECORDED
+    recording = recording_of(flown, None if altitude_m == RECORDED else float(altitude_m))
+    task = task_for(recording, max_points, limits or Limits(), timed=timed)
+    drafts = _drafts(task, recording, flown, max_points)
+    if speed_m_s is not None and speed_m_s != RECORDED:
+        drafts = [replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:])) for draft in drafts]
+    best = _best(task, drafts, progress or (lambda done, total: None))
+    if timed:
+        notes = (*notes, *where_it_lags(best, task.recording))
+    return _result(best, flown, recording, notes)
+
+
+def task_for(recording: Recording, max_points: int, limits: Limits, *, timed: bool) -> Task:
+    """What the search looks at: some of the fixes, the longest hovers, steps that can be afforded."""
+    work = recording.thinned(WORK_FIXES)
+    most_hovers = (max_points - 2) // _HOVER_SHARE
+    step_s = float(np.interp(recording.time_s[-1], *_STEPS_S))
+    return Task(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
+
+
+def _drafts(task: Task, recording: Recording, flown: Track, max_points: int) -> list[Draft]:
+    """Where to begin: splines where they are wanted, and straight legs as the classic reducers have them."""
+    last = len(recording) - 1
+    if last == 0 or max_points < 2:
+        return [straight_draft(recording, np.array([last]))]
+    line = np.column_stack([recording.north_east_m, recording.up_m])
+    places = enough_places(task.recording, max_points, task.hovers, timed=task.timed)
+    return [
+        first_draft(task.recording, places, task.hovers, timed=task.timed),
+        straight_draft(recording, douglas_peucker(line, max_points)),
+        straight_draft(recording, spaced(flown, max_points=max_points)),
+    ]
+
+
+def _best(task: Task, drafts: list[Draft], progress: Progress) -> Forecast:
+    """The best forecast that comes of the first draft, or of one of its rivals."""
+    flights = int(np.clip(_WORK_S / max(task.recording.time_s[-1], 1.0), _FEWEST_FLIGHTS, _MOST_FLIGHTS))
+    total, done = flights + RIVAL_FLIGHTS * (len(drafts) - 1), 0
+
+    def tick() -> None:
+        nonlocal done
+        done += 1
+        progress(done, total)
+
+    best = searched(task, drafts[0], bend=_BEND, flights=flights, tick=tick)
+    for rival in drafts[1:]:
+        if least_objective_m(rival, task.recording) >= best.objective_m:
+            done += RIVAL_FLIGHTS
+            progress(done, total)
+        else:
+            found = searched(task, rival, bend=_BEND, flights=RIVAL_FLIGHTS, tick=tick)
+            best = min(best, found, key=lambda forecast: forecast.objective_m)
+    return best
+
+
+def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str, ...]) -> FitResult:
+    """The answer, its errors measured against every fix, in ground metres."""
+    flat, frame = flat_frame(flown), flown.frame
+    mission = best.draft.mission(flat).with_home(home_of(flown))
+    path = planned_path(mission, frame)
+    fixes_m = flown.north_east_m(frame)
+    air = best.flown
+    air_m = frame.to_metres(*flat.to_degrees(air.place_m[:, :2]))
+    return FitResult(
+        mission=mission,
+        flown=flown,
+        frame=frame,
+        planned=_spread(in_order_distances(fixes_m, path.north_east_m)),
+        predicted_space=_spread(in_order_distances(fixes_m, air_m)),
+        predicted_time=_spread(in_time(recording.time_s, fixes_m, air.time_s, air_m)),
+        predicted_duration_s=float(best.passed_s[-1]),
+        objective_m=best.objective_m,
+        time_s=air.time_s,
+        place_m=np.column_stack([air_m, air.place_m[:, 2]]),
+        notes=notes,
+    )
+
+
+def _spread(distances_m: Floats) -> Spread:
+    found = spread(distances_m)
+    assert found is not None, "a recording has fixes"
+    return found

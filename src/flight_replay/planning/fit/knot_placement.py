@@ -1,0 +1,151 @@
+"""Which parts of the recording get how many of the waypoints: the first draft of a route.
+
+Waypoints stand closer where a draft with evenly spread ones misses the recording most, in space
+or, where the speed is to be kept, because one speed per leg cannot follow it. Hovers get one each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.basis import weights
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.gauss_newton import Pull, pulled
+from flight_replay.planning.fit.objective import on_plan
+from flight_replay.planning.fit.reference import Hover, Recording
+
+ROUNDS = 4
+FIRST_BEND = 0.001
+"""Weight against unevenness in the first draft; the search weighs it anew."""
+_TIME_MIX = 0.8
+_LATE_SHARE = 0.15
+_EAGERNESS = 0.2
+_LEAST_ERROR_SHARE = 0.05
+_SETTLE_HOLD_S = 1.0
+_ROUGH_FIXES = 400
+_AS_GOOD, _NO_WORSE_M, _MORE, _WORTH_FEWER = 1.1, 0.05, 1.5, 0.7
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Course:
+    """Progress (n,) of every fix along the recording, part length and part time; hovers make none."""
+
+    recording: Recording
+    progress: Floats
+    hovers: list[Hover]
+
+    @classmethod
+    def of(cls, recording: Recording, hovers: list[Hover]) -> _Course:
+        steps = np.linalg.norm(np.diff(recording.north_east_m, axis=0), axis=1)
+        waits = np.diff(recording.time_s)
+        for hover in hovers:
+            steps[hover.first : hover.last] = waits[hover.first : hover.last] = 0.0
+        length, time = steps / max(steps.sum(), 1e-9), waits / max(waits.sum(), 1e-9)
+        share = (1 - _TIME_MIX) * length + _TIME_MIX * time
+        return cls(recording, np.append(0.0, np.cumsum(share)), hovers)
+
+
+def first_draft(recording: Recording, places: int, hovers: list[Hover], *, timed: bool) -> Draft:
+    """A route of at most ``places`` splines through the recording, denser where it is harder to follow.
+
+    Args:
+        recording: at least two fixes.
+        places: at least two.
+        hovers: where to wait; fewer than ``places`` - 2.
+        timed: whether speed changes within a leg are hard to follow too.
+    """
+    course = _Course.of(recording, hovers)
+    fixed = np.array([course.progress[hover.first] for hover in hovers])
+    free = np.linspace(0.0, course.progress[-1], max(2, places - len(hovers)))
+    best: tuple[float, Draft] | None = None
+    for _ in range(ROUNDS):
+        draft, knots = _drafted(course, free, fixed)
+        draft, error = _straightened(draft, course, knots, timed=timed)
+        score = float(np.sqrt((error**2).mean()))
+        if best is None or score < best[0]:
+            best = score, draft
+        free = _respaced(len(free), knots, course, error)
+    assert best is not None, "there are rounds"
+    return best[1]
+
+
+def enough_places(recording: Recording, most: int, hovers: list[Hover], *, timed: bool) -> int:
+    """How many places, at most ``most``, do as well as ``most`` would: within a tenth and 5 cm."""
+    rough = recording.thinned(_ROUGH_FIXES)
+    if len(rough) < len(recording):
+        hovers = [_moved(hover, recording, rough) for hover in hovers]
+    course = _Course.of(rough, hovers)
+    fixed = np.array([course.progress[hover.first] for hover in hovers])
+
+    def error_m(places: int) -> float:
+        free = np.linspace(0.0, course.progress[-1], max(2, places - len(hovers)))
+        draft, knots = _drafted(course, free, fixed)
+        error = _straightened(draft, course, knots, timed=timed)[1]
+        return float(np.sqrt((error**2).mean()))
+
+    least = min(most, len(hovers) + 2)
+    enough_m = _AS_GOOD * error_m(most) + _NO_WORSE_M
+    while least < _WORTH_FEWER * most:
+        if error_m(least) <= enough_m:
+            return least
+        least = min(most, int(np.ceil(least * _MORE)))
+    return most
+
+
+def _moved(hover: Hover, recording: Recording, rough: Recording) -> Hover:
+    """The hover in the fixes that are left of the recording."""
+    first, last = np.searchsorted(rough.time_s, recording.time_s[[hover.first, hover.last]])
+    return Hover(int(first), int(min(last, len(rough) - 1)), hover.seconds)
+
+
+def _drafted(course: _Course, free: Floats, fixed: Floats) -> tuple[Draft, Floats]:
+    """Least-squares places for knots at given progress; returns them with the knots' progress."""
+    order = np.argsort(np.append(free, fixed), kind="stable")
+    knots = np.append(free, fixed)[order]
+    waits = np.append(np.zeros(len(free)), [max(1.0, round(hover.seconds)) for hover in course.hovers])[order]
+    waits[0] = _SETTLE_HOLD_S
+    recording, n = course.recording, len(knots)
+    columns = [*recording.north_east_m.T, recording.up_m]
+    places = np.column_stack([np.interp(knots, course.progress, column) for column in columns])
+    draft = Draft(places, np.arange(n) > 0, waits, np.full(n, np.nan))
+    leg = np.clip(np.searchsorted(knots, course.progress), 1, n - 1)
+    length = knots[leg] - knots[leg - 1]
+    part = np.where(length > 0, (course.progress - knots[leg - 1]) / np.maximum(length, 1e-12), 1.0)
+    off = recording.north_east_m - weights(draft, leg, part) @ places[:, :2]
+    pull = Pull(leg, part, np.zeros_like(off), off, np.ones(len(off)))
+    return pulled(draft, [pull], FIRST_BEND), knots
+
+
+def _straightened(draft: Draft, course: _Course, knots: Floats, *, timed: bool) -> tuple[Draft, Floats]:
+    """The draft moved towards the fixes beside its path, and the error (n,) that remains at each fix."""
+    recording = course.recording
+    for _ in range(2):
+        leg, part, off, ahead = on_plan(draft, recording)
+        draft = pulled(draft, [Pull(leg, part, ahead, off, np.ones(len(off)))], FIRST_BEND)
+    leg, part, off, _ = on_plan(draft, recording)
+    error = np.linalg.norm(off, axis=1)
+    if not timed:
+        return draft, error
+    steps = np.diff(draft.places_m[:, :2], axis=0, prepend=draft.places_m[:1, :2])
+    passing = np.interp(knots, course.progress, recording.time_s)
+    for hover in course.hovers:
+        at = np.searchsorted(knots, course.progress[hover.first], side="right") - 1
+        passing[at] = recording.time_s[hover.last]
+    length_s = np.maximum(np.diff(passing, prepend=passing[0]), 1e-3)
+    even = (recording.time_s - passing[np.maximum(leg - 1, 0)]) / length_s[leg]
+    late_m = (np.clip(even, 0.0, 1.0) - part) * np.linalg.norm(steps, axis=1)[leg]
+    return draft, np.hypot(error, _LATE_SHARE * np.where(draft.halts[leg], 0.0, late_m))
+
+
+def _respaced(count: int, knots: Floats, course: _Course, error: Floats) -> Floats:
+    """Progress of ``count`` knots moved to where the error is: demand grows with a power of it."""
+    leg = np.clip(np.searchsorted(knots, course.progress), 1, len(knots) - 1)
+    fixes = np.maximum(np.bincount(leg, minlength=len(knots)), 1)
+    mean = np.sqrt(np.bincount(leg, error**2, minlength=len(knots)) / fixes)[1:]
+    smooth = np.convolve(np.pad(mean, 1, mode="edge"), [0.25, 0.5, 0.25], "valid")
+    demand = (smooth / max(smooth.mean(), 1e-9) + _LEAST_ERROR_SHARE) ** _EAGERNESS
+    total = np.append(0.0, np.cumsum(np.where(np.diff(knots) > 0, demand, 0.0)))
+    return np.interp(np.linspace(0.0, total[-1], count), total, knots)

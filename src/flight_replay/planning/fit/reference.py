@@ -1,0 +1,119 @@
+"""What a fit follows: fixes as local metres, and where in them the vehicle hovered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.flat_earth import FlatFrame
+from flight_replay.logs.track import Track
+from flight_replay.planning.altitude import believable_heights_m, home_of
+
+HOVER_RADIUS_M = 0.6
+"""A vehicle that hovers wanders about as far, by its own GPS."""
+SHORTEST_HOVER_S = 20.0
+"""Shorter pauses are flown slowly: stops bind the curves around them, and starting again takes its time."""
+
+_MOST_CORNERS = 4000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """What is to be followed: n fixes in local metres (n, 2), heights and seconds from the first (n,).
+
+    ``home_amsl_m`` is how high above the sea the place of take-off is: thin air holds a vehicle back less.
+    """
+
+    time_s: Floats
+    north_east_m: Floats
+    up_m: Floats
+    home_amsl_m: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def thinned(self, most: int) -> Recording:
+        """At most ``most`` of the fixes, evenly spread, both ends included."""
+        keep = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.intp))
+        return Recording(self.time_s[keep], self.north_east_m[keep], self.up_m[keep], self.home_amsl_m)
+
+    def nearest_m(self, places_m: Floats) -> Floats:
+        """The points (m, 2) of the line through the fixes that are nearest to places (m, 2)."""
+        corners = self.thinned(_MOST_CORNERS).north_east_m
+        start, step = corners[:-1], np.diff(corners, axis=0)
+        square = np.maximum((step**2).sum(axis=1), 1e-12)
+        found = np.empty_like(places_m)
+        for i, place in enumerate(places_m):
+            along = np.clip(((place - start) * step).sum(axis=1) / square, 0.0, 1.0)
+            feet = start + along[:, None] * step
+            found[i] = feet[np.argmin(((feet - place) ** 2).sum(axis=1))]
+        return found
+
+    @property
+    def speed_m_s(self) -> Floats:
+        """Ground speed at every fix, from the places alone."""
+        if len(self) < 2:
+            return np.zeros(len(self))
+        step_s = np.maximum(np.diff(self.time_s), 1e-3)
+        speed = np.linalg.norm(np.diff(self.north_east_m, axis=0), axis=1) / step_s
+        return np.asarray((np.append(speed[0], speed) + np.append(speed, speed[-1])) / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Hover:
+    """Fixes ``first`` to ``last``, both included, at one place; ``seconds`` in all."""
+
+    first: int
+    last: int
+    seconds: float
+
+
+def hovers(recording: Recording, most: int) -> list[Hover]:
+    """The ``most`` longest hovers, in order: stretches that fit into ``HOVER_RADIUS_M``, heights too."""
+    places = np.column_stack([recording.north_east_m, recording.up_m]).tolist()
+    times = recording.time_s.tolist()
+    found, i = [], 0
+    while i < len(times):
+        end = _leaves(places, i)
+        seconds = times[end - 1] - times[i]
+        if seconds >= SHORTEST_HOVER_S:
+            found.append(Hover(i, end - 1, seconds))
+            i = end
+        else:
+            i += 1
+    longest = sorted(found, key=lambda hover: -hover.seconds)[:most]
+    return sorted(longest, key=lambda hover: hover.first)
+
+
+def _leaves(places: list[list[float]], begin: int) -> int:
+    """Index of the first place from ``begin`` on that no longer fits into the circle with those before."""
+    low, high = list(places[begin]), list(places[begin])
+    for i in range(begin + 1, len(places)):
+        for axis, value in enumerate(places[i]):
+            low[axis] = min(low[axis], value)
+            high[axis] = max(high[axis], value)
+        if sum((b - a) ** 2 for a, b in zip(low, high, strict=True)) > (2 * HOVER_RADIUS_M) ** 2:
+            return i
+    return len(places)
+
+
+def flat_frame(track: Track) -> FlatFrame:
+    """ArduPilot's frame around the track's first fix."""
+    return FlatFrame(float(track.lat_deg[0]), float(track.lon_deg[0]))
+
+
+def recording_of(track: Track, altitude_m: float | None) -> Recording:
+    """What the fit follows, in ArduPilot's own metres around the track's first fix.
+
+    The vehicle navigates in those: in ground metres, up to 0.5 % different, its time would be too.
+
+    Args:
+        track: at least one fix.
+        altitude_m: height above home to fly at, or None for the recorded heights.
+    """
+    times = track.time_s - track.time_s[0]
+    heights = believable_heights_m(track) if altitude_m is None else np.full(len(track), float(altitude_m))
+    places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
+    return Recording(times, places, heights, home_of(track).alt_amsl_m)

@@ -1,0 +1,65 @@
+"""What a fit gives: the mission, what it follows, and how it will look in the air."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.distances import Spread
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.logs.track import Track
+from flight_replay.mission.items import Mission
+from flight_replay.planning.fit.objective import Forecast
+from flight_replay.planning.fit.reference import Recording
+
+WORTH_A_WORD_M = 5.0
+"""Nearer behind than this is keeping up."""
+_MOST_STRETCHES = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FitResult:
+    """A fitted mission.
+
+    ``flown`` is the part of the log that it follows, the clock running on from flight to flight.
+    ``planned`` is its distance in space from the planned path, ``predicted_space`` and
+    ``predicted_time`` those from the predicted flight; ``predicted_duration_s`` runs from reaching
+    the first waypoint to the end. ``time_s`` (k,), from reaching the first waypoint, and ``place_m`` (k, 3),
+    north, east of ``frame``'s origin and up, are the predicted flight. ``notes`` are sentences for
+    a person; ``objective_m`` is what the fit made small, see ``forecast``.
+    """
+
+    mission: Mission
+    flown: Track
+    frame: LocalFrame
+    planned: Spread
+    predicted_space: Spread
+    predicted_time: Spread
+    predicted_duration_s: float
+    objective_m: float
+    time_s: Floats
+    place_m: Floats
+    notes: tuple[str, ...]
+
+
+def where_it_lags(best: Forecast, recording: Recording) -> tuple[str, ...]:
+    """A sentence on the stretches in which the vehicle is farthest behind the recording, if any.
+
+    Args:
+        best: the predicted flight.
+        recording: the fixes that it was compared with.
+    """
+    behind_m = np.where(best.flown_s > recording.time_s, best.late_m, 0.0)
+    lags = np.concatenate([[0], (behind_m > WORTH_A_WORD_M).astype(int), [0]])
+    begins, ends = np.flatnonzero(np.diff(lags) == 1), np.flatnonzero(np.diff(lags) == -1)
+    stretches = [
+        (float(behind_m[begin:end].max()), float(recording.time_s[begin]), float(recording.time_s[end - 1]))
+        for begin, end in zip(begins, ends, strict=True)
+    ]
+    if not stretches:
+        return ()
+    worst = sorted(sorted(stretches, reverse=True)[:_MOST_STRETCHES], key=lambda stretch: stretch[1])
+    told = ", ".join(f"{most:.0f} m from {begin:.0f} to {end:.0f} s" for most, begin, end in worst)
+    return (f"The vehicle cannot keep up everywhere: it is expected to be behind by up to {told}.",)

@@ -1,0 +1,164 @@
+"""A draft flown in the model of ArduCopter, with its speeds set beforehand or chosen on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import overload
+
+import numpy as np
+
+from flight_replay.errors import MissionError
+from flight_replay.geometry.arrays import Floats
+from flight_replay.mission.items import ENOUGH_OF_TARGET, FIRST_SEQ, Command
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.flight.auto import MissionRun
+from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.mission.local_items import LocalItem
+
+Choose = Callable[[int, float], float]
+"""Speed, m/s, for the leg to a place, if that begins at a time, s, since the first place was reached."""
+_LONGEST_S = 100_000.0
+_LATE_CLIMB = 0.8  # Of what the position controller asks for, which the climb follows behind.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flown:
+    """Where the vehicle was: times (k,) from reaching the first place, places (k, 3) north, east, up.
+
+    ``passed_s`` (n,) is when each of the draft's n places was reached.
+    """
+
+    draft: Draft
+    time_s: Floats
+    place_m: Floats
+    passed_s: Floats
+
+
+def flown(
+    draft: Draft,
+    limits: Limits,
+    step_s: float,
+    choose: Choose | None = None,
+    home_amsl_m: float = 0.0,
+) -> Flown:
+    """Fly a draft that begins above where the vehicle takes off.
+
+    Args:
+        draft: at least one place.
+        limits: what the vehicle may do.
+        step_s: duration of the model's steps.
+        choose: sets the speed of every leg at the moment that it begins; the draft's own speeds if
+            None. The draft that comes back has the speeds that were flown.
+        home_amsl_m: the place of take-off above sea level: thin air holds the vehicle back less.
+
+    Raises:
+        MissionError: the flight does not end.
+    """
+    items, seqs = _items(draft, every_speed=choose is not None)
+    copter = _climbing_copter(draft, limits, step_s, home_amsl_m)
+    chosen = draft.speed_m_s.copy()
+    plan: Sequence[LocalItem] = items
+    if choose is not None:
+        plan = _OnTheWay(items, seqs, chosen, choose, lambda: _since_first_s(copter, run, seqs[0]))
+    run = copter.start_auto(plan)
+    rows = [copter.position_m]
+    while not run.completed:
+        copter.step()
+        rows.append(copter.position_m)
+        if copter.time_s > _LONGEST_S:
+            raise MissionError("the fitted flight does not end; fit a shorter part of the log")
+    if choose is not None:
+        chosen[1:][chosen[1:] == np.append(np.nan, chosen[1:-1])] = np.nan
+    passed = np.array([_reached_s(run.reached, seq) for seq in seqs])
+    begin = round(passed[0] / step_s)
+    place = np.array(rows[begin:])
+    return Flown(
+        replace(draft, speed_m_s=chosen),
+        step_s * np.arange(len(place), dtype=float),
+        place,
+        passed - passed[0],
+    )
+
+
+def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float) -> Copter:
+    """A copter as AUTO finds it: nearly as high as the first place, and slowing down as its controller does.
+
+    What is left of the climb when the first leg begins costs that leg some tenths of a second.
+    """
+    north, east, up = _vector(draft.places_m[0])
+    short_m = (1.0 - ENOUGH_OF_TARGET) * up
+    climb_m_s = min(_LATE_CLIMB * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
+    return Copter(
+        limits,
+        position_m=(north, east, up - short_m),
+        velocity_m_s=(0.0, 0.0, climb_m_s),
+        step_s=step_s,
+        home_amsl_m=home_amsl_m,
+    )
+
+
+class _OnTheWay(Sequence[LocalItem]):
+    """Mission items whose speed changes are chosen as AUTO looks at them; ``chosen`` (n,) keeps the last."""
+
+    def __init__(
+        self,
+        items: list[LocalItem],
+        seqs: list[int],
+        chosen: Floats,
+        choose: Choose,
+        now_s: Callable[[], float],
+    ) -> None:
+        self._items = items
+        self._place = {seq - 1: place for place, seq in enumerate(seqs) if place > 0}
+        self._chosen, self._choose, self._now_s = chosen, choose, now_s
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    @overload
+    def __getitem__(self, index: int) -> LocalItem: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[LocalItem]: ...
+    def __getitem__(self, index: int | slice) -> LocalItem | list[LocalItem]:
+        if isinstance(index, slice):
+            return self._items[index]
+        place = self._place.get(index + FIRST_SEQ)
+        if place is None:
+            return self._items[index]
+        self._chosen[place] = speed = round(self._choose(place, self._now_s()), 2)
+        return _speed(index + FIRST_SEQ, speed)
+
+
+def _since_first_s(copter: Copter, run: MissionRun, first_seq: int) -> float:
+    """Seconds since the first place was reached, or 0 before."""
+    reached = [time_s for seq, time_s in run.reached[:2] if seq == first_seq]
+    return copter.time_s - reached[0] if reached else 0.0
+
+
+def _items(draft: Draft, *, every_speed: bool) -> tuple[list[LocalItem], list[int]]:
+    """Mission items with the draft's speed changes, or one before each leg, and the numbers of the places."""
+    items: list[LocalItem] = []
+    seqs = []
+    for i, place in enumerate(draft.places_m):
+        if np.isfinite(draft.speed_m_s[i]) or (every_speed and i > 0):
+            items.append(_speed(len(items) + FIRST_SEQ, float(draft.speed_m_s[i])))
+        command = Command.SPLINE_WAYPOINT if draft.spline[i] else Command.WAYPOINT
+        north, east, up = _vector(place)
+        seqs.append(len(items) + FIRST_SEQ)
+        items.append(LocalItem(seqs[-1], command, (float(draft.hold_s[i]), 0.0, 0.0, 0.0), (north, east), up))
+    return items, seqs
+
+
+def _speed(seq: int, speed_m_s: float) -> LocalItem:
+    return LocalItem(seq, Command.CHANGE_SPEED, (1.0, speed_m_s, 0.0, 0.0), None, None)
+
+
+def _vector(place_m: Floats) -> tuple[float, float, float]:
+    north, east, up = place_m.tolist()
+    return north, east, up
+
+
+def _reached_s(reached: list[tuple[int, float]], seq: int) -> float:
+    return next(time_s for item, time_s in reached if item == seq)

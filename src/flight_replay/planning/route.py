@@ -1,0 +1,59 @@
+"""From a recorded track to the route that will be flown, and how well that follows the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from flight_replay.geometry.distances import Spread, spread
+from flight_replay.geometry.matching import in_order
+from flight_replay.logs.track import Track
+from flight_replay.mission.items import Mission
+from flight_replay.mission.path import Path, planned_path
+from flight_replay.planning.duration import duration_s
+
+_PIECE_M = 0.5
+"""Pieces of path that are good enough for a planned distance: 1 mm off on average, at a third of the time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Predicted:
+    """How the model of ArduCopter flies a route: distances from the recording in space and in time."""
+
+    in_space: Spread
+    in_time: Spread
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Route:
+    """A mission, the recorded fixes that it covers, its distance from them as planned, and its duration.
+
+    ``predicted_duration_s`` is the time in AUTO that the vehicle is expected to need, ``predicted``
+    the expected distances where the planning found them, ``notes`` are sentences for a person.
+    ``raised`` holds the fields of ``Limits`` that the vehicle must have raised to fly it, SI units.
+    """
+
+    method: str
+    mission: Mission
+    covered: Track
+    path: Path
+    planned_error: Spread
+    predicted_duration_s: float
+    predicted: Predicted | None = None
+    raised: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def route_through(method: str, mission: Mission, covered: Track) -> Route:
+    """The route of a mission that was made from ``covered``, with its planned error.
+
+    Args:
+        method: name of the way in which the mission was made.
+        mission: at least one place.
+        covered: at least one fix.
+    """
+    path = planned_path(mission, covered.frame)
+    matching = in_order(covered.north_east_m(), path.north_east_m, _PIECE_M)
+    error = spread(matching.distance_m)
+    assert error is not None, "a covered track has fixes"
+    return Route(method, mission, covered, path, error, duration_s(mission, path))

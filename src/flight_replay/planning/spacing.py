@@ -1,0 +1,104 @@
+"""The 3 m rule of DroneKit's example, in true ground metres."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.geodesy import surface_xyz_m
+from flight_replay.logs.track import Track
+from flight_replay.mission.items import Mission, MissionItem, change_speed, waypoint
+from flight_replay.planning.altitude import RECORDED, Recorded, heights_m, home_of
+from flight_replay.planning.route import Route, route_through
+
+SPACING_M = 3.0
+MAX_POINTS = 100
+SPEED_RATIO = 1.25
+"""A recorded leg faster or slower than the speed in force by this ratio is worth a speed change."""
+MIN_SPEED_M_S = 0.5
+"""Slowest speed worth asking for: ArduCopter ignores less than 0.2 m/s, 3.3 less than 1 m/s."""
+
+
+def spaced(track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_POINTS) -> NDArray[np.intp]:
+    """Indices of the first fix, then of every fix more than ``spacing_m`` from the last kept one.
+
+    Stops at ``max_points``; a track that ends before keeps its last fix too, so that the route
+    reaches where the recording ended.
+    """
+    xyz = surface_xyz_m(track.lat_deg, track.lon_deg)
+    kept = [0]
+    while len(kept) < max_points:
+        following = _first_beyond(xyz, kept[-1], spacing_m)
+        if following is None:
+            break
+        kept.append(following)
+    last = len(track) - 1
+    if len(kept) < max_points and kept[-1] != last:
+        kept.append(last)
+    return np.array(kept, np.intp)
+
+
+def _first_beyond(xyz: NDArray[np.float64], start: int, spacing_m: float) -> int | None:
+    """Index of the first place after ``start`` farther than ``spacing_m`` from it, in growing looks ahead."""
+    begin, size = start + 1, 64
+    while begin < len(xyz):
+        apart = np.linalg.norm(xyz[begin : begin + size] - xyz[start], axis=1)
+        beyond = np.flatnonzero(apart > spacing_m)
+        if len(beyond):
+            return begin + int(beyond[0])
+        begin, size = begin + size, size * 2
+    return None
+
+
+def spaced_route(
+    track: Track,
+    *,
+    spacing_m: float = SPACING_M,
+    max_points: int = MAX_POINTS,
+    altitude_m: float | Recorded = 30.0,
+    speed_m_s: float | Recorded | None = None,
+) -> Route:
+    """The route of DroneKit's example: straight waypoints at kept fixes, see ``spaced``.
+
+    Args:
+        track: at least one fix.
+        spacing_m: least distance between waypoints.
+        max_points: most waypoints; speed changes come on top.
+        altitude_m: height above home, constant or as recorded.
+        speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
+    """
+    kept = spaced(track, spacing_m, max_points)
+    places = track.select(kept)
+    heights = heights_m(track, altitude_m)[kept]
+    waypoints = [
+        waypoint(float(lat), float(lon), float(height))
+        for lat, lon, height in zip(places.lat_deg, places.lon_deg, heights, strict=True)
+    ]
+    mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)), home_of(track))
+    covered = track.select(slice(0, int(kept[-1]) + 1))
+    return route_through("spacing", mission, covered)
+
+
+def _with_speeds(
+    waypoints: list[MissionItem], places: Track, speed_m_s: float | Recorded | None
+) -> list[MissionItem]:
+    """The waypoints with the speed changes that hold for the leg to the waypoint behind them."""
+    if speed_m_s is None:
+        return waypoints
+    if speed_m_s != RECORDED:
+        return [change_speed(float(speed_m_s)), *waypoints]
+    items, in_force = waypoints[:1], np.inf
+    for item, speed in zip(waypoints[1:], _leg_speeds_m_s(places), strict=True):
+        if max(speed / in_force, in_force / speed) > SPEED_RATIO:
+            items.append(change_speed(round(speed, 2)))
+            in_force = speed
+        items.append(item)
+    return items
+
+
+def _leg_speeds_m_s(places: Track) -> list[float]:
+    """Mean recorded ground speed of every leg between kept fixes, metres per second."""
+    steps_m = np.linalg.norm(np.diff(places.north_east_m(), axis=0), axis=1)
+    steps_s = np.diff(places.time_s)
+    speeds = np.divide(steps_m, steps_s, out=np.full(len(steps_m), np.inf), where=steps_s > 0)
+    return [float(speed) for speed in np.clip(speeds, MIN_SPEED_M_S, 30.0)]

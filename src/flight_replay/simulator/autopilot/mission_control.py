@@ -1,0 +1,238 @@
+"""AUTO's bookkeeping: which item is current, what starts, resumes and ends the mission, what is said.
+
+Sources: AP_Mission.cpp (start, resume, stop, reset, set_current_cmd), mode_auto.cpp (init, run,
+exit_mission). The flying itself is the flight model's ``auto_run``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import zip_longest
+from typing import TYPE_CHECKING
+
+from flight_replay.mavlink import dialect
+from flight_replay.mission.items import FIRST_SEQ, Command
+from flight_replay.simulator.autopilot.modes import Mode
+from flight_replay.simulator.mission.item_names import SAYS_REACHED, name_of
+from flight_replay.simulator.mission.item_order import MissionWalk
+from flight_replay.simulator.mission.local_items import LocalItem, as_flown, is_navigation
+from flight_replay.simulator.mission.stored_items import StoredItem
+
+if TYPE_CHECKING:
+    from flight_replay.simulator.autopilot.autopilot import Autopilot
+    from flight_replay.simulator.flight.auto import MissionRun
+
+_CRITICAL, _INFO = 2, 6
+_NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
+_ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLETE
+_ABSOLUTE, _ABOVE_TERRAIN = 0, 10
+# Items from the current one on whose change restarts its leg (ModeAuto::check_for_mission_change).
+_WATCHED = 3
+# Conditions, DO_CHANGE_SPEED, _SET_HOME, _RETURN_PATH_START, _LAND_START, _SET_ROI, _MOUNT_CONTROL,
+# _FENCE_ENABLE, _GUIDED_LIMITS and _WINCH.
+_REPORTED = frozenset({112, 114, 115, 178, 179, 188, 189, 201, 205, 207, 222, 42600})
+_TAKES_OFF_BY_ITSELF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottle
+
+
+class MissionControl:
+    """``seq`` is the navigation item that is flown or was last, 0 before the first."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        self._autopilot = autopilot
+        self.seq = 0
+        self._state = _NOT_STARTED
+        self._waiting = False
+        self._may_lift = False
+        self._run: MissionRun | None = None
+        self._told = 0
+        self._completed_told = False
+        self._changes = 0
+        self._items: list[LocalItem] = []
+        self._walk = MissionWalk(self._items)
+        self._begun_at = self._next_seq = FIRST_SEQ
+
+    @property
+    def state(self) -> int:
+        """MISSION_STATE."""
+        return int(self._state if len(self._autopilot.store) > 1 else _NO_MISSION)
+
+    # orders
+
+    def may_begin(self) -> bool:
+        """Whether AUTO may be entered; from the ground, armed, only with a take-off item first."""
+        vehicle = self._autopilot
+        if not self._can_be_simulated(self._local_items()):
+            return False
+        if not vehicle.armed:
+            return True
+        needs_takeoff = vehicle.flight.landed and vehicle.faults.personality.auto_needs_takeoff
+        if needs_takeoff and not vehicle.store.starts_with_takeoff(self._first()):
+            vehicle.say(_CRITICAL, "Auto: Missing Takeoff Cmd")
+            return False
+        return len(vehicle.store) > 1
+
+    def _can_be_simulated(self, items: Sequence[LocalItem]) -> bool:
+        """Whether the flight model does what every item asks for; says which it does not."""
+        for item in items:
+            if not item.is_simulated:
+                self._autopilot.say(_CRITICAL, f"Auto: {item.seq} {name_of(item.command)} is not simulated")
+        return all(item.is_simulated for item in items)
+
+    def _first(self) -> int:
+        """Where the mission would go on: MIS_RESTART 1 begins anew."""
+        restarts = self._autopilot.parameters["MIS_RESTART"] == 1 or self._state == _COMPLETE
+        return FIRST_SEQ if restarts or self.seq == 0 else self.seq
+
+    def wait_to_start(self) -> None:
+        """AUTO was entered: begin at the next step."""
+        self._waiting = True
+        self._may_lift = bool(int(self._autopilot.parameters["AUTO_OPTIONS"]) & _TAKES_OFF_BY_ITSELF)
+
+    def lift(self) -> None:
+        """MISSION_START: the mission may leave the ground."""
+        self._may_lift = True
+
+    def stop(self) -> None:
+        """AUTO was left."""
+        self._waiting, self._run = False, None
+        if self._state == _ACTIVE:
+            self._state = _NOT_STARTED
+
+    def reset(self) -> None:
+        """Back to the first item, as disarming does."""
+        self.seq, self._run = 0, None
+        self._may_lift = False
+
+    def clear(self) -> bool:
+        """Whether the mission may be cleared: not while it runs armed; then it is forgotten here."""
+        if self._autopilot.armed and self._state == _ACTIVE:
+            return False
+        self.reset()
+        self._state = _NOT_STARTED
+        return True
+
+    def set_current(self, seq: int) -> bool:
+        """Go to an item, at once if the mission runs."""
+        store = self._autopilot.store
+        if seq >= len(store) or len(store) == 1:
+            return False
+        target = store.next_navigation(max(seq, FIRST_SEQ))
+        if target is None:
+            return False
+        if self._state == _ACTIVE:
+            self._start_at(max(seq, FIRST_SEQ))
+            return True
+        self.seq = target
+        if self._state == _COMPLETE:
+            self._state = _NOT_STARTED
+        return True
+
+    # time
+
+    def update(self) -> None:
+        """Start when AUTO waits for it, follow the flight, and speak of what has happened."""
+        vehicle = self._autopilot
+        if vehicle.mode != Mode.AUTO:
+            return
+        if self._waiting and vehicle.sensors.origin_set:
+            self._waiting = False
+            self._start_at(self._first())
+        elif self._state == _ACTIVE and (self.seq == 0 or self._is_stale()):
+            self._start_at(FIRST_SEQ)
+        if self._run is None and self._state == _ACTIVE and self._can_fly():
+            self._run = vehicle.flight.fly_mission(self._items, self._begun_at)
+        if self._run is not None:
+            self._follow(self._run)
+
+    def _is_stale(self) -> bool:
+        """Whether a mission that waits on the ground was written anew."""
+        store = self._autopilot.store
+        return self._run is None and self._changes != store.changes and not self._autopilot.protocol.receiving
+
+    def _can_fly(self) -> bool:
+        vehicle = self._autopilot
+        return vehicle.armed and (not vehicle.flight.landed or self._may_lift)
+
+    def _start_at(self, seq: int) -> None:
+        """The mission runs from an item on; it is flown as soon as the vehicle may leave the ground."""
+        self._changes = self._autopilot.store.changes
+        self._items = self._local_items()
+        self._walk, self._begun_at, self._next_seq = MissionWalk(self._items), seq, seq
+        self._told, self._completed_told = 0, False
+        self._run = None
+        self._state = _ACTIVE if self._tell_started() else _COMPLETE
+
+    def _follow(self, run: MissionRun) -> None:
+        vehicle = self._autopilot
+        if self._changes != vehicle.store.changes and not vehicle.protocol.receiving:
+            self._take_over_changes()
+            return
+        reached = [seq for seq, _ in run.reached[self._told :]]
+        self._told = len(run.reached)
+        for seq in reached:
+            item = self._items[seq - FIRST_SEQ]
+            if item.command in SAYS_REACHED:
+                vehicle.say(_INFO, f"Reached command #{seq}")
+            if item.is_navigation:
+                self._tell_started()
+        self._report(reached)
+        if run.completed and not self._completed_told:
+            self._completed_told = True
+            self._state = _COMPLETE
+            if vehicle.flight.landed:
+                vehicle.disarm()
+
+    def _report(self, reached: Sequence[int]) -> None:
+        """MISSION_ITEM_REACHED, but of DO items only those that are the vehicle's (ModeAuto::verify_command).
+
+        One that is over at once takes the place of the item flown to before it.
+        """
+        flown = {seq: self._items[seq - FIRST_SEQ].is_navigation for seq in reached}
+        told = [seq for seq in reached if flown[seq] or self._items[seq - FIRST_SEQ].command in _REPORTED]
+        for seq, after in zip_longest(told, told[1:]):
+            if after is None or not flown[seq]:
+                self._autopilot.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
+
+    def _tell_started(self) -> bool:
+        """Speak of the next item to fly, if there is one, and of those that are done on the way to it."""
+        passed, item = self._walk.advance(self._next_seq)
+        for each in [*passed, item] if item else passed:
+            self._autopilot.say(_INFO, f"Mission: {each.seq} {name_of(each.command)}")
+        if item:
+            self.seq, self._next_seq = item.seq, item.seq + 1
+            if item.command == Command.DELAY:
+                self._autopilot.say(_INFO, f"Delaying {item.params[0]:.0f} sec")
+        return item is not None
+
+    def _take_over_changes(self) -> None:
+        """Somebody wrote to the mission that is flown (ModeAuto::run, check_for_mission_change)."""
+        seq, before = self.seq, self._items
+        self._changes = self._autopilot.store.changes
+        now = self._local_items()
+        self._can_be_simulated(now)
+        first = max(seq - FIRST_SEQ, 0)
+        if now[first : first + _WATCHED] == before[first : first + _WATCHED]:
+            before[:] = now
+        else:
+            self._start_at(seq if 0 < seq <= len(now) else FIRST_SEQ)
+            self._autopilot.say(_CRITICAL, "Auto mission changed, restarted command")
+
+    # places
+
+    def _local_items(self) -> list[LocalItem]:
+        items = self._autopilot.store.items[FIRST_SEQ:]
+        return [
+            LocalItem(
+                seq, as_flown(item.command), item.params, *self._local(item), item.frame == _ABOVE_TERRAIN
+            )
+            for seq, item in enumerate(items, FIRST_SEQ)
+        ]
+
+    def _local(self, item: StoredItem) -> tuple[tuple[float, float] | None, float | None]:
+        vehicle = self._autopilot
+        place: tuple[float, float] | None = None
+        if item.lat_e7 or item.lon_e7:
+            place = vehicle.local.metres_from_home(item.lat_e7, item.lon_e7)
+        home_m = vehicle.home.alt_cm / 100 if vehicle.home else 0.0
+        up_m = item.alt_m - home_m if item.frame == _ABSOLUTE else item.alt_m
+        return place, None if item.alt_cm == 0 and is_navigation(item.command) else up_m

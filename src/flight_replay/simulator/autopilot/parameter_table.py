@@ -1,0 +1,109 @@
+"""The copter's parameters: ArduCopter 4.6's names, order, types and defaults, kept in memory.
+
+``parameters.csv`` holds what an ArduCopter 4.6 SITL answered to PARAM_REQUEST_LIST. Those that
+the flight model, the checks or the failsafes read take effect at once; the others are stored
+and answered only, so that ground stations find what they look for.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+
+_KIND_OF_NAME = {"int8": 2, "int16": 4, "int32": 6, "real32": 9}
+_REAL = 9
+_AGAINST_CUTTING = 0.01  # so that 2.9999 is 3
+_INTEGER_LIMITS = {2: (-(2**7), 2**7 - 1), 4: (-(2**15), 2**15 - 1), 6: (-(2**31), 2**31 - 1)}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter: ``kind`` is its MAV_PARAM_TYPE, ``index`` its place in the full list."""
+
+    name: str
+    kind: int
+    index: int
+    value: float
+
+
+def as_kind(value: float, kind: int) -> float:
+    """``value`` as a parameter of ``kind`` holds it: cut to whole numbers and limited, or a 32 bit float.
+
+    Source: AP_Param::set_float.
+    """
+    if kind not in _INTEGER_LIMITS:
+        return float(struct.unpack("<f", struct.pack("<f", value))[0])
+    low, high = _INTEGER_LIMITS[kind]
+    return float(min(max(int(value + math.copysign(_AGAINST_CUTTING, value)), low), high))
+
+
+class Parameters(Mapping[str, float]):
+    """Values by name, in the autopilot's order; ``changed`` hears each new value once."""
+
+    def __init__(
+        self,
+        values: Mapping[str, float] | None = None,
+        renamed: Mapping[str, tuple[str, float]] | None = None,
+    ) -> None:
+        """ArduCopter 4.6's table with some values changed.
+
+        Args:
+            values: new values, by the names that this table has.
+            renamed: for a newer firmware, new names and factors to the new unit, by 4.6 name. The 4.6
+                names can still be read here, in 4.6's units, but stations do not see them.
+
+        Raises:
+            KeyError: for a name that is not in the table.
+        """
+        self._renamed = dict(renamed or {})
+        self.changed: list[Callable[[Parameter], None]] = []
+        self._parameters: dict[str, Parameter] = {}
+        with (
+            files("flight_replay.simulator.autopilot")
+            .joinpath("parameters.csv")
+            .open(encoding="ascii") as lines
+        ):
+            for index, row in enumerate(csv.DictReader(lines)):
+                self._add(index, row["name"], _KIND_OF_NAME[row["type"]], float(row["value"]))
+        self._order = list(self._parameters)
+        for name, value in (values or {}).items():
+            self.assign(name, value)
+
+    def _add(self, index: int, name: str, kind: int, value: float) -> None:
+        if name in self._renamed:
+            name, factor = self._renamed[name]
+            kind, value = _REAL, value * factor
+        self._parameters[name] = Parameter(name, kind, index, as_kind(value, kind))
+
+    def __getitem__(self, name: str) -> float:
+        if name in self._renamed:
+            name, factor = self._renamed[name]
+            return self._parameters[name].value / factor
+        return self._parameters[name].value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._order)
+
+    def __len__(self) -> int:
+        return len(self._order)
+
+    def find(self, name: str) -> Parameter | None:
+        """The parameter of that name, if there is one."""
+        return self._parameters.get(name)
+
+    def at(self, index: int) -> Parameter | None:
+        """The parameter at a place of the full list, if it is that long."""
+        return self._parameters[self._order[index]] if 0 <= index < len(self._order) else None
+
+    def assign(self, name: str, value: float) -> Parameter:
+        """Set a known parameter as its type holds it, and tell the listeners; KeyError if unknown."""
+        old = self._parameters[name]
+        new = Parameter(name, old.kind, old.index, as_kind(value, old.kind))
+        self._parameters[name] = new
+        for listener in self.changed:
+            listener(new)
+        return new

@@ -1,0 +1,1 @@
+"""Limits, airframe, controllers: one step of physics and control."""

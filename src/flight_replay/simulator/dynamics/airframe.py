@@ -1,0 +1,139 @@
+"""The airframe that ArduPilot's SITL flies: what lean and throttle do to it, in still or moving air.
+
+Sources: AC_AttitudeControl.cpp (input_thrust_vector_heading, input_shaping_angle: how the lean
+follows the wish) and AP_MotorsMulticopter.cpp (the throttle filter); forces are in ``air``.
+Leans are kept as the horizontal part of the thrust over its vertical part, north and east;
+positions are metres north, east and up of home.
+"""
+
+from __future__ import annotations
+
+from math import atan, cos, exp, pi, sin
+
+from flight_replay.simulator.dynamics.aerodynamics import Air
+from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
+from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards
+from flight_replay.simulator.dynamics.vector import Vector
+
+# AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
+_THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
+# Time by which the airframe's lean follows the attitude controller's target, 15 to 30 ms in SITL's logs.
+_LEAN_LAG_S = 0.02
+# Angle, rad, and rate, rad/s, below which a turn is over.
+_NO_TURN = 1e-5
+
+
+class Airframe:
+    """Position, velocity, lean and heading; ``step`` moves them on."""
+
+    __slots__ = (
+        "_air", "_keep_lean", "_keep_throttle", "_limits", "_nose", "_target_e", "_target_n",
+        "_target_rate_e", "_target_rate_n", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n",
+        "on_ground", "throttle", "u", "ve", "vn", "vu", "yaw",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        limits: Limits,
+        position_m: Vector,
+        yaw_rad: float,
+        air: Air,
+        dt: float,
+    ) -> None:
+        self.n, self.e, self.u = position_m
+        self.vn = self.ve = self.vu = 0.0
+        self.lean_n = self.lean_e = 0.0
+        self._target_n = self._target_e = self._target_rate_n = self._target_rate_e = 0.0
+        self.yaw, self._yaw_rate, self._nose = yaw_rad, 0.0, (cos(yaw_rad), sin(yaw_rad))
+        self.on_ground = self.u <= 0
+        self.throttle = 0.0 if self.on_ground else limits.hover_throttle
+        self.accel_u = 0.0
+        self.dt = dt
+        self._limits = limits
+        self._air = air
+        self._keep_throttle = exp(-dt / _THROTTLE_FILTER_S)
+        self._keep_lean = exp(-dt / _LEAN_LAG_S)
+
+    def use_limits(self, limits: Limits) -> None:
+        """Go by other parameters from now on."""
+        self._limits = limits
+
+    def use_wind(self, wind_m_s: Vector) -> None:
+        """The air moves otherwise from now on."""
+        self._air.wind_m_s = wind_m_s
+
+    @property
+    def attitude_rad(self) -> tuple[float, float, float]:
+        """Roll, pitch and yaw."""
+        c, s = cos(self.yaw), sin(self.yaw)
+        forward = self.lean_n * c + self.lean_e * s
+        right = self.lean_e * c - self.lean_n * s
+        pitch = -atan(forward)
+        return atan(right * cos(pitch)), pitch, self.yaw
+
+    @property
+    def target_lean(self) -> tuple[float, float]:
+        """The lean that the attitude controller aims at now."""
+        return self._target_n, self._target_e
+
+    def step(self, accel_n: float, accel_e: float, throttle: float) -> None:
+        """Move one step on under a wanted horizontal acceleration, m/s², and a throttle, 0 to 1."""
+        dt = self.dt
+        self._lean_towards(accel_n / GRAVITY_M_S2, accel_e / GRAVITY_M_S2)
+        self.throttle = throttle + (self.throttle - throttle) * self._keep_throttle
+        vn, ve, vu = self.vn, self.ve, self.vu
+        # The throttle is divided by the cosine of the lean (AC_AttitudeControl::get_throttle_boosted).
+        lift = GRAVITY_M_S2 * self.throttle / self._limits.hover_throttle
+        an, ae, self.accel_u = self._air.acceleration(
+            (vn, ve, vu), (self.lean_n, self.lean_e), self._nose, lift
+        )
+        self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + self.accel_u * dt
+        self.n += 0.5 * dt * (vn + self.vn)
+        self.e += 0.5 * dt * (ve + self.ve)
+        self.u += 0.5 * dt * (vu + self.vu)
+        self.on_ground = self.u <= 0.0 and self.vu <= 0.0
+        if self.on_ground:
+            self._rest()
+
+    def _rest(self) -> None:
+        """Stand on the ground (SIM_Aircraft.cpp: GROUND_BEHAVIOR_NO_MOVEMENT)."""
+        self.u = 0.0
+        self.vn = self.ve = self.vu = 0.0
+        self.accel_u = 0.0
+
+    def _lean_towards(self, lean_n: float, lean_e: float) -> None:
+        """Move the attitude target with limited rate and acceleration, and the lean after it."""
+        dt = self.dt
+        self._target_rate_n = self._shaped_rate(lean_n - self._target_n, self._target_rate_n)
+        self._target_rate_e = self._shaped_rate(lean_e - self._target_e, self._target_rate_e)
+        self._target_n += self._target_rate_n * dt
+        self._target_e += self._target_rate_e * dt
+        keep = self._keep_lean
+        self.lean_n = self._target_n + (self.lean_n - self._target_n) * keep
+        self.lean_e = self._target_e + (self.lean_e - self._target_e) * keep
+
+    def _shaped_rate(self, error: float, rate: float) -> float:
+        limits = self._limits
+        return self._turned(error, rate, limits.lean_accel_rad_s2, limits.lean_rate_rad_s)
+
+    def _turned(self, error: float, rate: float, accel_max: float, rate_max: float) -> float:
+        """Next rate, rad/s, that removes an angle error; limits of 0 are none (input_shaping_angle)."""
+        wanted = sqrt_controller(error, 1.0 / max(self._limits.attitude_input_s, 0.01), accel_max, self.dt)
+        if rate_max > 0:
+            wanted = clamp(wanted, -rate_max, rate_max)
+        return step_towards(wanted, rate, accel_max * self.dt) if accel_max > 0 else wanted
+
+    def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
+        """Turn the heading with ArduCopter's limits of yaw rate and acceleration."""
+        limits, dt = self._limits, self.dt
+        error = (yaw_rad - self.yaw + pi) % (2.0 * pi) - pi
+        if abs(error) < _NO_TURN and abs(self._yaw_rate) < _NO_TURN and rate_rad_s == 0.0:
+            self._yaw_rate = 0.0
+            return
+        # The rate fed forward counts as an error that it would remove.
+        ahead = rate_rad_s * max(limits.attitude_input_s, 0.01)
+        self._yaw_rate = self._turned(
+            error + ahead, self._yaw_rate, limits.yaw_accel_rad_s2, limits.yaw_slew_rad_s
+        )
+        self.yaw = (self.yaw + self._yaw_rate * dt + pi) % (2.0 * pi) - pi
+        self._nose = cos(self.yaw), sin(self.yaw)

@@ -1,0 +1,61 @@
+"""The horizontal velocity controller: a PID in the plane, as AC_PID_2D.cpp does it."""
+
+from __future__ import annotations
+
+from math import exp, hypot, pi
+
+from flight_replay.simulator.dynamics.limits import Limits
+
+# PSC_VELXY_FLTE, _FLTD and PSC_VELZ_FLTE: 5 Hz.
+FILTER_S = 1.0 / (2.0 * pi * 5.0)
+# PSC_VELXY_IMAX.
+_INTEGRATOR_MAX = 10.0
+
+
+class VelocityPid:
+    """Velocity error, m/s north and east, to acceleration, m/s²."""
+
+    __slots__ = ("_dt", "_error", "_integral", "_limited", "_part", "_rate")
+
+    def __init__(self, dt: float) -> None:
+        self._dt = dt
+        self._part = 1.0 - exp(-dt / FILTER_S)
+        self.restart((0.0, 0.0))
+
+    def restart(self, accel: tuple[float, float]) -> None:
+        """Begin anew from an acceleration that is flown already."""
+        self._integral = accel
+        self._error: tuple[float, float] | None = None
+        self._rate = (0.0, 0.0)
+        self._limited = (0.0, 0.0)
+
+    def limited(self, wanted: tuple[float, float]) -> None:
+        """Tell what was wanted but not allowed, so that the integral does not grow that way."""
+        self._limited = wanted
+
+    def advance(self, limits: Limits, error: tuple[float, float]) -> tuple[float, float]:
+        """Acceleration against a velocity error, one step on."""
+        if self._error is None:
+            self._error = error
+        else:
+            (before_n, before_e), part, dt = self._error, self._part, self._dt
+            step_n, step_e = (error[0] - before_n) * part, (error[1] - before_e) * part
+            self._error = before_n + step_n, before_e + step_e
+            rate_n, rate_e = self._rate
+            self._rate = rate_n + (step_n / dt - rate_n) * part, rate_e + (step_e / dt - rate_e) * part
+        n, e = self._error
+        integral_n, integral_e = self._integral = self._integrated(
+            n * limits.velocity_i, e * limits.velocity_i
+        )
+        p, d = limits.velocity_p, limits.velocity_d
+        return n * p + integral_n + self._rate[0] * d, e * p + integral_e + self._rate[1] * d
+
+    def _integrated(self, growth_n: float, growth_e: float) -> tuple[float, float]:
+        """The integral a step on; it does not grow against a limit (AC_PID_2D::update_i)."""
+        n, e = self._integral
+        most = _INTEGRATOR_MAX
+        if growth_n * self._limited[0] + growth_e * self._limited[1] > 0:
+            most = hypot(n, e)
+        n, e = n + growth_n * self._dt, e + growth_e * self._dt
+        size = hypot(n, e)
+        return (n * most / size, e * most / size) if size > most else (n, e)

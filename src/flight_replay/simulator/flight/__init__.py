@@ -1,0 +1,1 @@
+"""What a copter can be doing, and whole trajectories; no I/O, no clock."""

@@ -1,0 +1,194 @@
+"""AUTO: flies the items of a mission one after the other.
+
+Sources: AP_Mission.cpp (update, advance_current_nav_cmd: the first DO item of a group starts with
+the navigation item after it) and ArduCopter/mode_auto.cpp, whose functions are named below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flight_replay.mission.items import FIRST_SEQ, Command
+from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.flight.auto_do_commands import MissionDoing
+from flight_replay.simulator.flight.auto_legs import MissionLegs
+from flight_replay.simulator.flight.circle import Circle
+from flight_replay.simulator.flight.landing import Landing
+from flight_replay.simulator.flight.phase import Flight, Phase
+from flight_replay.simulator.flight.rtl import Return
+from flight_replay.simulator.flight.takeoff import TakeOff
+from flight_replay.simulator.mission.item_order import MissionWalk
+from flight_replay.simulator.mission.local_items import LocalItem
+
+_FIRST_CLIMB_M = 1.0
+
+
+class MissionRun:
+    """AUTO from item ``start_seq`` on; ``reached`` grows by (seq, seconds since AUTO began).
+
+    DO items count as reached too. ArduCopter tells its stations only the last item of one instant.
+    """
+
+    def __init__(self, flight: Flight, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> None:
+        self._flight = flight
+        self._walk = MissionWalk(items)
+        self._legs = MissionLegs(flight, self._walk)
+        self._do = MissionDoing(flight)
+        self.reached: list[tuple[int, float]] = []
+        self.completed = False
+        self.steps = 0
+        self._item: LocalItem | None = None
+        self._phase: Phase | None = None
+        self._next_seq = start_seq
+        self._since_s: float | None = None
+        self._circle_radius_m = flight.limits.circle_radius_m
+        flight.navigation.start()
+
+    # state
+
+    @property
+    def time_s(self) -> float:
+        """Seconds since AUTO began."""
+        return self.steps * self._flight.body.dt
+
+    @property
+    def current_seq(self) -> int:
+        """The navigation item that is flown, or was last; 0 before the first."""
+        return self._item.seq if self._item else 0
+
+    @property
+    def loitering(self) -> bool:
+        """Whether the vehicle waits at an item that never ends."""
+        endless = self._item is not None and self._item.command == Command.LOITER_UNLIMITED
+        return endless and self._flight.navigation.reached
+
+    @property
+    def destination_m(self) -> Vector:
+        """Where the leg that is flown ends."""
+        return self._flight.navigation.destination
+
+    @property
+    def landing(self) -> bool:
+        """Whether the vehicle descends to land."""
+        phase = self._phase
+        return isinstance(phase, Landing) or (isinstance(phase, Return) and phase.landing)
+
+    @property
+    def done(self) -> bool:
+        """Whether the vehicle has landed, so that its motors may stop."""
+        return isinstance(self._phase, Landing | Return) and self._phase.done
+
+    def step(self) -> None:
+        """Check the item, go on to the next if it is done, and fly one step."""
+        if not self.completed:
+            self._update()
+        flight = self._flight
+        if self._phase is not None:
+            self._phase.step()
+        else:
+            flight.navigation.advance()
+            flight.heading.update()
+        self.steps += 1
+        if self._item is not None and isinstance(self._phase, Return) and self._phase.done:
+            # RTL is reached when it has landed; LAND never is (ModeAuto::verify_RTL, verify_land).
+            self.reached.append((self._item.seq, self.time_s))
+
+    def _update(self) -> None:
+        if self._item is None:
+            self._advance()
+        elif self._verify(self._item):
+            self.reached.append((self._item.seq, self.time_s))
+            self._advance()
+        self.reached.extend((seq, self.time_s) for seq in self._do.finished(self.time_s))
+
+    def _advance(self) -> None:
+        """Start the next navigation item, after the first of the DO items before it."""
+        passed, item = self._walk.advance(self._next_seq)
+        self._do.begin([each for each in passed if not each.is_navigation], self.time_s)
+        if item is None:
+            self.completed = True
+            self._stay()
+            return
+        self._item, self._next_seq = item, item.seq + 1
+        self._since_s = None
+        self._start(item)
+
+    def _stay(self) -> None:
+        """Stay at the stopping point (ModeAuto::loiter_start)."""
+        flight = self._flight
+        if not isinstance(self._phase, Landing | Return):
+            self._navigate_again()
+            flight.navigation.fly_straight(flight.control.stopping_point())
+            flight.heading.hold()
+
+    # starting items
+
+    def _start(self, item: LocalItem) -> None:
+        flight = self._flight
+        if item.command == Command.TAKEOFF:
+            climb = _FIRST_CLIMB_M if flight.body.on_ground else 0.0
+            self._phase = TakeOff(flight, max(item.place(flight.position)[2], flight.body.u + climb))
+        elif item.command == Command.RETURN_TO_LAUNCH:
+            self._phase = Return(flight)
+        elif item.command == Command.LAND:
+            self._start_landing(item)
+        elif item.command == Command.LOITER_TURNS:
+            self._navigate_again()
+            self._start_circle(item)
+        elif item.command != Command.DELAY:
+            self._navigate_again()
+            self._legs.start(item)
+
+    def _navigate_again(self) -> None:
+        """Let navigation begin anew where another phase has flown in between (ModeAuto::wp_start).
+
+        After a take-off too it begins at the stopping point: up to 4.6 _AutoTakeoff::get_position does not
+        hand out the place that it should begin at.
+        """
+        if self._phase is None:
+            return
+        self._phase = None
+        self._flight.navigation.start(self._do.speed_m_s)
+        self._do.use_speeds()
+
+    def _start_landing(self, item: LocalItem) -> None:
+        """Land here, or fly to the place first (ModeAuto::do_land)."""
+        flight = self._flight
+        if item.north_east_m is None:
+            self._phase = Landing(flight)
+            return
+        self._navigate_again()
+        flight.navigation.fly_straight((*item.north_east_m, flight.body.u))
+        flight.heading.use_default()
+
+    def _start_circle(self, item: LocalItem) -> None:
+        """Circle around a place; param1 turns, param3 radius, below 0 counterclockwise.
+
+        Without a radius it is as wide as the last (ModeAuto::circle_movetoedge_start).
+        """
+        turns, radius = item.params[0], item.params[2]
+        self._circle_radius_m = abs(radius) or self._circle_radius_m
+        centre = item.place(self._flight.position)
+        self._phase = Circle(self._flight, centre, self._circle_radius_m, -turns if radius < 0 else turns)
+
+    # ending items
+
+    def _verify(self, item: LocalItem) -> bool:
+        """Whether an item is done, so that the next may start (ModeAuto::verify_command)."""
+        if item.command == Command.DELAY:
+            return self._waited(item.params[0])
+        if item.command == Command.LAND:
+            if self._phase is None and self._flight.navigation.reached:
+                self._phase = Landing(self._flight)
+            return False
+        if self._phase is not None:
+            return self._phase.done
+        if item.command == Command.LOITER_UNLIMITED or not self._flight.navigation.reached:
+            return False
+        return self._waited(item.params[0])
+
+    def _waited(self, seconds: float) -> bool:
+        """Whether so many whole seconds have passed since this was first asked of an item."""
+        if self._since_s is None:
+            self._since_s = self.time_s
+        return self.time_s - self._since_s >= int(seconds)

@@ -1,0 +1,89 @@
+"""What a mission does on the way: DO and CONDITION items (mode_auto.cpp, AP_Mission.cpp).
+
+The first of a group starts with the navigation item after it, each further one when the one
+before is over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import hypot, radians
+
+from flight_replay.mission.items import Command
+from flight_replay.simulator.flight.phase import Flight
+from flight_replay.simulator.mission.local_items import (
+    CONDITION_DELAY,
+    CONDITION_DISTANCE,
+    CONDITION_YAW,
+    LocalItem,
+)
+
+_UP, _DOWN = 2, 3
+
+
+class MissionDoing:
+    """The DO items that are under way, and the speeds that they have set."""
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+        self._items: list[LocalItem] = []
+        self._since_s = 0.0
+        self.speed_m_s = self._up_m_s = self._down_m_s = 0.0
+
+    def begin(self, items: list[LocalItem], time_s: float) -> None:
+        """Start the first of a group; what is left of the last group is dropped."""
+        self._items = items
+        self._start(time_s)
+
+    def finished(self, time_s: float) -> Iterator[int]:
+        """Sequence numbers of items that are over; starts what follows them."""
+        while self._items and self._is_over(self._items[0], time_s):
+            yield self._items.pop(0).seq
+            self._start(time_s)
+
+    def use_speeds(self) -> None:
+        """Climb and descend as the mission has asked for, after navigation has begun anew."""
+        navigation = self._flight.navigation
+        if self._up_m_s > 0:
+            navigation.set_speed_up(self._up_m_s)
+        if self._down_m_s > 0:
+            navigation.set_speed_down(self._down_m_s)
+
+    def _start(self, time_s: float) -> None:
+        self._since_s = time_s
+        if not self._items:
+            return
+        item = self._items[0]
+        if item.command == Command.CHANGE_SPEED:
+            self._change_speed(int(item.params[0]), item.params[1])
+        elif item.command == CONDITION_YAW:
+            angle, rate, direction, relative = item.params
+            self._flight.heading.fix(radians(angle), radians(rate), direction, relative=relative > 0)
+
+    def _change_speed(self, kind: int, speed_m_s: float) -> None:
+        """ModeAuto::do_change_speed."""
+        navigation = self._flight.navigation
+        if speed_m_s <= 0:
+            return
+        if kind == _UP:
+            self._up_m_s = speed_m_s
+            navigation.set_speed_up(speed_m_s)
+        elif kind == _DOWN:
+            self._down_m_s = speed_m_s
+            navigation.set_speed_down(speed_m_s)
+        else:
+            self.speed_m_s = speed_m_s
+            navigation.set_speed(speed_m_s)
+
+    def _is_over(self, item: LocalItem, time_s: float) -> bool:
+        """ModeAuto::verify_command, of conditions; what is done at once is over at once."""
+        flight = self._flight
+        if item.command == CONDITION_YAW:
+            flight.heading.go_on()
+            return flight.heading.reached
+        if item.command == CONDITION_DELAY:
+            return time_s - self._since_s > item.params[0]
+        if item.command == CONDITION_DISTANCE:
+            n, e, _ = flight.navigation.destination
+            return hypot(flight.body.n - n, flight.body.e - e) < item.params[0]
+        return True

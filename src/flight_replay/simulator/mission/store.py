@@ -1,0 +1,77 @@
+"""The mission on board: a list of stored items behind home, which is item 0 and not stored."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flight_replay.simulator.mission.local_items import is_navigation
+from flight_replay.simulator.mission.stored_items import StoredItem
+from flight_replay.simulator.mission.stored_params import TAKEOFFS
+
+CAPACITY = 650
+"""Items including home that ArduPilot's SITL and boards with 16 KB hold (StorageManager.cpp)."""
+
+_SKIPPED_BEFORE_TAKEOFF = frozenset({93, 218})  # NAV_DELAY, DO_AUX_FUNCTION (AP_Mission::is_takeoff_next)
+_LOOK_AHEAD = 16
+
+
+class MissionStore:
+    """Items by sequence number; ``on_count`` hears every new number of items, home included."""
+
+    def __init__(self, home: Callable[[], StoredItem], on_count: Callable[[int], None]) -> None:
+        self._home = home
+        self._on_count = on_count
+        self._items: list[StoredItem] = []
+        self.changes = 0
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    @property
+    def items(self) -> tuple[StoredItem, ...]:
+        """Every item including the slot of home at 0."""
+        return (self._home(), *self._items[1:]) if self._items else ()
+
+    def read(self, seq: int) -> StoredItem | None:
+        """The item at a place; home can always be read."""
+        if seq == 0:
+            return self._home()
+        return self._items[seq] if 0 < seq < len(self._items) else None
+
+    def write(self, seq: int, item: StoredItem) -> bool:
+        """Replace the item at a place, or append it right behind the last; False beyond that."""
+        if seq > len(self._items) or seq >= CAPACITY:
+            return False
+        if seq < len(self._items):
+            self._items[seq] = item
+        else:
+            self._items.append(item)
+            self._on_count(len(self._items))
+        self.changes += 1
+        return True
+
+    def truncate(self, count: int) -> None:
+        """Keep the first ``count`` items."""
+        if count < len(self._items):
+            del self._items[count:]
+            self.changes += 1
+            self._on_count(count)
+
+    def next_navigation(self, seq: int) -> int | None:
+        """The first item to fly at or behind a place."""
+        for place in range(max(seq, 1), len(self._items)):
+            if is_navigation(self._items[place].command):
+                return place
+        return None
+
+    def starts_with_takeoff(self, seq: int) -> bool:
+        """Whether the next item to fly from a place on lifts off."""
+        for _ in range(_LOOK_AHEAD):
+            place = self.next_navigation(seq)
+            if place is None:
+                return False
+            command = self._items[place].command
+            if command not in _SKIPPED_BEFORE_TAKEOFF:
+                return command in TAKEOFFS
+            seq = place + 1
+        return False

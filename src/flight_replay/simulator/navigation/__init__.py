@@ -1,0 +1,1 @@
+"""ArduPilot's AC_WPNav: S-curves, splines, and how legs join."""

@@ -1,0 +1,157 @@
+"""A straight leg as ArduCopter flies it: 23 segments of limited snap, jerk, acceleration and speed.
+
+Source: AP_Math/SCurve.cpp (4.1 to 4.7). A leg is an initial state, seven segments that gain
+speed, seven that change it, one at constant speed and seven that lose it. Gaining and losing are
+each confined to half of the leg, which is why short legs are slow. Lengths m, times s.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from math import hypot
+
+from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.navigation.path_limits import PathLimits
+from flight_replay.simulator.navigation.scurve_ramp import Kinematics, ramp
+from flight_replay.simulator.navigation.scurve_segments import (
+    ACCEL_END,
+    ACCEL_MAX,
+    CHANGE_END,
+    CRUISE,
+    END,
+    START,
+    Segment,
+    State,
+    cruising,
+    from_speed,
+    ramp_segments,
+    state_within,
+    still,
+)
+from flight_replay.simulator.navigation.scurve_speed_change import with_top_speed
+
+# Of 32-bit numbers: a stop counts as reached when what is left of the leg is below that. So slowly does
+# a leg end that this is 0.1 s before its time is up.
+_RESOLUTION = 1.5e-7
+
+
+class SCurve:
+    """Motion along one straight leg, from rest to rest unless told otherwise; empty without length."""
+
+    __slots__ = (
+        "_ends", "_enough", "_limits", "_segments", "direction", "length", "position", "time", "top_speed",
+    )  # fmt: skip
+
+    def __init__(self, track: Vector = (0.0, 0.0, 0.0), limits: PathLimits | None = None) -> None:
+        self.time = self.position = self.top_speed = 0.0
+        self._segments: list[Segment] = []
+        self._ends: list[float] = []
+        self.length = length = hypot(*track) if limits else 0.0
+        self._enough = length * (1.0 - _RESOLUTION)
+        self.direction = (0.0, 0.0, 0.0)
+        if limits is None or length == 0:
+            return
+        self.direction = (track[0] / length, track[1] / length, track[2] / length)
+        self._limits = Kinematics(limits.snap_m_s4, limits.jerk_m_s3, limits.accel_along(track))
+        self.top_speed = limits.speed_along(track)
+        self._use(from_speed(self._limits, 0.0, self.top_speed, length))
+
+    def _use(self, segments: list[Segment]) -> None:
+        self._segments = segments
+        self._ends = [segment[0] for segment in segments]
+
+    @property
+    def empty(self) -> bool:
+        """Whether the leg has no length."""
+        return not self._segments
+
+    # planning
+
+    def limit_origin_speed(self, speed: float) -> float:
+        """Start at ``speed`` if the leg allows; returns the speed at the origin (set_origin_speed_max)."""
+        if self.empty:
+            return 0.0
+        if speed == self._segments[START][2]:
+            return speed
+        top_speed = self._segments[ACCEL_END][2]
+        speed = min(speed, top_speed)
+        self._use(from_speed(self._limits, speed, top_speed, self.length))
+        return speed
+
+    def limit_destination_speed(self, speed: float) -> None:
+        """End at ``speed`` if the leg allows (SCurve::set_destination_speed_max)."""
+        if self.empty or speed == self._segments[END][2]:
+            return
+        top_speed = self._segments[CRUISE][2]
+        level = still(self._segments[CHANGE_END], accelerated=True)
+        shape = ramp(self._limits, min(speed, top_speed), top_speed, 0.5 * self.length)
+        loss = ramp_segments(level, shape, gain=False)
+        self._use(cruising([*self._segments[:CRUISE], level, *loss], self.length))
+
+    def change_speed(self, limits: PathLimits) -> None:
+        """Plan the rest of the leg for another top speed (SCurve::set_speed_max)."""
+        if self.empty:
+            return
+        speed = limits.speed_along(self.direction)
+        if speed in (self.top_speed, 0.0):
+            return
+        self.top_speed = speed
+        if self.time >= self._segments[CRUISE][0]:
+            return
+        if self.time > 0:
+            position, now, accel = self.at(self.time)
+            here: Segment = (self.time, accel, now, position, 0.0, 0.0, 0.0)
+            self._use(with_top_speed(self._limits, here, self._segments, speed))
+            return
+        start_speed, end_speed = self._segments[START][2], self._segments[END][2]
+        self._use(from_speed(self._limits, 0.0, speed, self.length))
+        self.limit_origin_speed(min(speed, start_speed))
+        self.limit_destination_speed(min(speed, end_speed))
+
+    # motion
+
+    def at(self, time: float) -> State:
+        """Position, speed and acceleration along the leg at a time."""
+        segments = self._segments
+        i = bisect_right(self._ends, time)
+        if i == 0:
+            return _coasting(segments[0], time)
+        if i > END:
+            return _coasting(segments[END], time)
+        before = segments[i - 1]
+        position, speed, accel = state_within(before, segments[i], time - before[0])
+        return (position if position > 0 else 0.0), speed, accel
+
+    def advance(self, dt: float) -> State:
+        """Move ``dt`` seconds on, to the end at most; returns the state there."""
+        self.time = min(self.time + dt, self._ends[END])
+        state = self.at(self.time)
+        self.position = state[0]
+        return state
+
+    @property
+    def end_time(self) -> float:
+        """Duration of the leg."""
+        return self._ends[END] if self._ends else 0.0
+
+    @property
+    def turn_in_time(self) -> float:
+        """When the full acceleration ends."""
+        return self._ends[ACCEL_MAX] if self._ends else 0.0
+
+    @property
+    def turn_out_time(self) -> float:
+        """When braking begins."""
+        return self._ends[CRUISE] if self._ends else 0.0
+
+    @property
+    def finished(self) -> bool:
+        """Whether time or length is used up."""
+        return not self._ends or self.time >= self._ends[END] or self.position >= self._enough
+
+
+def _coasting(segment: Segment, time: float) -> State:
+    """On from the end of a segment with its speed and acceleration."""
+    t, accel, speed, position, _, _, _ = segment
+    s = time - t
+    return max(0.0, position + s * (speed + 0.5 * s * accel)), speed + s * accel, accel

@@ -1,0 +1,1 @@
+"""MAVLink around the autopilot."""

@@ -1,0 +1,198 @@
+"""What each command does; the answers are MAV_RESULT numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from flight_replay.mavlink import dialect
+from flight_replay.simulator.autopilot.ekf_frame import HIGHEST_M
+from flight_replay.simulator.autopilot.modes import USER_TAKEOFF, Mode
+from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.protocol import banner, telemetry
+
+if TYPE_CHECKING:
+    from flight_replay.simulator.autopilot.autopilot import Autopilot
+    from flight_replay.simulator.protocol.command import Command
+
+ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
+_INFO = 6
+_FORCED_ARM, _FORCED_DISARM = 2989.0, 21196.0
+_CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+
+
+def _done(is_so: bool) -> int:
+    return ACCEPTED if is_so else FAILED
+
+
+def accept(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Nothing to do here."""
+    return ACCEPTED
+
+
+def arm_disarm(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Arm or disarm; 2989 skips the checks, 21196 either those or the flight."""
+    wanted, force, *_ = command.params
+    if wanted == 1:
+        return _done(autopilot.arming.arm(forced=force in (_FORCED_ARM, _FORCED_DISARM)))
+    if wanted != 0:
+        return UNSUPPORTED
+    if not autopilot.arming.may_disarm() and force != _FORCED_DISARM:
+        return FAILED
+    autopilot.disarm()
+    return ACCEPTED
+
+
+def set_mode(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Change to a custom mode."""
+    if not int(command.params[0]) & _CUSTOM_MODE:
+        return DENIED
+    return _done(autopilot.request_mode(int(command.params[1])))
+
+
+def takeoff(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Lift off to a height above home, from the ground, armed, in a mode that takes off (takeoff.cpp)."""
+    if command.frame not in (
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+    ):
+        return DENIED
+    above_home_m = autopilot.above_home_m
+    if not autopilot.armed or not autopilot.flight.landed or not above_home_m < command.z < HIGHEST_M:
+        return FAILED
+    if autopilot.mode not in USER_TAKEOFF or (autopilot.mode == Mode.ALT_HOLD and command.params[2] == 0):
+        return FAILED
+    autopilot.flight.takeoff(command.z)
+    autopilot.happenings.note("takeoff")
+    return ACCEPTED
+
+
+def mission_start(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Enter AUTO and let the mission leave the ground."""
+    if not autopilot.request_mode(Mode.AUTO):
+        return FAILED
+    autopilot.mission.lift()
+    return ACCEPTED
+
+
+def loiter(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Enter LOITER."""
+    return _done(autopilot.request_mode(Mode.LOITER))
+
+
+def return_to_launch(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Enter RTL."""
+    return _done(autopilot.request_mode(Mode.RTL))
+
+
+def land(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Enter LAND."""
+    return _done(autopilot.request_mode(Mode.LAND))
+
+
+def change_speed(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Another level, climb or descent speed, where the mode takes one."""
+    kind, speed_m_s, *_ = command.params
+    if autopilot.mode not in (Mode.AUTO, Mode.GUIDED, Mode.RTL) or speed_m_s <= 0:
+        return FAILED
+    autopilot.flight.change_speed(max(int(kind + 0.1), 1), speed_m_s)
+    return ACCEPTED
+
+
+def condition_yaw(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Look another way."""
+    angle_deg, rate_deg_s, direction, relative = command.params
+    if not 0 <= angle_deg <= 360 or relative not in (0, 1):
+        return FAILED
+    autopilot.flight.look(
+        math.radians(angle_deg), math.radians(rate_deg_s), direction, relative=bool(relative)
+    )
+    return ACCEPTED
+
+
+def set_home(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Home moves here, or to a place."""
+    if not autopilot.sensors.origin_set:
+        return FAILED
+    if command.params[0] == 1 or (command.x == 0 and command.y == 0):
+        autopilot.move_home(autopilot.flight.position_m)
+        return ACCEPTED
+    if command.params[0] != 0:
+        return FAILED
+    place_m = autopilot.local.metres_of_frame(command.x, command.y, command.z, command.frame)
+    if place_m is None:
+        return DENIED
+    autopilot.move_home(place_m)
+    return ACCEPTED
+
+
+def get_home_position(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Send HOME_POSITION and GPS_GLOBAL_ORIGIN."""
+    sent = [telemetry.home_position(autopilot), telemetry.gps_global_origin(autopilot)]
+    for message in sent:
+        if message is not None:
+            sender.channel.send(message)
+    return _done(sent[0] is not None)
+
+
+def set_mission_current(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Go to a mission item; param2 1 begins the mission anew."""
+    seq = int(command.params[0])
+    if not 0 <= seq < len(autopilot.store):
+        return DENIED
+    return _done(autopilot.mission.set_current(seq))
+
+
+def reboot(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Start anew, on the ground only."""
+    if autopilot.armed:
+        return FAILED
+    if command.params[0] not in (1, 3):
+        return UNSUPPORTED
+    autopilot.reboot()
+    return ACCEPTED
+
+
+def run_prearm_checks(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Check now, and speak."""
+    if autopilot.armed:
+        return 1  # MAV_RESULT_TEMPORARILY_REJECTED
+    autopilot.prearm.say_problems()
+    return ACCEPTED
+
+
+def request_capabilities(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Send AUTOPILOT_VERSION."""
+    if command.params[0] != 1:
+        return FAILED
+    sender.channel.send(telemetry.autopilot_version(autopilot))
+    return ACCEPTED
+
+
+def request_message(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Send one message once."""
+    return _done(sender.channel.request(int(command.params[0])))
+
+
+def set_message_interval(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Send one message every so often, on this link."""
+    number = int(command.params[0])
+    if sender.channel.set_interval(number, int(command.params[1])):
+        return ACCEPTED
+    autopilot.say(_INFO, f"No ap_message for mavlink id ({number})")
+    return DENIED
+
+
+def get_message_interval(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Say how often a message is sent."""
+    number = int(command.params[0])
+    interval_us = sender.channel.interval_us(number)
+    known = interval_us is not None
+    sender.channel.send(dialect.MAVLink_message_interval_message(number & 0xFFFF, interval_us or 0))
+    return _done(known)
+
+
+def send_banner(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """Say what this is."""
+    banner.send(autopilot, sender)
+    return ACCEPTED

@@ -1,0 +1,107 @@
+"""MAVLink commands, as COMMAND_LONG or COMMAND_INT, and what ArduCopter answers to them.
+
+Sources: GCS_Common.cpp (handle_command_long, handle_command_int_packet), ArduCopter/GCS_Mavlink.cpp.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.mission.stored_items import float32
+from flight_replay.simulator.protocol import command_handlers, guided_targets
+
+if TYPE_CHECKING:
+    from flight_replay.simulator.autopilot.autopilot import Autopilot
+
+from flight_replay.simulator.protocol.command import Command
+
+_PLACED = frozenset({dialect.MAV_CMD_DO_SET_HOME, dialect.MAV_CMD_DO_REPOSITION, dialect.MAV_CMD_DO_SET_ROI})
+
+
+# Commands that this firmware knows as COMMAND_INT alone.
+_ONLY_INT = frozenset({dialect.MAV_CMD_DO_REPOSITION})
+_LARGEST = 2.0**31 - 128  # the largest 32 bit float that a 32 bit integer takes
+
+Handler = Callable[["Autopilot", Command, Sender], int]
+
+
+def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """Run a COMMAND_LONG; its places come in 32 bit floats."""
+    number = message.command
+    if number in _ONLY_INT:
+        _acknowledge(sender, number, dialect.MAV_RESULT_UNSUPPORTED)
+        return True
+    scale = 1e7 if number in _PLACED else 1.0
+    x, y = (int(_number(part * scale)) for part in (message.param5, message.param6))
+    frame = dialect.MAV_FRAME_GLOBAL
+    if number == dialect.MAV_CMD_NAV_TAKEOFF:
+        frame = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
+    _answer(autopilot, Command(number, _params(message), x, y, message.param7, frame), sender)
+    return True
+
+
+def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """Run a COMMAND_INT."""
+    command = Command(message.command, _params(message), message.x, message.y, message.z, message.frame)
+    _answer(autopilot, command, sender)
+    return True
+
+
+def _answer(autopilot: Autopilot, command: Command, sender: Sender) -> None:
+    handler = COMMANDS.get(command.number)
+    result = dialect.MAV_RESULT_UNSUPPORTED
+    if handler is not None and command.number not in autopilot.faults.personality.unknown_commands:
+        result = handler(autopilot, command, sender)
+    _acknowledge(sender, command.number, result)
+
+
+def _acknowledge(sender: Sender, number: int, result: int) -> None:
+    sender.channel.send(
+        dialect.MAVLink_command_ack_message(number, result, 0, 0, sender.system, sender.component)
+    )
+
+
+def _params(message: Message) -> tuple[float, float, float, float]:
+    return (
+        _number(message.param1),
+        _number(message.param2),
+        _number(message.param3),
+        _number(message.param4),
+    )
+
+
+def _number(value: float) -> float:
+    """A parameter that whole numbers can be made of: what is not a number counts as 0."""
+    return 0.0 if math.isnan(value) else float32(min(max(value, -_LARGEST), _LARGEST))
+
+
+COMMANDS: dict[int, Handler] = {
+    dialect.MAV_CMD_COMPONENT_ARM_DISARM: command_handlers.arm_disarm,
+    dialect.MAV_CMD_DO_SET_MODE: command_handlers.set_mode,
+    dialect.MAV_CMD_NAV_TAKEOFF: command_handlers.takeoff,
+    dialect.MAV_CMD_MISSION_START: command_handlers.mission_start,
+    dialect.MAV_CMD_NAV_LOITER_UNLIM: command_handlers.loiter,
+    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: command_handlers.return_to_launch,
+    dialect.MAV_CMD_NAV_LAND: command_handlers.land,
+    dialect.MAV_CMD_DO_CHANGE_SPEED: command_handlers.change_speed,
+    dialect.MAV_CMD_DO_REPOSITION: guided_targets.reposition,
+    dialect.MAV_CMD_CONDITION_YAW: command_handlers.condition_yaw,
+    dialect.MAV_CMD_DO_SET_HOME: command_handlers.set_home,
+    dialect.MAV_CMD_GET_HOME_POSITION: command_handlers.get_home_position,
+    dialect.MAV_CMD_DO_SET_MISSION_CURRENT: command_handlers.set_mission_current,
+    dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: command_handlers.reboot,
+    dialect.MAV_CMD_PREFLIGHT_CALIBRATION: command_handlers.accept,
+    dialect.MAV_CMD_PREFLIGHT_STORAGE: command_handlers.accept,
+    dialect.MAV_CMD_RUN_PREARM_CHECKS: command_handlers.run_prearm_checks,
+    dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: command_handlers.request_capabilities,
+    dialect.MAV_CMD_REQUEST_MESSAGE: command_handlers.request_message,
+    dialect.MAV_CMD_SET_MESSAGE_INTERVAL: command_handlers.set_message_interval,
+    dialect.MAV_CMD_GET_MESSAGE_INTERVAL: command_handlers.get_message_interval,
+    dialect.MAV_CMD_DO_SEND_BANNER: command_handlers.send_banner,
+    dialect.MAV_CMD_DO_SET_ROI: command_handlers.accept,
+}
+"""Handlers by MAV_CMD; each gives a MAV_RESULT."""

@@ -1,0 +1,134 @@
+"""What the autopilot does with messages that are neither commands nor the mission protocol's.
+
+A handler says whether it dealt with the message.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.protocol import banner, guided_targets, telemetry
+from flight_replay.simulator.protocol.commands import command_int, command_long
+
+if TYPE_CHECKING:
+    from flight_replay.simulator.autopilot.autopilot import Autopilot
+
+Handler = Callable[["Autopilot", Message, Sender], bool]
+
+# MAVLink FTP: opcode and error of a refusal, and the payload's size.
+_FTP_NAK, _FTP_NOT_FOUND, _FTP_PAYLOAD = 129, 10, 251
+_CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+
+
+def _heartbeat(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    if sender.system == autopilot.parameters["SYSID_MYGCS"]:
+        autopilot.failsafes.hear_gcs()
+    return True
+
+
+def _param_request_list(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    banner.send(autopilot, sender)
+    sender.channel.send_parameters()
+    return True
+
+
+def _param_request_read(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    if message.param_index == -1:
+        parameter = autopilot.parameters.find(message.param_id)
+    else:
+        parameter = autopilot.parameters.at(message.param_index)
+    if parameter is not None:
+        sender.channel.send_parameter(parameter, message.param_index & 0xFFFF)
+    return True
+
+
+def _param_set(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    value = float(message.param_value)
+    if autopilot.parameters.find(message.param_id) is not None and abs(value) < float("inf"):
+        autopilot.parameters.assign(message.param_id, value)
+    return True
+
+
+def _set_mode(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    entered = bool(message.base_mode & _CUSTOM_MODE) and autopilot.request_mode(message.custom_mode)
+    if autopilot.faults.personality.answers_set_mode:
+        result = dialect.MAV_RESULT_ACCEPTED if entered else dialect.MAV_RESULT_FAILED
+        sender.channel.send(dialect.MAVLink_command_ack_message(message.get_msgId(), result))
+    return True
+
+
+def _request_data_stream(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    if message.start_stop in (0, 1):
+        rate_hz = message.req_message_rate if message.start_stop else 0
+        sender.channel.set_stream_rate(message.req_stream_id, rate_hz)
+    return True
+
+
+def _mission_set_current(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    if autopilot.mission.set_current(message.seq):
+        sender.channel.send(telemetry.mission_current(autopilot, message.seq))
+    return True
+
+
+def _mission_item(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """DroneKit's and old stations' way to guide the copter: an item with current 2, or 3 for height."""
+    if message.current not in (2, 3) or message.mission_type != dialect.MAV_MISSION_TYPE_MISSION:
+        return False
+    result = guided_targets.item(autopilot, message)
+    sender.channel.send(dialect.MAVLink_mission_ack_message(sender.system, sender.component, result))
+    return True
+
+
+def _ping(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    if message.target_system == 0:
+        answer = dialect.MAVLink_ping_message(message.time_usec, message.seq, sender.system, sender.component)
+        sender.channel.send(answer)
+    return True
+
+
+def _timesync(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    if message.tc1 == 0:
+        sender.channel.send(dialect.MAVLink_timesync_message(int(autopilot.time_s * 1e9), message.ts1))
+    return True
+
+
+def _autopilot_version_request(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    sender.channel.send(telemetry.autopilot_version(autopilot))
+    return True
+
+
+def _file_transfer(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """There are no files here; said at once, so that nobody waits for a timeout."""
+    seq, session, opcode = struct.unpack_from("<HBB", bytes(message.payload))
+    answer = struct.pack("<HBBBBBxIB", (seq + 1) % 2**16, session, _FTP_NAK, 1, opcode, 0, 0, _FTP_NOT_FOUND)
+    payload = list(answer.ljust(_FTP_PAYLOAD, b"\0"))
+    sender.channel.send(
+        dialect.MAVLink_file_transfer_protocol_message(0, sender.system, sender.component, payload)
+    )
+    return True
+
+
+HANDLERS: dict[str, Handler] = {
+    "HEARTBEAT": _heartbeat,
+    "PARAM_REQUEST_LIST": _param_request_list,
+    "PARAM_REQUEST_READ": _param_request_read,
+    "PARAM_SET": _param_set,
+    "SET_MODE": _set_mode,
+    "COMMAND_LONG": command_long,
+    "COMMAND_INT": command_int,
+    "REQUEST_DATA_STREAM": _request_data_stream,
+    "MISSION_SET_CURRENT": _mission_set_current,
+    "MISSION_ITEM": _mission_item,
+    "MISSION_ITEM_INT": _mission_item,
+    "SET_POSITION_TARGET_LOCAL_NED": guided_targets.local_target,
+    "SET_POSITION_TARGET_GLOBAL_INT": guided_targets.global_target,
+    "FILE_TRANSFER_PROTOCOL": _file_transfer,
+    "PING": _ping,
+    "TIMESYNC": _timesync,
+    "AUTOPILOT_VERSION_REQUEST": _autopilot_version_request,
+}
+"""Handlers by message name."""

@@ -1,0 +1,126 @@
+"""GUIDED: places and velocities that stations send, in every form that ArduCopter takes.
+
+Sources: ArduCopter/GCS_Mavlink.cpp (handle_message_set_position_target_*, do_reposition),
+mode_auto.cpp (do_guided). Yaw and acceleration targets are ignored.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.location import Metres
+from flight_replay.simulator.autopilot.modes import Mode
+from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.mission.stored_items import ItemRefused, stored
+
+if TYPE_CHECKING:
+    from flight_replay.simulator.autopilot.autopilot import Autopilot
+    from flight_replay.simulator.protocol.command import Command
+
+_IGNORES_PLACE, _IGNORES_VELOCITY, _IGNORES_ACCELERATION = 0b111, 0b111 << 3, 0b111 << 6
+_LOCAL, _LOCAL_OFFSET, _BODY, _BODY_OFFSET = 1, 7, 8, 9
+_TURNED = frozenset({_BODY, _BODY_OFFSET})
+_OFFSET = frozenset({_LOCAL_OFFSET, _BODY, _BODY_OFFSET})
+_CHANGES_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
+_FASTEST_SANE_M_S = 1000.0
+_ACCEPTED, _DENIED, _FAILED = 0, 2, 4
+
+
+def item(autopilot: Autopilot, message: Message) -> int:
+    """A mission item with current 2 (fly there) or 3 (change height); gives a MAV_MISSION_RESULT."""
+    try:
+        target = stored(message)
+    except ItemRefused as refused:
+        return refused.result
+    place_m = autopilot.local.metres_of_frame(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
+    if message.current == 3:
+        if autopilot.mode == Mode.GUIDED and place_m is not None and not autopilot.flight.landed:
+            north_m, east_m, _ = autopilot.flight.position_m
+            _fly_to(autopilot, (north_m, east_m, place_m[2]))
+        return int(dialect.MAV_MISSION_ACCEPTED)
+    if autopilot.mode != Mode.GUIDED or target.command != dialect.MAV_CMD_NAV_WAYPOINT or place_m is None:
+        return int(dialect.MAV_MISSION_ERROR)
+    _fly_to(autopilot, place_m)
+    return int(dialect.MAV_MISSION_ACCEPTED)
+
+
+def _fly_to(autopilot: Autopilot, place_m: Metres) -> None:
+    """Go to a place, if the vehicle is in the air; on the ground the target waits for no one."""
+    if autopilot.armed and not autopilot.flight.landed:
+        autopilot.flight.goto(place_m)
+
+
+def reposition(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+    """DO_REPOSITION: fly to a place, entering GUIDED if asked to."""
+    changes = int(command.params[1]) & _CHANGES_MODE
+    if autopilot.mode != Mode.GUIDED and not changes:
+        return _DENIED
+    place_m = autopilot.local.metres_of_frame(command.x, command.y, command.z, command.frame)
+    if place_m is None or (command.x == 0 and command.y == 0):
+        return _DENIED
+    if not autopilot.request_mode(Mode.GUIDED):
+        return _FAILED
+    _fly_to(autopilot, place_m)
+    return _ACCEPTED
+
+
+def local_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """SET_POSITION_TARGET_LOCAL_NED."""
+    if autopilot.mode != Mode.GUIDED or autopilot.flight.landed:
+        return True
+    frame = message.coordinate_frame
+    if frame not in {_LOCAL, *_OFFSET}:
+        autopilot.flight.stop()
+        return True
+    place_m = (message.x, message.y, -message.z)
+    velocity_m_s = (message.vx, message.vy, -message.vz)
+    if frame in _TURNED:
+        place_m, velocity_m_s = _turned(autopilot, place_m), _turned(autopilot, velocity_m_s)
+    if frame in _OFFSET:
+        north_m, east_m, up_m = autopilot.flight.position_m
+        place_m = (place_m[0] + north_m, place_m[1] + east_m, place_m[2] + up_m)
+    _follow(autopilot, message.type_mask, place_m, velocity_m_s)
+    return True
+
+
+def _turned(autopilot: Autopilot, vector: Metres) -> Metres:
+    """A vector forward and right of the nose, as north and east."""
+    yaw = autopilot.flight.attitude_rad[2]
+    forward, right, up = vector
+    return (
+        forward * math.cos(yaw) - right * math.sin(yaw),
+        forward * math.sin(yaw) + right * math.cos(yaw),
+        up,
+    )
+
+
+def global_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+    """SET_POSITION_TARGET_GLOBAL_INT."""
+    if autopilot.mode != Mode.GUIDED or autopilot.flight.landed:
+        return True
+    place_m = autopilot.local.metres_of_frame(
+        message.lat_int, message.lon_int, message.alt, message.coordinate_frame
+    )
+    if place_m is None and not message.type_mask & _IGNORES_PLACE:
+        autopilot.flight.stop()
+    else:
+        velocity_m_s = (message.vx, message.vy, -message.vz)
+        _follow(autopilot, message.type_mask, place_m or (0.0, 0.0, 0.0), velocity_m_s)
+    return True
+
+
+def _follow(autopilot: Autopilot, mask: int, place_m: Metres, velocity_m_s: Metres) -> None:
+    """Fly to the place, or at the velocity; anything else stops the vehicle."""
+    if not mask & _IGNORES_PLACE and all(math.isfinite(part) for part in place_m):
+        autopilot.flight.goto(place_m)
+    elif mask & _IGNORES_PLACE and not mask & _IGNORES_VELOCITY and _is_sane(velocity_m_s):
+        autopilot.flight.drift(velocity_m_s)
+        autopilot.drifts_until_s = autopilot.time_s + autopilot.parameters["GUID_TIMEOUT"]
+    else:
+        autopilot.flight.stop()
+
+
+def _is_sane(velocity_m_s: Metres) -> bool:
+    return all(abs(part) <= _FASTEST_SANE_M_S for part in velocity_m_s)

@@ -1,0 +1,126 @@
+"""The mission protocol as ArduPilot 4.6 speaks it (MissionItemProtocol.cpp), in vehicle time.
+
+This is what is asked for without an upload: reading, clearing, and lists that are always empty
+(fence and rally points, which this copter has none of). Uploads are ``mission_upload.py``'s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.faults import MissionFaults
+from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.mission.store import MissionStore
+from flight_replay.simulator.mission.stored_items import item_float, item_int
+from flight_replay.simulator.protocol.mission_upload import MissionUpload, Vehicle
+
+_MISSION = dialect.MAV_MISSION_TYPE_MISSION
+_ALWAYS_EMPTY = frozenset({dialect.MAV_MISSION_TYPE_FENCE, dialect.MAV_MISSION_TYPE_RALLY})
+_ACCEPTED, _ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
+_NO_SPACE, _DENIED = dialect.MAV_MISSION_NO_SPACE, dialect.MAV_MISSION_DENIED
+
+Handler = Callable[[Message, Sender], None]
+
+
+def acknowledge(sender: Sender, result: int, mission_type: int = 0) -> None:
+    """MISSION_ACK to a station."""
+    sender.channel.send(
+        dialect.MAVLink_mission_ack_message(sender.system, sender.component, result, mission_type)
+    )
+
+
+class MissionProtocol:
+    """Answers mission messages, by name in ``handlers``."""
+
+    def __init__(self, store: MissionStore, vehicle: Vehicle, faults: MissionFaults) -> None:
+        self._store, self._vehicle, self._faults = store, vehicle, faults
+        self._upload = upload = MissionUpload(store, vehicle, faults, acknowledge)
+        self.handlers: dict[str, Handler] = {
+            "MISSION_COUNT": self._about_mission(upload.count, self._count_elsewhere),
+            "MISSION_ITEM": self._about_mission(upload.item, _ERROR),
+            "MISSION_WRITE_PARTIAL_LIST": self._about_mission(upload.write_partial, _ERROR),
+            "MISSION_REQUEST_LIST": self._request_list,
+            "MISSION_REQUEST": self._about_mission(self._request, _ERROR),
+            "MISSION_CLEAR_ALL": self._about_mission(self._clear_all, _ACCEPTED),
+        }
+        if faults.knows_item_int:
+            self.handlers["MISSION_ITEM_INT"] = self.handlers["MISSION_ITEM"]
+            self.handlers["MISSION_REQUEST_INT"] = self.handlers["MISSION_REQUEST"]
+
+    @property
+    def receiving(self) -> bool:
+        """Whether an upload is under way."""
+        return self._upload.under_way
+
+    @property
+    def uploads(self) -> int:
+        """Missions that came in whole."""
+        return self._upload.completed
+
+    def update(self) -> None:
+        """Ask again, or give up, by the vehicle's clock."""
+        self._upload.update()
+
+    @staticmethod
+    def _about_mission(handler: Handler, elsewhere: int | Callable[[Message], int]) -> Handler:
+        """Leave messages about other lists to a fixed answer; about no list at all, to UNSUPPORTED."""
+
+        def handle(message: Message, sender: Sender) -> None:
+            if message.mission_type == _MISSION:
+                handler(message, sender)
+                return
+            result = int(dialect.MAV_MISSION_UNSUPPORTED)
+            if message.mission_type in _ALWAYS_EMPTY:
+                result = elsewhere if isinstance(elsewhere, int) else elsewhere(message)
+            acknowledge(sender, result, message.mission_type)
+
+        return handle
+
+    @staticmethod
+    def _count_elsewhere(message: Message) -> int:
+        return int(_ACCEPTED if message.count == 0 else _NO_SPACE)
+
+    def _is_busy(self, sender: Sender) -> bool:
+        """While somebody uploads, nobody reads."""
+        if self.receiving:
+            acknowledge(sender, _DENIED)
+        return self.receiving
+
+    def _request_list(self, message: Message, sender: Sender) -> None:
+        if message.mission_type in _ALWAYS_EMPTY:
+            self._send_count(sender, 0, message.mission_type)
+        elif message.mission_type != _MISSION:
+            acknowledge(sender, dialect.MAV_MISSION_UNSUPPORTED, message.mission_type)
+        elif not self._is_busy(sender):
+            self._send_count(sender, len(self._store), _MISSION)
+
+    @staticmethod
+    def _send_count(sender: Sender, count: int, mission_type: int) -> None:
+        sender.channel.send(
+            dialect.MAVLink_mission_count_message(sender.system, sender.component, count, mission_type)
+        )
+
+    def _request(self, message: Message, sender: Sender) -> None:
+        if self._is_busy(sender):
+            return
+        item = self._store.read(message.seq)
+        if item is None:
+            self._send_count(sender, len(self._store), _MISSION)
+            acknowledge(sender, _ERROR)
+            return
+        as_float = message.get_type() == "MISSION_REQUEST"
+        if as_float and self._faults.knows_item_int:
+            self._vehicle.warn_once("got MISSION_REQUEST; use MISSION_REQUEST_INT!")
+        answer = item_float if as_float else item_int
+        # ArduPilot compares the command, not the place, with the current place (get_item).
+        current = item.command == self._vehicle.mission_seq
+        sender.channel.send(
+            answer(item, message.seq, current=current, system=sender.system, component=sender.component)
+        )
+
+    def _clear_all(self, message: Message, sender: Sender) -> None:
+        cleared = not self.receiving and self._vehicle.clear_mission()
+        if cleared:
+            self._store.truncate(0)
+        acknowledge(sender, _ACCEPTED if cleared else _ERROR)

@@ -1,0 +1,169 @@
+"""An upload of mission items, as ArduPilot 4.6 takes it (MissionItemProtocol.cpp), in vehicle time.
+
+Items are asked for one by one with MISSION_REQUEST, again after a second without an answer; an
+upload that is silent for 8 seconds is cancelled. While one station uploads, others are denied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.faults import MissionFaults
+from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.mission.store import CAPACITY, MissionStore
+from flight_replay.simulator.mission.stored_items import ItemRefused, StoredItem, stored
+
+REQUEST_AGAIN_S = 1.0
+CANCEL_S = 8.0
+_WARNING, _INFO = 4, 6
+_DO_JUMP = 177
+_ACCEPTED, _ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
+
+
+class Vehicle(Protocol):
+    """What the mission protocol needs of the autopilot."""
+
+    @property
+    def time_s(self) -> float:
+        """The vehicle's clock."""
+
+    @property
+    def mission_seq(self) -> int:
+        """The current item."""
+
+    def say(self, severity: int, text: str) -> None:
+        """A status text to all stations."""
+
+    def warn_once(self, text: str) -> None:
+        """A warning that is not repeated."""
+
+    def clear_mission(self) -> bool:
+        """Forget where the mission was; False if it must not be cleared now."""
+
+
+@dataclass(slots=True)
+class _Transfer:
+    """An upload under way: who sends, what is asked next, and since when."""
+
+    sender: Sender
+    next_seq: int
+    last_seq: int
+    received_s: float
+    requested_s: float
+
+
+class MissionUpload:
+    """At most one upload at a time into ``store``; ``completed`` counts those that ended well."""
+
+    def __init__(
+        self,
+        store: MissionStore,
+        vehicle: Vehicle,
+        faults: MissionFaults,
+        acknowledge: Callable[[Sender, int], None],
+    ) -> None:
+        self._store, self._vehicle, self._faults, self._ack = store, vehicle, faults, acknowledge
+        self._capacity = min(CAPACITY, faults.capacity)
+        self._transfer: _Transfer | None = None
+        self.completed = 0
+
+    @property
+    def under_way(self) -> bool:
+        """Whether items are awaited."""
+        return self._transfer is not None
+
+    def update(self) -> None:
+        """Ask again, or give up."""
+        transfer, now_s = self._transfer, self._vehicle.time_s
+        if transfer is None:
+            return
+        if now_s - transfer.received_s > CANCEL_S:
+            self._transfer = None
+            self._vehicle.say(_WARNING, "Mission upload timeout")
+            self._ack(transfer.sender, dialect.MAV_MISSION_OPERATION_CANCELLED)
+        elif now_s - transfer.requested_s > REQUEST_AGAIN_S:
+            self._ask(transfer)
+
+    def count(self, message: Message, sender: Sender) -> None:
+        """MISSION_COUNT begins an upload, or begins one's own anew."""
+        if self._transfer is not None and not self._transfer.sender.is_same_station(sender):
+            self._ack(sender, dialect.MAV_MISSION_DENIED)
+        elif message.count > self._capacity:
+            self._ack(sender, dialect.MAV_MISSION_NO_SPACE)
+            self._vehicle.say(_WARNING, f"Only {self._capacity} items are supported")
+        else:
+            self._store.truncate(message.count)
+            self._begin(sender, 0, message.count - 1)
+
+    def write_partial(self, message: Message, sender: Sender) -> None:
+        """MISSION_WRITE_PARTIAL_LIST begins an upload of some items."""
+        if 0 <= message.start_index <= message.end_index <= len(self._store):
+            self._begin(sender, message.start_index, message.end_index)
+        else:
+            self._vehicle.say(_WARNING, "Flight plan update rejected")
+            self._ack(sender, _ERROR)
+
+    def _begin(self, sender: Sender, first_seq: int, last_seq: int) -> None:
+        now_s = self._vehicle.time_s
+        self._transfer = _Transfer(sender, first_seq, last_seq, now_s, now_s)
+        self._ask_or_complete(self._transfer)
+
+    def _ask_or_complete(self, transfer: _Transfer) -> None:
+        if transfer.next_seq <= transfer.last_seq:
+            self._ask(transfer)
+            return
+        self._transfer = None
+        self.completed += 1
+        self._vehicle.say(_INFO, "Flight plan received")
+        self._ack(transfer.sender, self._faults.result_of_upload)
+
+    def _ask(self, transfer: _Transfer) -> None:
+        transfer.requested_s = self._vehicle.time_s
+        sender = transfer.sender
+        sender.channel.send(
+            dialect.MAVLink_mission_request_message(sender.system, sender.component, transfer.next_seq)
+        )
+
+    def item(self, message: Message, sender: Sender) -> None:
+        """MISSION_ITEM or MISSION_ITEM_INT: kept if it is the one that was asked for."""
+        if message.get_type() == "MISSION_ITEM" and self._faults.knows_item_int:
+            self._vehicle.warn_once("got MISSION_ITEM; GCS should send MISSION_ITEM_INT")
+        transfer = self._transfer
+        if transfer is None:
+            self._ack(sender, _ERROR)
+        elif message.seq != transfer.next_seq:
+            self._ack(sender, dialect.MAV_MISSION_INVALID_SEQUENCE)
+        elif not transfer.sender.is_same_station(sender):
+            self._ack(sender, dialect.MAV_MISSION_DENIED)
+        else:
+            self._take(message, transfer)
+
+    def _take(self, message: Message, transfer: _Transfer) -> None:
+        """Store an item and go on; one that is refused ends the upload."""
+        result = self._kept(message, transfer)
+        if result != _ACCEPTED:
+            self._transfer = None
+            self._ack(transfer.sender, result)
+            return
+        transfer.received_s = self._vehicle.time_s
+        transfer.next_seq += 1
+        self._ask_or_complete(transfer)
+
+    def _kept(self, message: Message, transfer: _Transfer) -> int:
+        refused = self._faults.result_of_item.get(message.seq)
+        if refused is not None:
+            return refused
+        try:
+            item = stored(message)
+        except ItemRefused as reason:
+            return reason.result
+        if item.command == _DO_JUMP and not self._can_jump(item, transfer):
+            return int(_ERROR)
+        return int(_ACCEPTED if self._store.write(message.seq, item) else _ERROR)
+
+    def _can_jump(self, item: StoredItem, transfer: _Transfer) -> bool:
+        target = int(item.params[0])
+        return target != 0 and (target < len(self._store) or target <= transfer.last_seq)

@@ -1,0 +1,1 @@
+"""Sockets, pacing, process, and the command ``flight-replay-sim``."""

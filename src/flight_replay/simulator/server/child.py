@@ -1,0 +1,48 @@
+"""The simulator as a process of its own, for ``launch.py``: settings come over stdin, addresses go out.
+
+It ends when stdin does, so it never outlives the program that started it. Run as
+``python -m flight_replay.simulator.server.child``.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import threading
+
+from flight_replay.errors import SimulatorError
+from flight_replay.simulator.server.settings import open_endpoint, settings_of
+
+
+def main() -> int:
+    """Read the settings, answer with addresses or an error, then fly until stdin ends."""
+    # Ctrl-C in a terminal reaches the whole group; whoever started this decides when it ends.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        endpoint = open_endpoint(settings_of(sys.stdin.readline()))
+    except SimulatorError as error:
+        _answer({"error": str(error)})
+        return 1
+    over = threading.Event()
+    threading.Thread(target=_wait_for_end, args=(over,), daemon=True).start()
+    try:
+        _answer({"addresses": [str(address) for address in endpoint.addresses]})
+        endpoint.run(over.is_set)
+    finally:
+        endpoint.close()
+    return 0
+
+
+def _wait_for_end(over: threading.Event) -> None:
+    sys.stdin.read()
+    over.set()
+
+
+def _answer(value: dict[str, object]) -> None:
+    sys.stdout.write(json.dumps(value) + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,159 @@
+"""The simulator on its links: stations come and go, messages in and out, time paced.
+
+The one module that joins the autopilot to sockets and to the wall clock.
+"""
+
+from __future__ import annotations
+
+import selectors
+import time
+from collections.abc import Callable, Sequence
+
+from flight_replay.mavlink import Message
+from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.autopilot.model_flight import STEP_S
+from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.protocol.channel import LinkChannel
+from flight_replay.simulator.server.addresses import Address
+from flight_replay.simulator.server.links import Connection, Listener
+
+_OWN_COMPONENTS = (0, 1)
+_LONGEST_WAIT_S = 0.1
+_SLOWEST = 0.01
+# Farther behind than this, the simulation gives up catching up: it is slower, but never in bursts.
+_WORTH_CATCHING_UP_S = 0.2
+
+
+class Endpoint:
+    """An autopilot with open links; ``run`` serves them until told to stop."""
+
+    def __init__(self, autopilot: Autopilot, addresses: Sequence[Address]) -> None:
+        """Open the links.
+
+        Raises:
+            SimulatorError: if one cannot be opened; those that were are closed again.
+        """
+        self.autopilot = autopilot
+        self._selector = selectors.DefaultSelector()
+        self._listeners: list[Listener] = []
+        self._stations: dict[LinkChannel, Connection] = {}
+        try:
+            for address in addresses:
+                self._open(address)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, address: Address) -> None:
+        listener = Listener(address)
+        self._listeners.append(listener)
+        if address.kind == "tcp":
+            self._selector.register(listener.socket, selectors.EVENT_READ, listener)
+        else:
+            self._welcome(listener)
+
+    @property
+    def addresses(self) -> tuple[Address, ...]:
+        """Where the links are, with real port numbers."""
+        return tuple(listener.address for listener in self._listeners)
+
+    @property
+    def stations(self) -> int:
+        """How many are connected."""
+        return len(self._stations)
+
+    def _welcome(self, listener: Listener) -> None:
+        connection = listener.accept()
+        if connection is None:
+            return
+        channel = LinkChannel(
+            self.autopilot,
+            connection.write,
+            lambda: connection.has_room,
+            number=self._listeners.index(listener),
+        )
+        self._stations[channel] = connection
+        self.autopilot.channels.append(channel)
+        self._selector.register(connection.socket, selectors.EVENT_READ, channel)
+
+    def _dismiss(self, channel: LinkChannel) -> None:
+        connection = self._stations.pop(channel)
+        self.autopilot.channels.remove(channel)
+        self._selector.unregister(connection.socket)
+        connection.close()
+
+    def run(self, stop: Callable[[], bool], clock: Callable[[], float] = time.monotonic) -> None:
+        """Serve until ``stop`` says so, which is asked at least ten times a second."""
+        pacer = Pacer(clock())
+        while not stop():
+            self.exchange(min(pacer.wait_s(clock()), _LONGEST_WAIT_S))
+            if pacer.wait_s(clock()) > 0:
+                continue
+            self.step()
+            speedup = self.autopilot.parameters["SIM_SPEEDUP"]
+            pacer.stepped(clock(), STEP_S, max(speedup, _SLOWEST) if speedup > 0 else 1.0)
+
+    def step(self) -> None:
+        """Let a step of vehicle time pass, and send what is due."""
+        self.autopilot.step()
+        for channel in list(self._stations):
+            channel.step()
+        self._flush()
+
+    def exchange(self, timeout_s: float) -> None:
+        """Wait for something to come in, at most so long, and answer it."""
+        for key, _ in self._selector.select(timeout_s):
+            if isinstance(key.data, Listener):
+                self._welcome(key.data)
+            else:
+                self._read(key.data)
+        self._flush()
+
+    def _read(self, channel: LinkChannel) -> None:
+        for data in self._stations[channel].read():
+            for message, sender in channel.receive(data):
+                self._route(message, sender, channel)
+
+    def _flush(self) -> None:
+        for channel, connection in list(self._stations.items()):
+            connection.flush()
+            if not connection.is_open:
+                self._dismiss(channel)
+
+    def _route(self, message: Message, sender: Sender, came_by: LinkChannel) -> None:
+        """To the vehicle, to the other stations, or both, by target (MAVLink_routing.cpp)."""
+        own = int(self.autopilot.parameters["SYSID_THISMAV"]) & 0xFF
+        system = getattr(message, "target_system", 0)
+        component = getattr(message, "target_component", 0)
+        if system == 0 or (system == own and component in _OWN_COMPONENTS):
+            self.autopilot.handle(message, sender)
+        if system == own:
+            return
+        for channel in self._stations:
+            if channel is not came_by and (system in channel.systems or (system == 0 and channel.systems)):
+                channel.forward(bytes(message.get_msgbuf()))
+
+    def close(self) -> None:
+        """Hang up on everybody and let go of the ports."""
+        for channel in list(self._stations):
+            self._dismiss(channel)
+        for listener in self._listeners:
+            listener.close()
+        self._selector.close()
+
+
+class Pacer:
+    """When the next step may be taken; times are a monotonic clock's seconds."""
+
+    def __init__(self, now_s: float) -> None:
+        self._next_s = now_s
+
+    def wait_s(self, now_s: float) -> float:
+        """How long until the next step; 0 if it is due."""
+        return max(0.0, self._next_s - now_s)
+
+    def stepped(self, now_s: float, step_s: float, speedup: float) -> None:
+        """A step of ``step_s`` vehicle seconds was taken at ``speedup`` times real time."""
+        self._next_s += step_s / speedup
+        if now_s - self._next_s > _WORTH_CATCHING_UP_S:
+            self._next_s = now_s

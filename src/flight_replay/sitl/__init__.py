@@ -1,5 +1,0 @@
-"""ArduPilot's software-in-the-loop simulator: found, downloaded, started and stopped."""
-
-from flight_replay.sitl.choose import simulator
-
-__all__ = ["simulator"]

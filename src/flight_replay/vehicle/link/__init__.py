@@ -1,0 +1,1 @@
+"""Bytes and frames: transports, the link's thread, who is on it."""

@@ -1,0 +1,1 @@
+"""MAVLink's services, seen by a ground station: commands, parameters, missions, telemetry."""

@@ -1,0 +1,197 @@
+"""dronekit-sitl's ArduCopter binaries: its cache, and its download made safe.
+
+dronekit-sitl fetches over plain http, without a time limit, leaves a broken download where it takes
+it for a good one, and unpacks whatever the archive says. Only its addresses are used here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import http.client
+import lzma
+import platform
+import shutil
+import socket
+import sys
+import tarfile
+import tempfile
+import time
+import urllib.parse
+import urllib.request
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from flight_replay.errors import SimulatorError
+from flight_replay.events import Listener, Progress, ignore
+from flight_replay.vehicle.link.host_lookup import look_up
+
+_SYSTEM, _VERSION = "copter", "3.3"  # What dronekit_sitl.start_default() flies.
+_SILENCE_S = 8.0
+_LIMIT_S = 120.0
+_CHUNK = 1 << 16
+_LARGEST_BYTES = 1 << 29
+_BROKEN = (
+    OSError, EOFError, ValueError, tarfile.TarError, zlib.error, lzma.LZMAError, http.client.HTTPException,
+)  # fmt: skip
+"""What servers and archives that are not as they should be make of Python's libraries."""
+_PLATFORMS = {"linux": "linux", "darwin": "osx", "win32": "win"}
+_MACHINES = frozenset({"x86_64", "amd64", "i386", "i686"})
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where the binaries come from and are kept; ``target`` is the platform in their names."""
+
+    base_url: str
+    cache: Path
+    target: str
+
+    @property
+    def url(self) -> str:
+        """The archive for this platform."""
+        return f"{self.base_url}/{_SYSTEM}/sitl-{self.target}-{_SYSTEM}-{_VERSION}.tar.gz"
+
+    @property
+    def folder(self) -> Path:
+        """Where dronekit-sitl unpacks it."""
+        return self.cache / f"{_SYSTEM}-{_VERSION}"
+
+    def cached(self) -> Path | None:
+        """The binary, if it is there."""
+        return _binary_in(self.folder)
+
+
+def _binary_in(folder: Path) -> Path | None:
+    binaries = (folder / name for name in ("apm", "apm.exe"))
+    return next((path for path in binaries if path.is_file()), None)
+
+
+def dronekit_sitl_source() -> Source:
+    """dronekit-sitl's addresses for this machine, over https.
+
+    Raises:
+        SimulatorError: dronekit-sitl is not installed, does not run on this Python, or has no binaries
+            for this machine.
+    """
+    try:
+        import dronekit_sitl
+    except ImportError as error:
+        raise SimulatorError(
+            f"dronekit-sitl cannot be used on Python {platform.python_version()} ({error}); "
+            "name a binary with --sitl"
+        ) from error
+    target = _PLATFORMS.get(sys.platform)
+    if target is None or platform.machine().lower() not in _MACHINES:
+        raise SimulatorError(
+            f"dronekit-sitl has no binary for {platform.system()} on {platform.machine()}; "
+            "name one with --sitl"
+        )
+    base_url = dronekit_sitl.sitl_host.replace("http://", "https://")
+    return Source(base_url, Path(dronekit_sitl.sitl_target), target)
+
+
+def download(
+    source: Source, listener: Listener = ignore, *, limit_s: float = _LIMIT_S, silence_s: float = _SILENCE_S
+) -> Path:
+    """Fetch and unpack the binary; it appears in the cache whole or not at all.
+
+    Raises:
+        SimulatorError: It cannot be fetched in time, or the archive is broken or unsafe.
+    """
+    try:
+        source.cache.mkdir(parents=True, exist_ok=True)
+        with _scratch(source.cache) as scratch:
+            archive = scratch / "sitl.tar.gz"
+            _fetch(source.url, archive, listener, time.monotonic() + limit_s, silence_s)
+            unpacked = scratch / "unpacked"
+            _unpack(archive, unpacked)
+            return _install(unpacked, source, scratch)
+    except _BROKEN as error:
+        raise SimulatorError(f"cannot download ArduPilot SITL from {source.url}: {_line(error)}") from error
+
+
+def _line(error: Exception) -> str:
+    """What went wrong; tarfile tells on many lines of each packing that an archive is not of."""
+    no_archive = isinstance(error, tarfile.ReadError) and "\n" in str(error)
+    return "it is no archive" if no_archive else " ".join(str(error).split())
+
+
+def _install(unpacked: Path, source: Source, scratch: Path) -> Path:
+    """Put what was unpacked where it is looked for; the binary there.
+
+    A folder without one makes way: dronekit-sitl leaves such where its own download broke off. One
+    with a binary stays: another run was faster.
+    """
+    binary = _binary_in(unpacked)
+    if binary is None:
+        raise SimulatorError(f"the archive {source.url} holds no simulator; name a binary with --sitl")
+    binary.chmod(0o755)
+    if source.folder.exists() and source.cached() is None:
+        source.folder.replace(scratch / "broken")
+    try:
+        unpacked.replace(source.folder)
+    except OSError:
+        if source.cached() is None:
+            raise
+    return source.folder / binary.name
+
+
+@contextlib.contextmanager
+def _scratch(folder: Path) -> Iterator[Path]:
+    scratch = Path(tempfile.mkdtemp(prefix=".download-", dir=folder))
+    try:
+        yield scratch
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: float) -> None:
+    """Copy what the address gives to a file, whole and in time."""
+    _resolve(url, silence_s)
+    with urllib.request.build_opener().open(url, timeout=silence_s) as answer, path.open("wb") as file:
+        total = int(answer.headers.get("Content-Length") or 0)
+        done = 0
+        # Not "read", which waits for a whole chunk however slowly it comes.
+        while chunk := answer.read1(_CHUNK):
+            done += file.write(chunk)
+            if time.monotonic() > end_s:
+                raise TimeoutError("it takes too long")
+            if done > _LARGEST_BYTES:
+                raise OSError("it is too large to be a simulator")
+            listener(Progress("ArduPilot SITL", done, total, "bytes"))
+    if total and done != total:
+        raise OSError(f"it ended after {done} of {total} bytes")
+
+
+def _resolve(url: str, limit_s: float) -> None:
+    """Find the host's address in time; a proxy does it itself."""
+    parts = urllib.parse.urlsplit(url)
+    if parts.scheme in urllib.request.getproxies():
+        return
+    try:
+        look_up(parts.hostname or "", parts.port or parts.scheme, limit_s)
+    except socket.gaierror as error:
+        raise OSError(f"the name {parts.hostname} is not known here") from error
+
+
+def _unpack(archive: Path, folder: Path) -> None:
+    """Unpack plain files and folders, none of them outside ``folder``."""
+    folder.mkdir()
+    with tarfile.open(archive) as tar:
+        for member in tar:
+            name = PurePosixPath(member.name.replace("\\", "/"))
+            if name.is_absolute() or ".." in name.parts or ":" in member.name:
+                raise tarfile.TarError(f"it would write outside its folder: {member.name}")
+            place = folder.joinpath(*name.parts)
+            if member.isdir():
+                place.mkdir(parents=True, exist_ok=True)
+            elif member.isfile() and (content := tar.extractfile(member)) is not None:
+                place.parent.mkdir(parents=True, exist_ok=True)
+                with content, place.open("wb") as file:
+                    shutil.copyfileobj(content, file)
+            else:
+                raise tarfile.TarError(f"it holds something that is neither file nor folder: {member.name}")
+        while tar.fileobj and tar.fileobj.read(_CHUNK):
+            continue  # To the end, where the checksum of it all stands.

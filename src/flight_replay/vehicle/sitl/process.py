@@ -1,0 +1,232 @@
+"""Runs an ArduCopter SITL binary in a scratch folder, and leaves neither behind."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from flight_replay.errors import SimulatorError
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.vehicle.sitl.bench_parameters import bench_text
+from flight_replay.vehicle.sitl.locate import Binary
+
+_HELP_S = 10.0
+_READY_S = 30.0
+_STOP_S = 3.0
+_LOOK_S = 0.02
+_READY = "Waiting for connection"
+_BASE_PORT = 5760
+_PORTS_PER_INSTANCE = 10
+_SERIAL_PORTS = (0, 2, 3)  # SERIAL0 to SERIAL2 listen here, from the instance's first port.
+_INSTANCES = 200
+_LAST_WORDS = 3
+_STARTS = 20  # As many simulators that start at once find ports each.
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """A simulator that runs and waits for its first client."""
+
+    port: int
+    process: subprocess.Popen[bytes]
+    log: Path
+
+    @property
+    def connection(self) -> str:
+        """Where to connect to."""
+        return f"tcp:127.0.0.1:{self.port}"
+
+
+@contextlib.contextmanager
+def run(binary: Binary, start: Start, *, speedup: float = 1.0) -> Iterator[Process]:
+    """Run ``binary`` for as long as the context lasts, with a copter that stands at ``start``.
+
+    Raises:
+        SimulatorError: It does not start, or ended while the context lasted; with its last words.
+    """
+    scratch = Path(tempfile.mkdtemp(prefix="flight-replay-sitl-"))
+    try:
+        options = _options(binary.path)
+        _prepare(binary, options, scratch, start)
+        with _started(binary, options, scratch, start, speedup) as running:
+            yield running
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _options(path: Path) -> str:
+    """What the binary says of its options; a binary that cannot run at all shows it here."""
+    try:
+        shown = subprocess.run(
+            [path, "--help"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            timeout=_HELP_S,
+            check=False,
+        )
+    except OSError as error:
+        raise SimulatorError(f"{path} cannot be run: {error.strerror}; is it for this machine?") from error
+    except subprocess.TimeoutExpired as error:
+        raise SimulatorError(f"{path} does not answer --help; is it an ArduCopter SITL binary?") from error
+    text = shown.stdout.decode(errors="replace")
+    if "--home" not in text or "--model" not in text:
+        raise SimulatorError(
+            f"{path} is no ArduCopter SITL binary of 3.3 or later; it says: {_last_words(text)}"
+        )
+    return text
+
+
+def _prepare(binary: Binary, options: str, scratch: Path, start: Start) -> None:
+    """Lay out what the binary boots with: a parameter file, or storage where it takes no such file."""
+    if "--defaults" in options:
+        (scratch / "bench.parm").write_text(bench_text())
+        return
+    stored = binary.path.parent / "default_eeprom.bin"
+    if stored.is_file():
+        shutil.copy(stored, scratch / "eeprom.bin")
+        return
+    from flight_replay.vehicle.sitl.eeprom import store_bench_parameters
+
+    with _started(binary, options, scratch, start, 1.0) as running:
+        store_bench_parameters(running.connection, binary.defaults)
+
+
+@contextlib.contextmanager
+def _started(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> Iterator[Process]:
+    """The simulator while it runs; what goes wrong once it has ended is told as its end."""
+    log = scratch / "console.txt"
+    instance, process = _ready(binary, _arguments(binary, options, scratch, start, speedup), log)
+    try:
+        yield Process(_first_port(instance), process, log)
+    except SimulatorError:
+        raise
+    except Exception as error:
+        if process.poll() is not None:
+            raise _ended(binary.path, process, log) from error
+        raise
+    finally:
+        _stop(process)
+
+
+def _ready(binary: Binary, arguments: Sequence[str], log: Path) -> tuple[int, subprocess.Popen[bytes]]:
+    """The instance and process of a simulator that waits for us.
+
+    It is started anew where another one was faster to take its ports.
+    """
+    for tries_left in reversed(range(_STARTS)):
+        instance = _free_instance()
+        process = _spawn(binary, [*arguments, f"-I{instance}"], log)
+        try:
+            _wait_ready(binary.path, process, log)
+            return instance, process
+        except BaseException as error:
+            outrun = process.poll() is not None and not _is_unused(instance)
+            _stop(process)
+            if not (isinstance(error, SimulatorError) and outrun and tries_left):
+                raise
+    raise AssertionError("the last try returns or raises")
+
+
+def _arguments(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> list[str]:
+    arguments = [
+        "--model", "+",
+        f"--home={start.lat_deg:.8f},{start.lon_deg:.8f},{start.alt_amsl_m:.3f},{start.heading_deg:.2f}",
+    ]  # fmt: skip
+    if "--defaults" in options:
+        arguments += ["--defaults", str(_absolute(binary.defaults) or scratch / "bench.parm")]
+    if "--speedup" in options:
+        arguments += ["--speedup", f"{speedup:g}"]
+    return arguments
+
+
+def _spawn(binary: Binary, arguments: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
+    with log.open("wb") as output:
+        return subprocess.Popen(
+            [binary.path, *arguments],
+            cwd=log.parent,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            # Ctrl-C at the terminal must reach the program, which needs the copter to fly home.
+            start_new_session=True,
+        )
+
+
+def _absolute(defaults: Path | None) -> str | None:
+    return (
+        None
+        if defaults is None
+        else ",".join(str(Path(part).absolute()) for part in str(defaults).split(","))
+    )
+
+
+def _free_instance() -> int:
+    """The lowest instance whose ports nobody uses: other simulators may run."""
+    for instance in range(_INSTANCES):
+        if _is_unused(instance):
+            return instance
+    raise SimulatorError(f"all ports from {_BASE_PORT} on are in use; stop other simulators")
+
+
+def _first_port(instance: int) -> int:
+    return _BASE_PORT + _PORTS_PER_INSTANCE * instance
+
+
+def _is_unused(instance: int) -> bool:
+    return all(_is_free(_first_port(instance) + offset) for offset in _SERIAL_PORTS)
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("0.0.0.0", port))
+        except OSError:
+            return False
+    return True
+
+
+def _wait_ready(path: Path, process: subprocess.Popen[bytes], log: Path) -> None:
+    end_s = time.monotonic() + _READY_S
+    while _READY not in log.read_text(errors="replace"):
+        if process.poll() is not None:
+            raise _ended(path, process, log)
+        if time.monotonic() > end_s:
+            raise SimulatorError(
+                f"{path} does not wait for a connection after {_READY_S:.0f} s; "
+                f"its last words: {_last_words_of(log)}"
+            )
+        time.sleep(_LOOK_S)
+
+
+def _ended(path: Path, process: subprocess.Popen[bytes], log: Path) -> SimulatorError:
+    words = _last_words_of(log) or "nothing"
+    return SimulatorError(f"{path} ended with status {process.returncode}; its last words: {words}")
+
+
+def _last_words_of(log: Path) -> str:
+    return _last_words(log.read_text(errors="replace"))
+
+
+def _last_words(text: str) -> str:
+    """The last lines of an output, as one."""
+    lines: Sequence[str] = [line.strip() for line in text.splitlines() if line.strip()]
+    return " / ".join(lines[-_LAST_WORDS:])
+
+
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    """End the process, by force if it does not listen."""
+    process.terminate()
+    try:
+        process.wait(_STOP_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()

@@ -1,0 +1,340 @@
+"""The fault table: whatever link, autopilot, pilot or other stations do, each row keeps the promises.
+
+The promises: no mission is flown that was not verified on board; nothing waits longer than its
+deadline; the one line is right; an armed and reachable vehicle has been told to return, and its
+answer is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from flight_replay.events import LinkBack, LinkLost, Notice, Waiting
+from flight_replay.simulator.autopilot import faults as sim
+from flight_replay.simulator.autopilot.faults import Faults, Happening, MissionFaults
+from tests.helpers.fault_link import FOREVER_S, FaultLink, Message, Trip, Weather
+from tests.helpers.fault_runs import AUTO, ROUTE, RTL, Outcome, mode_of, replay
+
+GUIDED, LOITER, LAND = 4, 5, 9
+EVERY_WAIT_S = 60.0
+"""No row waits longer: the sum of the deadlines that one row can meet."""
+
+
+def kept(outcome: Outcome) -> None:
+    """What must hold in every row."""
+    assert outcome.wall_s < EVERY_WAIT_S
+    assert outcome.line is None or "\n" not in outcome.line
+    told = outcome.modes_asked()
+    if AUTO in told:
+        assert_verified_before_auto(outcome.link)
+
+
+def assert_verified_before_auto(link: FaultLink) -> None:
+    """Every item was read from the vehicle again between the upload and AUTO."""
+    messages = link.to_vehicle
+    auto = next(i for i, message in enumerate(messages) if mode_of(message) == AUTO)
+    upload = max(i for i, m in enumerate(messages[:auto]) if m.get_type() == "MISSION_ITEM_INT")
+    asked = {m.seq for m in messages[upload:auto] if m.get_type() == "MISSION_REQUEST_INT"}
+    assert asked >= set(range(1, len(ROUTE.items) + 1))
+
+
+# The link
+
+WEATHERS = {
+    "clear": (Weather(), 20.0),
+    "5 % lost": (Weather(loss=0.05), 20.0),
+    "20 % lost": (Weather(loss=0.2), 20.0),
+    "corrupt": (Weather(corrupt=0.05), 20.0),
+    "doubled": (Weather(doubled=0.3), 20.0),
+    "40 % lost": (Weather(loss=0.4), 20.0),
+    "late": (Weather(delay_s=0.5), 4.0),
+    "mixed": (Weather(loss=0.1, corrupt=0.05, doubled=0.1, delay_s=0.02, jitter_s=0.1), 10.0),
+}
+QUICK = {"5 % lost"}
+
+
+def rows(names: list[str], slow: set[str]) -> list[object]:
+    """Names as parameters, the slow ones marked."""
+    return [pytest.param(name, marks=pytest.mark.slow if name in slow else ()) for name in names]
+
+
+@pytest.mark.parametrize("name", rows(list(WEATHERS), set(WEATHERS) - QUICK))
+def test_a_bad_link_does_not_change_the_flight(name: str) -> None:
+    """Frames that are lost, late, doubled, mixed or spoilt cost time, and nothing else."""
+    weather, speedup = WEATHERS[name]
+    outcome = replay(None, weather, speedup=speedup)
+    kept(outcome)
+    assert outcome.line is None
+    assert outcome.record is not None
+    assert outcome.record.ended == "duration"
+    assert outcome.record.auto_s == pytest.approx(12, abs=1)
+    assert outcome.modes_asked() == [GUIDED, AUTO, RTL]
+    assert outcome.rtl_confirmed
+
+
+def anything(message: Message) -> bool:
+    return True
+
+
+def kind(name: str, **values: int) -> Callable[[Message], bool]:
+    """A message of a type, with these fields."""
+    return lambda m: m.get_type() == name and all(getattr(m, k) == v for k, v in values.items())
+
+
+def command(number: int) -> Callable[[Message], bool]:
+    return kind("COMMAND_LONG", command=number)
+
+
+def asks_mode(mode: int) -> Callable[[Message], bool]:
+    return lambda m: mode_of(m) == mode
+
+
+def in_mode(mode: int) -> Callable[[Message], bool]:
+    """A heartbeat of the copter in a mode."""
+    return lambda m: kind("HEARTBEAT", custom_mode=mode)(m) and m.get_srcSystem() == 1
+
+
+MOMENTS: dict[str, Callable[[Message], bool]] = {
+    "connect": anything,
+    "upload": kind("MISSION_ITEM_INT", seq=12),
+    "read-back": kind("MISSION_REQUEST_INT", seq=9),
+    "arming": command(400),
+    "take-off": command(22),
+    "AUTO": in_mode(AUTO),
+    "RTL": asks_mode(RTL),
+}
+
+
+@pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS)))
+def test_a_cut_of_three_seconds_is_lived_through(moment: str) -> None:
+    """Wherever the link is silent for 3 s, the flight goes on afterwards and ends as asked."""
+    cut = Trip(MOMENTS[moment], lambda link: link.cut(3.0))
+    outcome = replay(
+        None, None, cut, speedup=10.0 if moment in ("arming", "take-off") else 20.0, duration_s=100.0
+    )
+    kept(outcome)
+    assert outcome.line is None
+    assert outcome.rtl_confirmed
+
+
+SAYS = {
+    "connect": "no vehicle is heard",
+    "upload": "the upload stopped at mission item",
+    "read-back": "the vehicle did not send mission item",
+    "arming": "nothing was heard from it for",
+    "take-off": "nothing was heard from it for",
+    "AUTO": "nothing was heard from it for",
+    "RTL": "did not confirm RTL: nothing was heard from it",
+}
+
+
+@pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS)))
+def test_a_link_that_is_cut_for_ever_ends_the_program(moment: str) -> None:
+    """The line says where the link was lost; in the air the loss is told within 5 s."""
+    outcome = replay(None, None, Trip(MOMENTS[moment], lambda link: link.cut(FOREVER_S)))
+    kept(outcome)
+    assert SAYS[moment] in (outcome.line or "")
+    assert not outcome.rtl_confirmed
+    if moment in ("arming", "take-off", "AUTO", "RTL"):
+        (lost,) = outcome.link_losses
+        assert isinstance(lost, LinkLost)
+        assert lost.silent_s < 5
+
+
+@pytest.mark.slow
+def test_a_lost_link_that_comes_back_is_used_again() -> None:
+    """Silence of 6 s in AUTO is told, the link is found again, and the flight ends as asked."""
+    outcome = replay(None, None, Trip(in_mode(AUTO), lambda link: link.cut(6.0)), duration_s=120.0)
+    kept(outcome)
+    assert [type(event) for event in outcome.link_losses] == [LinkLost, LinkBack]
+    assert outcome.line is None
+    assert outcome.rtl_confirmed
+
+
+@pytest.mark.parametrize(
+    "moment", rows(["connect", "upload", "take-off", "AUTO"], {"connect", "upload", "take-off"})
+)
+def test_a_connection_that_is_closed_is_opened_again(moment: str) -> None:
+    """A TCP connection that ends is made anew, and the flight goes on."""
+    outcome = replay(None, None, Trip(MOMENTS[moment], FaultLink.hang_up))
+    kept(outcome)
+    assert outcome.line is None
+    assert outcome.rtl_confirmed
+
+
+# The autopilot
+
+
+def at(moment: str, after_s: float, action: sim.Action) -> Faults:
+    """A vehicle that is sound until something happens."""
+    return Faults(happenings=(Happening(moment, after_s, action),))
+
+
+REBOOT_SPEEDUP = 10.0
+"""The clock that begins anew must be heard before it has caught up with what it showed before."""
+
+
+@pytest.mark.slow
+def test_a_reboot_in_the_air_ends_the_flight() -> None:
+    """The program says so, and does not go on as if it knew the vehicle."""
+    outcome = replay(at("AUTO", 5.0, sim.Reboot()), speedup=REBOOT_SPEEDUP, duration_s=200.0)
+    kept(outcome)
+    assert "rebooted" in (outcome.line or "")
+    assert outcome.record is not None
+    assert outcome.record.ended == "reboot"
+
+
+@pytest.mark.slow
+def test_a_reboot_on_the_ground_ends_the_flight_before_it_began() -> None:
+    """Nothing is armed that rebooted after its mission was verified."""
+    faults = Faults(
+        never_armable="Compass not calibrated",
+        happenings=(Happening("upload", 30.0, sim.Reboot()),),
+    )
+    outcome = replay(faults, speedup=REBOOT_SPEEDUP)
+    kept(outcome)
+    assert "rebooted" in (outcome.line or "")
+    assert not outcome.was_armed()
+
+
+@pytest.mark.parametrize(("result", "words"), [(5, "invalid")])
+def test_a_refused_mission_is_not_flown(result: int, words: str) -> None:
+    """The line names item and reason (every code: test_upload.py), and nothing is armed."""
+    outcome = replay(Faults(mission=MissionFaults(result_of_item={7: result})))
+    kept(outcome)
+    assert "mission item 7" in (outcome.line or "")
+    assert words in (outcome.line or "")
+    assert not outcome.was_armed()
+
+
+@pytest.mark.parametrize("moment", ["GUIDED", "armed"], ids=["before arming", "later"])
+def test_a_mission_changed_by_another_station_is_not_flown(moment: str) -> None:
+    """What is on board is read again before arming and before AUTO.
+
+    A change right after the upload would meet its own read-back, which puts it right.
+    """
+    outcome = replay(at(moment, 0.0, sim.MoveItem(len(ROUTE.items))))
+    kept(outcome)
+    assert "another station changed it" in (outcome.line or "")
+    assert AUTO not in outcome.modes_asked()
+    assert outcome.was_armed() == outcome.rtl_confirmed
+
+
+@pytest.mark.slow
+def test_a_vehicle_that_never_is_ready_is_not_armed() -> None:
+    """The autopilot's own reason is shown while waiting, and in the line."""
+    reason = "PreArm: Compass not calibrated"
+    outcome = replay(Faults(never_armable="Compass not calibrated"))
+    kept(outcome)
+    assert reason in (outcome.line or "")
+    assert any(isinstance(event, Waiting) and event.reason == reason for event in outcome.events)
+    assert not outcome.was_armed()
+
+
+@pytest.mark.slow
+def test_an_arming_that_is_refused_ends_the_flight() -> None:
+    """The line has the reason that the autopilot gave."""
+    outcome = replay(Faults(refuses_arming="Throttle too high"))
+    kept(outcome)
+    assert "did not arm" in (outcome.line or "")
+    assert "Throttle too high" in (outcome.line or "")
+    assert not outcome.was_armed()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("mode", "name", "home"), [(GUIDED, "GUIDED", False), (AUTO, "AUTO", True)])
+def test_a_mode_that_is_refused_ends_the_flight(mode: int, name: str, home: bool) -> None:
+    """Refused GUIDED leaves the vehicle on the ground; refused AUTO sends it home."""
+    outcome = replay(Faults(refused_modes={mode: "Mode change failed: no"}))
+    kept(outcome)
+    assert f"did not change to mode {name}" in (outcome.line or "")
+    assert outcome.rtl_confirmed is home
+
+
+@pytest.mark.slow
+def test_rtl_that_is_refused_is_told() -> None:
+    """A vehicle that will not return is said to be the pilot's."""
+    outcome = replay(Faults(refused_modes={RTL: "Mode change failed: no"}))
+    kept(outcome)
+    assert "did not confirm RTL" in (outcome.line or "")
+
+
+@pytest.mark.slow
+def test_a_take_off_that_does_not_climb_ends_in_rtl() -> None:
+    """The height at which it stayed is in the line."""
+    outcome = replay(Faults(climbs=False))
+    kept(outcome)
+    assert "stayed at" in (outcome.line or "") or "disarmed before it climbed" in (outcome.line or "")
+    assert AUTO not in outcome.modes_asked()
+
+
+@pytest.mark.parametrize("moment", rows(["takeoff", "AUTO"], {"takeoff"}))
+def test_a_pilot_who_takes_over_is_let_be(moment: str) -> None:
+    """After a mode change by the pilot, nothing is commanded any more."""
+    outcome = replay(at(moment, 3.0, sim.PilotMode(LOITER)), duration_s=200.0)
+    kept(outcome)
+    assert "LOITER by somebody else" in (outcome.line or "")
+    assert outcome.modes_asked() == ([GUIDED, AUTO] if moment == "AUTO" else [GUIDED])
+
+
+@pytest.mark.parametrize(("mode", "name"), [pytest.param(RTL, "RTL", marks=pytest.mark.slow), (LAND, "LAND")])
+def test_a_failsafe_is_accepted(mode: int, name: str) -> None:
+    """The vehicle's own decision is reported with its words, and not overruled."""
+    outcome = replay(at("AUTO", 3.0, sim.FailsafeMode(mode, "Radio Failsafe")), duration_s=200.0)
+    kept(outcome)
+    assert f"changed to {name} by itself: Radio Failsafe" in (outcome.line or "")
+    assert outcome.modes_asked() == [GUIDED, AUTO]
+
+
+@pytest.mark.slow
+def test_a_low_battery_is_told() -> None:
+    """The battery's failsafe is the vehicle's decision: it is accepted, with its words."""
+    drained = at("AUTO", 3.0, sim.SetParameter("SIM_BATT_VOLTAGE", 9.0))
+    outcome = replay(drained, duration_s=200.0, BATT_FS_LOW_ACT=2.0, BATT_LOW_VOLT=10.5)
+    kept(outcome)
+    assert "changed to RTL by itself" in (outcome.line or "")
+    assert "attery" in (outcome.line or "")
+    assert outcome.modes_asked() == [GUIDED, AUTO]
+
+
+# Others on the link
+
+OTHERS = {
+    "gimbal": sim.GIMBAL,
+    "radio": sim.RADIO,
+    "ADS-B": sim.ADSB_RECEIVER,
+    "second copter": sim.SECOND_COPTER,
+}
+
+
+@pytest.mark.parametrize("name", rows(list(OTHERS), set(OTHERS) - {"second copter"}))
+def test_heartbeats_of_others_do_not_confuse(name: str) -> None:
+    """Neither a gimbal, a radio, an ADS-B receiver nor a second copter changes what is known."""
+    outcome = replay(Faults(others=(OTHERS[name],)))
+    kept(outcome)
+    assert outcome.line is None
+    assert outcome.rtl_confirmed
+    told = [event.text for event in outcome.events if isinstance(event, Notice)]
+    assert told == (["vehicle 2 is on this link too and is left alone"] if name == "second copter" else [])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("personality", "word"), [(sim.PLANE, "fixed wing"), (sim.ROVER, "ground rover")])
+def test_other_vehicles_are_refused(personality: sim.Personality, word: str) -> None:
+    """A plane or a rover is refused before anything is uploaded."""
+    outcome = replay(Faults(personality=personality))
+    kept(outcome)
+    assert f"{word}, system 1) is not a multicopter" in (outcome.line or "")
+    assert not [m for m in outcome.link.to_vehicle if m.get_type() == "MISSION_COUNT"]
+
+
+@pytest.mark.slow
+def test_the_oldest_copter_is_flown_in_its_own_way() -> None:
+    """ArduCopter 3.3: MAVLink 1, float items, SET_MODE, an arming that takes 2.5 s."""
+    outcome = replay(sim.old_copter())
+    assert outcome.line is None
+    assert outcome.rtl_confirmed
+    arms = [m for m in outcome.link.to_vehicle if command(400)(m)]
+    assert len(arms) == 1

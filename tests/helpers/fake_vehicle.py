@@ -1,0 +1,159 @@
+"""A scripted vehicle and a clock that only it moves: the supervisor's flights without MAVLink or time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from flight_replay.events import StatusText, VehicleState
+from flight_replay.mission.items import Mission, waypoint
+from flight_replay.supervisor.vehicle_interface import (
+    Answer,
+    Heartbeat,
+    ItemReached,
+    MissionAt,
+    News,
+    Readiness,
+    Request,
+)
+
+CLIMB_M_S = 2.5
+
+
+def route(points: int) -> Mission:
+    """``points`` waypoints 10 m apart, northwards."""
+    return Mission(tuple(waypoint(47.0 + 9e-5 * i, 8.0, 30.0) for i in range(1, points + 1)))
+
+
+@dataclass
+class FakeClock:
+    """Seconds that pass when told to."""
+
+    now_s: float = 1000.0
+
+    def monotonic_s(self) -> float:
+        return self.now_s
+
+
+@dataclass
+class FakeVehicle:
+    """A copter of a few rules; each test bends one. ``at`` runs a change at a time since the start."""
+
+    clock: FakeClock
+    speedup: float = 1.0
+    points: int = 5
+    item_s: float = 4.0
+    ready_after_s: float = 3.0
+    arm_delay_s: float = 0.5
+    refuse_arm: str = ""
+    refuse_mode: frozenset[str] = frozenset()
+    climbs: bool = True
+    verified: bool = True
+    reports_reached: bool = True
+    silent: bool = False
+    reports_clock: bool = True
+    at: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.began_s = self.clock.now_s
+        self.mode, self.armed, self.altitude_m = "STABILIZE", False, 0.0
+        self.asked: list[str] = []
+        self.queue: list[News] = []
+        self.target_m = 0.0
+        self.arms_at_s: float | None = None
+        self.auto_s = 0.0
+        self.beat_s = 0.0
+
+    @property
+    def time_s(self) -> float:
+        """The vehicle's clock."""
+        return 50.0 + (self.clock.now_s - self.began_s) * self.speedup
+
+    @property
+    def seq(self) -> int:
+        """The item being flown."""
+        return min(1 + int(self.auto_s / self.item_s), self.points)
+
+    def news(self, timeout_s: float) -> Sequence[News]:
+        """One step of 0.1 s here."""
+        before_s = self.time_s
+        self.clock.now_s += min(timeout_s, 0.1)
+        while self.at and self.clock.now_s - self.began_s >= self.at[0][0]:
+            self.at.pop(0)[1]()
+        self._move(self.time_s - before_s)
+        self._report()
+        told, self.queue = self.queue, []
+        return [] if self.silent else told
+
+    def _move(self, step_s: float) -> None:
+        if self.arms_at_s is not None and self.time_s >= self.arms_at_s:
+            self.armed, self.arms_at_s = True, None
+        if self.armed and self.mode == "GUIDED" and self.climbs:
+            self.altitude_m = min(self.target_m, self.altitude_m + CLIMB_M_S * step_s)
+        if self.mode in ("RTL", "LAND"):
+            self.altitude_m = max(0.0, self.altitude_m - CLIMB_M_S * step_s)
+            self.armed = self.armed and self.altitude_m > 0
+        if self.mode == "AUTO":
+            seq = self.seq
+            self.auto_s += step_s
+            if self.reports_reached and (self.seq > seq or self._complete):
+                self.queue.append(ItemReached(seq))
+
+    @property
+    def _complete(self) -> bool:
+        return self.auto_s >= self.points * self.item_s
+
+    def _report(self) -> None:
+        if self.time_s - self.beat_s >= 1.0:
+            self.beat_s = self.time_s
+            self.queue.append(Heartbeat(self.mode, self.armed))
+            ready = self.time_s - 50.0 >= self.ready_after_s
+            self.queue.append(Readiness(ready, "" if ready else "no position yet"))
+            seq = self.seq if self.auto_s else 0
+            self.queue.append(MissionAt(seq, self.points, self._complete))
+        if self.reports_clock:
+            north = min(self.auto_s / self.item_s, self.points)
+            self.queue.append(
+                VehicleState(
+                    self.time_s,
+                    47 + 9e-5 * north,
+                    8.0,
+                    self.altitude_m,
+                    (0, 0, 0),
+                    None,
+                    self.mode,
+                    self.armed,
+                )
+            )
+
+    def say(self, text: str, severity: int = 3) -> None:
+        """Let the vehicle send a status text."""
+        self.queue.append(StatusText(severity, text))
+
+    def ask_mode(self, mode: str) -> None:
+        self.asked.append(mode)
+        if mode in self.refuse_mode:
+            self.queue.append(Answer(Request.MODE, False, "FAILED"))
+        elif not self.silent:
+            self.mode = mode
+            self.queue.append(Answer(Request.MODE, True))
+
+    def ask_arm(self) -> None:
+        self.asked.append("arm")
+        if self.refuse_arm:
+            self.say(self.refuse_arm)
+        elif not self.silent:
+            self.arms_at_s = self.time_s + self.arm_delay_s
+        self.queue.append(Answer(Request.ARM, not self.refuse_arm, "FAILED"))
+
+    def ask_takeoff(self, altitude_m: float) -> None:
+        self.asked.append("takeoff")
+        self.target_m = altitude_m
+
+    def ask_prearm_report(self) -> None:
+        self.asked.append("report")
+
+    def mission_verified(self, attend: Callable[[], None]) -> bool:
+        self.asked.append("verify")
+        attend()
+        return self.verified

@@ -1,0 +1,56 @@
+"""Flights made for the tests of the fit."""
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.logs.track import Armed, Track, track_from_columns
+
+FRAME = LocalFrame(47.3, 8.5)
+
+
+def track_through(north_east_m: Floats, time_s: Floats, up_m: float | Floats = 20.0) -> Track:
+    """An armed flight through places at times."""
+    lat, lon = FRAME.to_degrees(north_east_m)
+    heights = np.broadcast_to(np.asarray(up_m, float), len(time_s)).copy()
+    armed = np.full(len(time_s), Armed.YES, np.int8)
+    return track_from_columns(time_s, lat, lon, heights, amsl_m=heights + 400.0, armed=armed)
+
+
+def along(corners_m: list[tuple[float, float]], speed_m_s: float, rate_hz: float = 4.0) -> Track:
+    """A flight at constant speed along straight lines."""
+    corners = np.array(corners_m, float)
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1)))
+    time_s = np.arange(0.0, lengths[-1] / speed_m_s + 1e-9, 1 / rate_hz)
+    there = np.minimum(time_s * speed_m_s, lengths[-1])
+    return track_through(np.column_stack([np.interp(there, lengths, axis) for axis in corners.T]), time_s)
+
+
+def circle(radius_m: float = 15.0, speed_m_s: float = 3.0, laps: float = 1.0, rate_hz: float = 4.0) -> Track:
+    """A flight around a circle."""
+    time_s = np.arange(0.0, laps * 2 * np.pi * radius_m / speed_m_s, 1 / rate_hz)
+    turn = time_s * speed_m_s / radius_m
+    return track_through(radius_m * np.column_stack([np.sin(turn), 1 - np.cos(turn)]), time_s)
+
+
+def eights(laps: int = 10, rate_hz: float = 2.0) -> Track:
+    """A figure of eight flown over and over."""
+    time_s = np.arange(0.0, laps * 30.0, 1 / rate_hz)
+    turn = time_s * 2 * np.pi / 30.0
+    return track_through(np.column_stack([20 * np.sin(turn), 10 * np.sin(2 * turn)]), time_s)
+
+
+def hover(seconds: float = 30.0, wander_m: float = 0.2) -> Track:
+    """Standing in the air, as a GPS sees it."""
+    time_s = np.arange(0.0, seconds, 0.25)
+    places = np.random.default_rng(4).normal(0.0, wander_m / 3, (len(time_s), 2))
+    return track_through(places, time_s)
+
+
+def wander(seed: int, fixes: int = 80, rate_hz: float = 2.0) -> Track:
+    """A hand-flown way of smooth turns and changing speed."""
+    rng = np.random.default_rng(seed)
+    heading = np.cumsum(np.convolve(rng.normal(0, 0.5, fixes), np.ones(4) / 4, "same"))
+    speed = 2.5 + 1.5 * np.sin(np.linspace(0, 6, fixes) + rng.uniform(0, 6))
+    step = speed[:, None] * np.column_stack([np.cos(heading), np.sin(heading)]) / rate_hz
+    return track_through(np.cumsum(step, axis=0) - step[0], np.arange(fixes) / rate_hz)

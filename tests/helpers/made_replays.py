@@ -1,0 +1,45 @@
+"""A made-up replay for the tests of what shows one: a figure of eight, flown a little late and aside."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.logs.track import Track, track_from_columns
+from flight_replay.output.outcome import Outcome, compare_flight
+from flight_replay.planning.route import Route
+from flight_replay.planning.spacing import spaced_route
+from flight_replay.supervisor.flight_plan import FlightRecord
+
+FRAME = LocalFrame(47.3977, 8.5456)
+
+
+def eight(n: int = 300, aside_m: float = 0.0, begin_s: float = 100.0, slower: float = 1.0) -> Track:
+    """A figure of eight of 120 m by 60 m, n fixes 0.4 s apart."""
+    turn = np.linspace(0, 2 * np.pi, n)
+    north_east_m = np.column_stack([30 * np.sin(2 * turn) + aside_m * np.cos(5 * turn), 60 * np.sin(turn)])
+    time_s = begin_s + 0.4 * slower * np.arange(n, dtype=float)
+    lat_deg, lon_deg = FRAME.to_degrees(north_east_m)
+    velocity_m_s = np.zeros((n, 3))
+    velocity_m_s[:, :2] = np.gradient(north_east_m, time_s, axis=0)
+    return track_from_columns(
+        time_s, lat_deg, lon_deg, 20 + 5 * np.sin(turn), amsl_m=np.full(n, 500.0), velocity_m_s=velocity_m_s
+    )
+
+
+def replay() -> tuple[Route, FlightRecord, Outcome]:
+    """The eight in 60 waypoints, flown 10 % slower and 1 m aside, all but the last reached."""
+    route = spaced_route(eight(), spacing_m=6.0, max_points=60)
+    flown = eight(aside_m=1.0, begin_s=1000.0, slower=1.1)
+    record = FlightRecord(
+        waypoints_reached=len(route.mission.places) - 1,
+        ended="duration",
+        problem=None,
+        auto_start_s=999.0,
+        auto_s=60.0,
+        rtl_confirmed=True,
+        landed=False,
+        reached=tuple((seq, 1000.0 + 2.0 * seq) for seq, _ in route.mission.places[:-1]),
+        flown=flown,
+    )
+    return route, record, compare_flight(route, record)

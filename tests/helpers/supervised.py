@@ -1,0 +1,37 @@
+"""A flight of a fake vehicle under the supervisor, for the tests of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flight_replay.events import Event
+from flight_replay.supervisor import FlightRecord, Plan, fly
+from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
+
+Setup = Callable[[FakeVehicle], None]
+
+
+class Flown:
+    """A flight of a fake vehicle: its record, what was emitted and what was asked."""
+
+    def __init__(self, vehicle: FakeVehicle, **plan: object) -> None:
+        self.vehicle = vehicle
+        self.events: list[Event] = []
+        self.plan = Plan(mission=route(vehicle.points), **plan)  # type: ignore[arg-type]
+        self.began_s = vehicle.clock.now_s
+
+    def fly(self) -> FlightRecord:
+        return fly(self.vehicle, self.vehicle.clock, self.plan, self.events.append)
+
+    def of(self, kind: type) -> list[Event]:
+        """The events of one kind."""
+        return [event for event in self.events if isinstance(event, kind)]
+
+    @property
+    def wall_s(self) -> float:
+        """How long it took by the clock here."""
+        return self.vehicle.clock.now_s - self.began_s
+
+
+def flown(vehicle: FakeVehicle | None = None, **plan: object) -> Flown:
+    return Flown(vehicle or FakeVehicle(FakeClock()), **plan)

@@ -1,0 +1,113 @@
+"""The flights of a track: armed stretches, or what moved, and choosing among them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flight_replay.errors import LogError
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.logs.flights import find_flights, select
+from flight_replay.logs.tlog import read_log
+from flight_replay.logs.track import Armed, Track, track_from_columns
+from tests.helpers.paths import other_log
+
+
+def made(armed: list[int], speed_m_s: list[float] | None = None, section: list[int] | None = None) -> Track:
+    """A track at 2 Hz, 3 m east from fix to fix, that begins at 100 s."""
+    n = len(armed)
+    lat_deg, lon_deg = LocalFrame(47.0, 8.0).to_degrees(np.stack([np.zeros(n), 3.0 * np.arange(n)], axis=1))
+    speed = np.zeros(n) if speed_m_s is None else np.array(speed_m_s, float)
+    return track_from_columns(
+        np.linspace(100, 100 + 0.5 * (n - 1), n),
+        lat_deg,
+        lon_deg,
+        np.zeros(n),
+        velocity_m_s=np.stack([speed, np.zeros(n), np.zeros(n)], axis=1),
+        section=np.zeros(n, np.int32) if section is None else np.array(section, np.int32),
+        armed=np.array(armed, np.int8),
+    )
+
+
+def test_armed_stretches_are_flights_with_their_times_fixes_and_lengths() -> None:
+    """Each run of armed fixes is numbered from 1, with seconds counted from the track's first fix."""
+    flights = find_flights(made([0, 1, 1, 1, 0, 0, 1, 1, -1]))
+    assert [(each.number, each.start_s, each.end_s, each.fixes) for each in flights] == [
+        (1, 0.5, 1.5, 3),
+        (2, 3.0, 3.5, 2),
+    ]
+    assert [each.length_m for each in flights] == pytest.approx([6.0, 3.0], abs=1e-4)
+    assert [(each.first, each.last) for each in flights] == [(1, 3), (6, 7)]
+
+
+def test_a_reboot_ends_a_flight() -> None:
+    """Armed before and after a reboot are two flights."""
+    assert [each.fixes for each in find_flights(made([1] * 6, section=[0, 0, 1, 1, 1, 1]))] == [2, 4]
+
+
+def test_a_log_that_tells_of_disarmed_motors_only_holds_no_flight() -> None:
+    """Movement is asked about only where the log tells nothing of arming."""
+    assert find_flights(made([0] * 40, [5.0] * 40)) == ()
+
+
+def test_without_word_of_arming_moving_stretches_are_flights() -> None:
+    """Pauses of up to 10 s belong to the flight; jerks shorter than 2 s are none."""
+    speed = [0.1] * 30 + [4.0] * 10 + [0.0] * 12 + [2.0] * 10 + [0.0] * 30 + [3.0, 3.0] + [0.0] * 30
+    flights = find_flights(made([Armed.UNKNOWN] * len(speed), speed))
+    assert [(each.first, each.last) for each in flights] == [(30, 61)]
+    assert find_flights(made([Armed.UNKNOWN] * 9)) == ()
+    halves = find_flights(made([Armed.UNKNOWN] * 20, [4.0] * 20, [0] * 10 + [1] * 10))
+    assert [each.fixes for each in halves] == [10, 10]
+
+
+def test_velocities_that_are_not_known_are_no_movement() -> None:
+    """A track without velocities and without arming holds no flight."""
+    track = track_from_columns(np.arange(9.0), np.full(9, 47.0), np.full(9, 8.0), np.zeros(9))
+    assert find_flights(track) == ()
+
+
+def test_a_flight_is_chosen_by_its_number() -> None:
+    """The fixes of the flight, and nothing else."""
+    track = made([0, 1, 1, 1, 0, 0, 1, 1, 0])
+    assert select(track, 2).time_s.tolist() == [103.0, 103.5]
+    assert select(track) is track
+
+
+def test_times_are_counted_from_the_first_fix_of_what_was_chosen() -> None:
+    """--from and --to count from the flight's start, or from the track's."""
+    track = made([0, 1, 1, 1, 0, 0, 1, 1, 0])
+    assert select(track, from_s=1.0, to_s=2.0).time_s.tolist() == [101.0, 101.5, 102.0]
+    assert select(track, 1, from_s=0.5).time_s.tolist() == [101.0, 101.5]
+    assert select(track, 1, to_s=0.4).time_s.tolist() == [100.5]
+
+
+@pytest.mark.parametrize(
+    ("armed", "flight", "message"),
+    [
+        ([0, 1, 0, 1], 3, "no flight 3 in the log, choose --flight 1 to 2"),
+        ([0, 1, 0], 0, "no flight 0 in the log, choose --flight 1$"),
+        ([0, 0], 1, "which holds none; leave out --flight"),
+    ],
+)
+def test_a_flight_that_is_not_there_is_told(armed: list[int], flight: int, message: str) -> None:
+    """The error says which there are."""
+    with pytest.raises(LogError, match=message):
+        select(made(armed), flight)
+
+
+def test_times_without_a_fix_are_told() -> None:
+    """The error says between which times there are fixes."""
+    with pytest.raises(LogError, match=r"choose from 0 to 1\.0 s"):
+        select(made([0, 1, 0]), from_s=7.0)
+    gap = r"the log has none from 0\.50 to 1\.00 s, choose times beside that"
+    with pytest.raises(LogError, match=gap):
+        select(made([0, 1, 0]), from_s=0.6, to_s=0.7)
+
+
+def test_the_dronekit_log_has_seven_flights() -> None:
+    """Times, fixes and lengths of its armed stretches are those of the survey."""
+    flights = find_flights(read_log(other_log("dronekit-flight.tlog")).track)
+    assert [round(each.end_s - each.start_s) for each in flights] == [112, 142, 5, 4, 64, 29, 71]
+    assert sum(each.fixes for each in flights) == 1169
+    assert (flights[1].fixes, round(flights[1].length_m)) == (378, 483)
+    assert sum(each.length_m for each in flights) == pytest.approx(1057, abs=3)

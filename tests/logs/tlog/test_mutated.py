@@ -1,0 +1,139 @@
+"""Damaged logs: no exception but the reader's own, no hang, and no position that was not recorded."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flight_replay.errors import LogError
+from flight_replay.logs.tlog import read_log
+from flight_replay.logs.tlog.byte_source import Source
+from flight_replay.logs.tlog.scan import scan
+from tests.helpers import slow_reader
+from tests.helpers.log_writer import LogWriter, frame
+from tests.helpers.paths import ARDUCOPTER, OTHER_LOGS, SAMPLE
+
+Place = tuple[int, int, int, int]
+SLICE_LENGTH = 6_000  # bytes of a real log that are mutated at a time
+
+
+def originals() -> list[bytes]:
+    """Small logs of every kind, and slices of real ones where they are at hand."""
+    made = []
+    for version, stamp_us in ((1, 1_700_000_000_000_000), (2, 1_700_000_000_000_000), (2, None)):
+        log = LogWriter(version=version, stamp_us=stamp_us).heartbeat(True).empty(9_000)
+        for fix in range(30):
+            log.position(
+                10_000 + fix * 250, 47.4 + fix * 1e-5, 8.5 - fix * 1e-5, fix / 2, velocity=(4, -3, 0)
+            )
+            log.gps(3).heartbeat(fix % 8 != 0)
+            log.data += frame(
+                253, b"\6Reached command".ljust(51, b"."), version, signed=version == 2 and fix % 3 == 0
+            )
+        made.append(bytes(log.data))
+    for path in [SAMPLE, *ARDUCOPTER.glob("*.tlog"), *sorted(OTHER_LOGS.glob("**/*.[tr]log"))]:
+        data = path.read_bytes()
+        made += [data[at : at + SLICE_LENGTH] for at in (0, len(data) // 3, len(data) * 2 // 3)]
+    return made
+
+
+def flipped(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
+    """Flip up to forty bits."""
+    bits = np.unpackbits(np.frombuffer(data, np.uint8))
+    bits[chance.integers(0, len(bits), chance.integers(1, 40))] ^= 1
+    return np.packbits(bits).tobytes()
+
+
+def cut(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
+    """Leave out what is between two places, or keep just that."""
+    first, last = sorted(chance.integers(0, len(data) + 1, 2).tolist())
+    return data[first:last] if chance.random() < 0.5 else data[:first] + data[last:]
+
+
+def spliced(data: bytes, chance: np.random.Generator, others: list[bytes]) -> bytes:
+    """Put a piece of another log into this one, over what is there or beside it."""
+    other = others[chance.integers(len(others))]
+    first, last = sorted(chance.integers(0, len(other) + 1, 2).tolist())
+    at = int(chance.integers(0, len(data)))
+    return data[:at] + other[first:last] + data[at + (last - first) * int(chance.integers(2)) :]
+
+
+def repeated(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
+    """Say a piece several times."""
+    first, last = sorted(chance.integers(0, len(data) + 1, 2).tolist())
+    return data[:last] + data[first:last] * int(chance.integers(1, 4)) + data[last:]
+
+
+def shuffled(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
+    """Cut into pieces of some length, and put those together in any order."""
+    length = int(chance.integers(8, 600))
+    pieces = [data[at : at + length] for at in range(0, len(data), length)]
+    return b"".join(pieces[index] for index in chance.permutation(len(pieces)))
+
+
+MUTATIONS = (flipped, cut, spliced, repeated, shuffled)
+
+
+def places(data: bytes) -> set[Place]:
+    """The positions of a log, empty ones too."""
+    return {(each.time_ms, each.lat_e7, each.lon_e7, each.alt_mm) for each in slow_reader.positions(data)}
+
+
+def assert_as_slow(data: bytes, block_length: int) -> set[Place]:
+    """Hold the records against the plain reader, and give their positions."""
+    records, _ = scan(Source("mutated", io.BytesIO(data)), None, block_length)
+    positions = records.positions.select(~records.positions.is_empty)
+    slow = [each for each in slow_reader.positions(data) if not each.is_empty]
+    assert positions.offset.tolist() == [each.offset for each in slow]
+    columns = (positions.time_ms, positions.lat_e7, positions.lon_e7, positions.alt_mm)
+    return set(zip(*(column.tolist() for column in columns), strict=True))
+
+
+def mutate_and_read(first: int, last: int, path: Path) -> tuple[int, int]:
+    """Read mutated logs, by their seeds: how many were usable, how many positions in no original."""
+    logs = originals()
+    known = set().union(*(places(data) for data in logs))
+    usable = strangers = 0
+    for seed in range(first, last):
+        chance = np.random.default_rng(seed)
+        data = logs[chance.integers(len(logs))]
+        for _ in range(chance.integers(1, 4)):
+            if data:
+                data = MUTATIONS[chance.integers(len(MUTATIONS))](data, chance, logs)
+        strangers += len(assert_as_slow(data, int(chance.choice([200, 1_000, 1 << 20]))) - known)
+        path.write_bytes(data)
+        try:
+            log = read_log(path)
+        except LogError as error:
+            assert str(path) in str(error)
+        else:
+            usable += 1
+            assert len(log.track) == log.vehicle.fixes > 0
+            assert (np.diff(log.track.time_s) >= 0).all()
+            assert np.isfinite(log.track.north_east_m()).all()
+    return usable, strangers
+
+
+def test_damaged_logs_give_recorded_positions_or_one_clear_error(tmp_path: Path) -> None:
+    """Hundreds of mutated logs raise nothing else, agree with the plain reader, and invent nothing.
+
+    A damaged frame passes its CRC once in 65,536: of these few logs, none is expected to.
+    """
+    usable, strangers = mutate_and_read(0, 300, tmp_path / "mutated.tlog")
+    assert usable > 150
+    assert strangers == 0
+
+
+@pytest.mark.slow
+def test_twenty_thousand_damaged_logs_give_recorded_positions_or_one_clear_error(tmp_path: Path) -> None:
+    """As above. Each mutation damages about ten frames, of which one in ten is a position.
+
+    So of 40,000 mutations some 40,000 / 65,536, less than one position, are expected to pass
+    their CRC by chance; more than five would mean that something is wrong.
+    """
+    usable, strangers = mutate_and_read(1_000, 21_000, tmp_path / "mutated.tlog")
+    assert usable > 10_000
+    assert strangers <= 5

@@ -1,0 +1,104 @@
+"""A recording is a telemetry log like any ground station's."""
+
+from __future__ import annotations
+
+import struct
+import threading
+from pathlib import Path
+
+import pytest
+from pymavlink import mavutil
+
+from flight_replay.errors import VehicleError
+from flight_replay.logs.tlog import read_log
+from flight_replay.logs.tlog.writer import Recorder
+from flight_replay.mavlink import dialect
+
+MAV = dialect.MAVLink(None, 1, 1)
+
+
+def position(i: int) -> bytes:
+    """A position frame."""
+    message = dialect.MAVLink_global_position_int_message(
+        1000 * i, 473977420 + 100 * i, 85455940, 500000, 12000, 100, 0, 0, 9000
+    )
+    return bytes(message.pack(MAV))
+
+
+def test_each_frame_follows_its_stamp(tmp_path: Path) -> None:
+    """Eight bytes of microseconds, big endian, then the frame."""
+    with Recorder(tmp_path / "a.tlog", lambda: 1700000000.25) as recorder:
+        recorder.write(b"frame")
+    assert (tmp_path / "a.tlog").read_bytes() == struct.pack(">Q", 1700000000250000) + b"frame"
+
+
+def test_a_clock_set_back_does_not_turn_stamps_round(tmp_path: Path) -> None:
+    """Stamps never fall."""
+    times = iter([5.0, 3.0, 6.0])
+    with Recorder(tmp_path / "a.tlog", lambda: next(times)) as recorder:
+        for _ in range(3):
+            recorder.write(b"")
+    stamps = [n for (n,) in struct.iter_unpack(">Q", (tmp_path / "a.tlog").read_bytes())]
+    assert stamps == [5_000_000, 5_000_000, 6_000_000]
+
+
+def test_pymavlink_and_this_program_read_it(tmp_path: Path) -> None:
+    """The positions come back from both readers."""
+    path = tmp_path / "a.tlog"
+    with Recorder(path) as recorder:
+        for i in range(1, 21):
+            recorder.write(position(i))
+    log = mavutil.mavlink_connection(str(path))
+    found = []
+    while (message := log.recv_match(type="GLOBAL_POSITION_INT")) is not None:
+        found.append(message.lat)
+    log.close()
+    assert found == [473977420 + 100 * i for i in range(1, 21)]
+    assert len(read_log(path).track) == 20
+
+
+def test_threads_write_whole_frames(tmp_path: Path) -> None:
+    """Frames of two threads do not mix."""
+    path = tmp_path / "a.tlog"
+    with Recorder(path) as recorder:
+        frames = [position(i) for i in range(1, 200)]
+
+        def write_all() -> None:
+            for frame in frames:
+                recorder.write(frame)
+
+        threads = [threading.Thread(target=write_all) for _ in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    size = 8 + len(position(1))
+    data = path.read_bytes()
+    assert len(data) == 2 * 199 * size
+    assert all(data[i + 8] == 0xFD for i in range(0, len(data), size))
+
+
+def test_what_comes_after_the_end_is_left_out(tmp_path: Path) -> None:
+    """The link may still hear something while the file is closed."""
+    recorder = Recorder(tmp_path / "a.tlog")
+    recorder.close()
+    recorder.write(b"late")
+    assert (tmp_path / "a.tlog").read_bytes() == b""
+
+
+def test_a_file_that_cannot_be_written_is_told_before_anything_flies(tmp_path: Path) -> None:
+    """The error names the file and the option."""
+    with pytest.raises(VehicleError, match="choose another --record file"):
+        Recorder(tmp_path / "no" / "such" / "folder.tlog")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("frames", [1, 2000], ids=["at the end", "on the way"])
+def test_a_full_disk_does_not_end_a_flight(frames: int) -> None:
+    """What cannot be kept is given up, and told afterwards."""
+    with Recorder(Path("/dev/full")) as recorder:
+        for i in range(frames):
+            recorder.write(position(i))
+    assert recorder.problem == (
+        "the recording /dev/full is incomplete: No space left on device; make room for the next"
+    )

@@ -1,0 +1,155 @@
+"""report.py: a replay in one self-contained HTML file."""
+
+import re
+from dataclasses import asdict, replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flight_replay.errors import FlightReplayError
+from flight_replay.output.charts.report import Account, save_report
+from flight_replay.output.event_log import Entry
+from flight_replay.planning.spacing import spaced_route
+from tests.helpers.made_replays import eight, replay
+
+
+def summary(*, flown: bool = True) -> dict[str, Any]:
+    """A ``--json`` object that fits the made-up replay."""
+    route, record, outcome = replay()
+    assert outcome.in_space is not None
+    flight = {
+        "vehicle": "ArduCopter V4.6.0",
+        "simulated": True,
+        "waypoints_reached": record.waypoints_reached,
+        "ended": record.ended,
+        "auto_s": record.auto_s,
+        "rtl_confirmed": record.rtl_confirmed,
+        "distance_in_space_m": asdict(outcome.in_space),
+        "distance_in_time_m": {"mean": None, "p95": None, "max": None},
+    }
+    return {
+        "log": {
+            "path": "/logs/<b>flight.tlog",
+            "bytes": 12,
+            "fixes": 300,
+            "without_position": 7,
+            "rejected": 0,
+            "vehicles": [{"system": 1, "component": 1, "fixes": 300}],
+            "flights": [],
+        },
+        "route": {
+            "method": "spacing",
+            "points": len(route.mission.places),
+            "items": [],
+            "fixes_covered": len(route.covered),
+            "length_m": route.path.length_m,
+            "planned_error_m": asdict(route.planned_error),
+            "predicted_duration_s": 61.5,
+        },
+        "flight": flight if flown else None,
+    }
+
+
+class Page(HTMLParser):
+    """The words of a page outside scripts and styles, the files it asks for, and its table rows."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.asked: list[str] = []
+        self.words: list[str] = []
+        self.rows: list[list[str]] = []
+        self._silent = 0
+        self._in_row = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._silent += tag in {"script", "style"}
+        self.asked += [value or "" for name, value in attrs if name in {"src", "href"}]
+        if tag == "tr":
+            self.rows.append([])
+            self._in_row = True
+
+    def handle_endtag(self, tag: str) -> None:
+        self._silent -= tag in {"script", "style"}
+        self._in_row = self._in_row and tag != "tr"
+
+    def handle_data(self, data: str) -> None:
+        if data.strip() and not self._silent:
+            self.words.append(data.strip())
+            if self._in_row:
+                self.rows[-1].append(data.strip())
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
+    """The report of the made-up replay."""
+    path = tmp_path_factory.mktemp("report") / "replay.html"
+    route, record, outcome = replay()
+    events = (Entry(None, "Arm and Takeoff", False), Entry(12.3, "Warning: <lost>", True))
+    account = Account(summary(), events, ["--tlog", "my flight.tlog", "--speedup", "10"])
+    save_report(path, account, route, replace(record, problem="the vehicle did not confirm RTL"), outcome)
+    return Page(path.read_text(encoding="utf-8"))
+
+
+def test_the_file_asks_for_nothing(page: Page) -> None:
+    """Scripts, styles and data are inside: no address is opened to show it."""
+    assert page.asked == []
+
+
+def test_the_report_tells_the_numbers(page: Page) -> None:
+    """Log, route and flight as in ``--json``, with units."""
+    rows = {row[0]: row[1:] for row in page.rows if row}
+    assert rows["usable fixes"] == ["300"]
+    assert rows["records without a position"] == ["7"]
+    assert rows["waypoints reached"][0].startswith(f"{summary()['flight']['waypoints_reached']} of ")
+    assert rows["time in AUTO"] == ["60.0 s"]
+    assert re.fullmatch(r"mean [\d.]+, 95 % [\d.]+, max [\d.]+ m", rows["distance in space"][0])
+    assert rows["distance in time"] == ["nothing to compare"]
+    assert rows["problem"] == ["the vehicle did not confirm RTL"]
+
+
+def test_the_report_lists_mission_and_events(page: Page) -> None:
+    """Each item with its place and when it was reached; each event with the vehicle's time."""
+    rows = {row[0]: row for row in page.rows if row}
+    assert rows["1"] == ["1", "waypoint, 30 m above home", "47.3977000", "8.5456000", "30.0", "0.0"]
+    assert rows["2"][-1] == "2.0"
+    assert ["12.3", "Warning: <lost>"] in page.rows
+
+
+def test_the_report_says_how_to_repeat_the_run(page: Page) -> None:
+    """The command can be pasted into a shell."""
+    assert "flight-replay --tlog 'my flight.tlog' --speedup 10" in page.words
+
+
+def test_names_from_outside_are_text_not_markup(page: Page) -> None:
+    """A file name with markup in it is shown as it is."""
+    assert page.words[0] == "Replay of <b>flight.tlog"
+
+
+def test_a_plan_alone_has_a_report(tmp_path: Path) -> None:
+    """Nothing flown: no flight table, no events, and the speed changes are told."""
+    route = spaced_route(eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0)
+    save_report(tmp_path / "a.html", Account(summary(flown=False)), route)
+    page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
+    assert "A plan: nothing was flown." in page.words
+    assert "Flight" not in page.words
+    assert "Events" not in page.words
+    assert ["1", "change speed to 3 m/s"] in page.rows
+
+
+def test_an_odd_end_is_told_at_the_top(tmp_path: Path) -> None:
+    """A flight that a pilot took over says so."""
+    route, record, outcome = replay()
+    save_report(tmp_path / "a.html", Account(summary()), route, replace(record, ended="pilot"), outcome)
+    assert "ended otherwise than asked, by: pilot." in (tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+def test_other_suffixes_are_told() -> None:
+    """One sentence names the file and the suffix that it must have."""
+    route, _, _ = replay()
+    with pytest.raises(
+        FlightReplayError, match=r"cannot write the report a\.pdf: its name must end in \.html"
+    ):
+        save_report("a.pdf", Account(summary()), route)

@@ -1,0 +1,222 @@
+"""The fit: few waypoints whose flown path follows a recording, in shape and in time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from flight_replay.errors import LogError
+from flight_replay.geometry.arrays import Floats
+from flight_replay.logs.flights import select
+from flight_replay.logs.tlog import read_log
+from flight_replay.logs.track import Track
+from flight_replay.mission.items import Command
+from flight_replay.mission.path import planned_path
+from flight_replay.planning.fit import FitResult, fit
+from flight_replay.planning.fit.fit import RIVAL_FLIGHTS, task_for
+from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
+from flight_replay.planning.fit.reference import recording_of
+from flight_replay.planning.fit.search import searched
+from flight_replay.planning.spacing import spaced
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.flight.trajectory import simulate
+from tests.helpers.fit_tracks import FRAME, along, circle, eights, hover, track_through, wander
+from tests.helpers.paths import SAMPLE, other_log
+
+
+def places_m(result: FitResult) -> Floats:
+    items = [item for _, item in result.mission.places]
+    return result.frame.to_metres([item.lat_deg for item in items], [item.lon_deg for item in items])
+
+
+def distance_to_line_m(places: Floats, line: Floats) -> Floats:
+    start, step = line[:-1], np.diff(line, axis=0)
+    square = np.maximum((step**2).sum(axis=1), 1e-12)
+    part = np.clip(((places[:, None] - start) * step).sum(axis=2) / square, 0, 1)
+    return np.asarray(np.linalg.norm(places[:, None] - start - part[:, :, None] * step, axis=2).min(axis=1))
+
+
+def rival_objectives_m(track: Track, max_points: int, *, timed: bool) -> list[float]:
+    recording = recording_of(track, 30.0)
+    task = task_for(recording, max_points, Limits(), timed=timed)
+    line = np.column_stack([recording.north_east_m, recording.up_m])
+    return [
+        searched(
+            task, straight_draft(recording, kept), bend=0.02, flights=RIVAL_FLIGHTS, tick=lambda: None
+        ).objective_m
+        for kept in (douglas_peucker(line, max_points), spaced(track, max_points=max_points))
+    ]
+
+
+def test_a_straight_flight_needs_two_points() -> None:
+    """A dash at 15 m/s is one leg, flown on the line that was recorded."""
+    result = fit(along([(0, 0), (300, 100)], 15.0))
+    assert len(result.mission.places) == 2
+    assert result.planned.max < 0.01
+    assert result.predicted_space.max < 0.3
+
+
+def test_a_circle_needs_few_points_and_stays_round() -> None:
+    """A circle takes fewer waypoints than the budget and stays within 0.5 m."""
+    result = fit(circle(), max_points=60, speed_m_s="recorded")
+    assert len(result.mission.places) < 40
+    assert result.predicted_space.mean < 0.3
+    assert result.predicted_time.mean < 3.0
+
+
+def test_recorded_speed_is_flown_at_recorded_speed() -> None:
+    """A wandering flight takes as long as it was recorded, within 5 %, with few speed changes."""
+    track = wander(1)
+    result = fit(track, max_points=30, speed_m_s="recorded")
+    assert result.predicted_duration_s == pytest.approx(track.time_s[-1], rel=0.05)
+    commands = [item.command for item in result.mission.items]
+    assert commands.count(Command.CHANGE_SPEED) < len(result.mission.places)
+    assert result.predicted_time.mean < 3.0
+
+
+def test_what_is_predicted_is_what_the_model_flies() -> None:
+    """The mission of the answer, flown in the model's finer steps, comes as near as was predicted."""
+    result = fit(wander(2), max_points=30, speed_m_s="recorded")
+    first = places_m(result)[0]
+    air = simulate(result.mission, Limits(), start_m=(float(first[0]), float(first[1]), 30.0))
+    begin_s = air.reached_s[result.mission.places[0][0]]
+    assert air.auto_s[1] - begin_s == pytest.approx(result.predicted_duration_s, rel=0.03)
+
+
+def test_the_same_answer_every_time() -> None:
+    """Two fits of one track are equal, item by item."""
+    track = wander(3, fixes=40)
+    assert fit(track, max_points=12).mission == fit(track, max_points=12).mission
+
+
+def test_a_given_speed_is_asked_for_once() -> None:
+    """One speed change in front of the first waypoint holds for the whole route."""
+    items = fit(wander(4, fixes=40), max_points=12, speed_m_s=3.0).mission.items
+    assert items[0].command == Command.CHANGE_SPEED
+    assert items[0].params[:2] == (1.0, 3.0)
+    assert [item.command for item in items].count(Command.CHANGE_SPEED) == 1
+
+
+def test_the_vehicles_own_speed_asks_for_none() -> None:
+    """Without a speed there is no speed change."""
+    assert all(item.is_place for item in fit(wander(4, fixes=40), max_points=12).mission.items)
+
+
+def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
+    """A flight that hovers for half a minute between two legs holds there for about as long."""
+    out, back = along([(0, 0), (60, 0)], 4.0), along([(60, 0), (60, 60)], 4.0)
+    north_east = np.concatenate(
+        [out.north_east_m(FRAME), np.tile([60.0, 0.0], (120, 1)), back.north_east_m(FRAME)]
+    )
+    track = track_through(north_east, np.arange(len(north_east)) / 4.0)
+    result = fit(track, max_points=20, speed_m_s="recorded")
+    longest = max(item.hold_s for _, item in result.mission.places)
+    assert longest == pytest.approx(30, abs=6)
+    assert longest == round(longest)
+
+
+def test_recorded_heights_are_flown_but_not_into_the_ground() -> None:
+    """Heights as recorded, none below 5 m."""
+    track = along([(0, 0), (120, 0)], 3.0)
+    rising = replace(track, alt_m=np.linspace(0, 25, len(track)), amsl_m=400 + np.linspace(0, 25, len(track)))
+    heights = [item.alt_m for _, item in fit(rising, max_points=10, altitude_m="recorded").mission.places]
+    assert min(heights) >= 5.0
+    assert heights[-1] == pytest.approx(25, abs=0.5)
+    assert heights == sorted(heights)
+
+
+def test_figures_of_eight_are_flown_in_order() -> None:
+    """Four laps of an eight stay four laps: the path is as long, and no lap is borrowed."""
+    track = eights(laps=4)
+    result = fit(track, max_points=40)
+    assert planned_path(result.mission, result.frame).length_m == pytest.approx(track.length_m, rel=0.1)
+    assert result.planned.mean < 1.0
+
+
+@pytest.mark.parametrize(
+    "track",
+    [
+        along([(0, 0), (2, 0)], 2.0).select(slice(0, 1)),
+        along([(0, 0), (2, 0)], 2.0).select(np.array([0, 4])),
+        track_through(np.zeros((2, 2)), np.zeros(2)),
+        track_through(np.zeros((9, 2)), np.arange(9.0)),
+        hover(),
+        along([(0, 0), (200, 0)], 6.0, rate_hz=0.5),
+        along([(0, 0), (40, 0)], 4.0, rate_hz=50.0),
+    ],
+    ids=["one fix", "two fixes", "one instant", "one place", "hover", "0.5 Hz", "50 Hz"],
+)
+@pytest.mark.parametrize("speed_m_s", ["recorded", None])
+def test_any_track_is_fitted(track: Track, speed_m_s: float | None) -> None:
+    """However little a track says, the route ends where it ends."""
+    result = fit(track, max_points=10, speed_m_s=speed_m_s)
+    assert 1 <= len(result.mission.places) <= 10
+    assert np.linalg.norm(places_m(result)[-1] - track.north_east_m()[-1]) < 0.1
+
+
+@pytest.mark.parametrize("max_points", [1, 2, 3])
+def test_any_budget_is_kept(max_points: int) -> None:
+    """Even one waypoint is a route: to where the recording ended."""
+    track = wander(5, fixes=30)
+    result = fit(track, max_points=max_points)
+    assert len(result.mission.places) <= max_points
+    assert np.linalg.norm(places_m(result)[-1] - track.north_east_m()[-1]) < 0.1
+
+
+def test_a_track_without_fixes_cannot_be_fitted() -> None:
+    """No position is an expected failure."""
+    with pytest.raises(LogError, match="no position"):
+        fit(wander(1).select(slice(0, 0)))
+
+
+def test_progress_runs_to_its_total() -> None:
+    """What is done grows until it is all that there is."""
+    told: list[tuple[int, int]] = []
+    fit(wander(6, fixes=30), max_points=8, progress=lambda done, total: told.append((done, total)))
+    done = [each for each, _ in told]
+    assert done == sorted(done)
+    assert told[-1][0] == told[-1][1]
+
+
+@settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(st.integers(0, 10_000), st.integers(4, 25), st.sampled_from(["recorded", None]))
+def test_what_every_fit_keeps(seed: int, max_points: int, speed_m_s: str | None) -> None:
+    """Budget, ends, surroundings and legs are kept, and no classic route is better by the same measure."""
+    track = wander(seed, fixes=50)
+    result = fit(track, max_points=max_points, speed_m_s=speed_m_s)  # type: ignore[arg-type]
+    places, line = places_m(result), track.north_east_m()
+    assert len(places) <= max_points
+    assert np.linalg.norm(places[0] - line[0]) < 0.1
+    assert np.linalg.norm(places[-1] - line[-1]) < 0.1
+    assert (distance_to_line_m(places, line) <= 5.0).all()
+    assert all(np.isfinite([item.lat_deg, item.lon_deg, item.alt_m]).all() for item in result.mission.items)
+    assert all(item.hold_s == round(item.hold_s) for _, item in result.mission.places)
+    speeds = [item.params[1] for item in result.mission.items if not item.is_place]
+    assert all(0.2 <= speed <= 30 for speed in speeds)
+    assert (
+        result.objective_m <= min(rival_objectives_m(track, max_points, timed=speed_m_s is not None)) + 1e-9
+    )
+
+
+@pytest.mark.slow
+def test_the_sample_flight_is_followed_in_space_and_in_time() -> None:
+    """The packaged flight, 635 s: within 0.6 m in space and 4 m in time on average, as predicted."""
+    result = fit(read_log(SAMPLE).track, speed_m_s="recorded")
+    assert result.predicted_space.mean <= 0.6
+    assert result.predicted_time.mean <= 4.0
+
+
+@pytest.mark.slow
+def test_dronekits_flights_are_followed() -> None:
+    """Seven flights joined stay within 0.40, 0.90 and 1.4 m as planned; flight 2 within 6 m in time."""
+    track = read_log(other_log("dronekit-flight.tlog")).track
+    joined = fit(track)
+    assert (joined.planned.mean, joined.planned.p95, joined.planned.max) <= (0.40, 0.90, 1.4)
+    assert joined.planned.p95 <= 0.90
+    assert joined.planned.max <= 1.4
+    second = fit(select(track, 2), speed_m_s="recorded")
+    assert second.predicted_space.mean <= 0.4
+    assert second.predicted_time.mean <= 6.0
+    assert second.predicted_duration_s == pytest.approx(142, rel=0.05)

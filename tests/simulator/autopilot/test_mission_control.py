@@ -1,0 +1,166 @@
+"""AUTO: missions left, resumed, chosen from and changed; in vehicle time."""
+
+from __future__ import annotations
+
+import math
+
+from flight_replay.mavlink import dialect
+from flight_replay.simulator.autopilot.modes import Mode
+from tests.helpers.sim_station import (
+    ARM,
+    AUTO,
+    GUIDED,
+    LOITER,
+    MISSION_START,
+    READY_S,
+    Station,
+    act,
+    place,
+    sim,
+    takeoff,
+)
+
+ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
+
+
+SQUARE = [place(40, 0), place(40, 40), place(0, 40)]
+
+
+def reached(station: Station) -> list[int]:
+    """Items reported as reached."""
+    return [message.seq for message in station.of("MISSION_ITEM_REACHED")]
+
+
+def test_auto_from_the_ground_needs_a_takeoff_item() -> None:
+    """Armed on the ground, a mission without a take-off is refused with ArduCopter's words."""
+    _, station = sim()
+    station.run(READY_S)
+    station.upload(SQUARE)
+    station.mode(GUIDED)
+    station.command(ARM, 1)
+    assert station.mode(AUTO) == FAILED
+    assert "Auto: Missing Takeoff Cmd" in station.texts
+    assert station.texts[-1] == "Mode change to AUTO failed: init failed"
+
+
+def test_auto_in_the_air_needs_a_mission() -> None:
+    """Without items, AUTO is refused in flight."""
+    autopilot, station = sim()
+    station.fly()
+    assert station.mode(AUTO) == FAILED
+    assert autopilot.mode == Mode.GUIDED
+
+
+def test_a_whole_mission_from_takeoff_to_landing() -> None:
+    """AUTO begins on the ground, MISSION_START lifts off; RTL lands and disarms, and it begins anew."""
+    autopilot, station = sim(AUTO_OPTIONS=1)
+    station.run(READY_S)
+    station.upload([takeoff(15), place(30, 0), act(20)])
+    station.mode(AUTO)
+    assert station.command(ARM, 1) == ACCEPTED
+    station.run(3)
+    assert "Mission: 1 Takeoff" in station.texts
+    assert autopilot.mission.seq == 1
+    assert autopilot.flight.landed
+    assert station.command(MISSION_START) == ACCEPTED
+    assert station.run(200, lambda: not autopilot.armed)
+    assert reached(station) == [1, 2, 3]
+    assert math.dist(autopilot.flight.position_m, (0, 0, 0)) < 0.5
+    assert station.texts.count("Mission: 1 Takeoff") == 1
+    station.run(1)
+    assert station.texts.count("Mission: 1 Takeoff") == 2
+
+
+def test_a_mission_goes_on_where_it_was_left() -> None:
+    """MIS_RESTART 0 resumes, 1 begins anew."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload(SQUARE)
+    station.mode(AUTO)
+    station.run(60, lambda: autopilot.mission.seq == 2)
+    station.mode(LOITER)
+    station.run(3)
+    station.mode(AUTO)
+    station.run(1)
+    assert autopilot.mission.seq == 2
+    autopilot.parameters.assign("MIS_RESTART", 1)
+    station.mode(LOITER)
+    station.mode(AUTO)
+    station.run(1)
+    assert autopilot.mission.seq == 1
+
+
+def test_a_station_chooses_the_current_item() -> None:
+    """MISSION_SET_CURRENT and DO_SET_MISSION_CURRENT jump, before and during the flight."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload(SQUARE)
+    station.send(dialect.MAVLink_mission_set_current_message(1, 1, 2))
+    assert station.last("MISSION_CURRENT").seq == 2
+    station.mode(AUTO)
+    station.run(1)
+    assert autopilot.mission.seq == 2
+    assert station.command(224, 3) == ACCEPTED
+    station.run(1)
+    assert autopilot.mission.seq == 3
+    assert station.command(224, 9) == DENIED
+
+
+def test_a_running_mission_is_not_cleared() -> None:
+    """MISSION_CLEAR_ALL fails while the mission is flown, and works otherwise."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload(SQUARE)
+    station.mode(AUTO)
+    station.run(1)
+    station.send(dialect.MAVLink_mission_clear_all_message(1, 1))
+    assert station.last("MISSION_ACK").type == dialect.MAV_MISSION_ERROR
+    station.mode(LOITER)
+    station.send(dialect.MAVLink_mission_clear_all_message(1, 1))
+    assert station.last("MISSION_ACK").type == dialect.MAV_MISSION_ACCEPTED
+    assert len(autopilot.store) == 0
+
+
+def test_a_mission_changed_in_flight_is_flown_as_changed() -> None:
+    """New items near the current one restart its leg, with a text; farther ones are just flown later."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([*SQUARE, place(0, 0), place(-40, 0)])
+    station.mode(AUTO)
+    station.run(1)
+    for seq, moved, restarts in ((5, place(-20, 0), False), (1, place(25, 0), True)):
+        station.forget()
+        station.send(dialect.MAVLink_mission_write_partial_list_message(1, 1, seq, seq))
+        command, frame, params, x, y, z = moved
+        station.send(
+            dialect.MAVLink_mission_item_int_message(1, 1, seq, frame, command, 0, 1, *params, x, y, z)
+        )
+        station.run(1)
+        assert ("Auto mission changed, restarted command" in station.texts) == restarts
+    assert station.run(200, lambda: 5 in reached(station))
+    assert math.dist(autopilot.flight.position_m, (-20, 0, 20)) < 3
+
+
+def order_of(station: Station, count: int) -> list[str]:
+    """The items begun, as spoken."""
+    station.run(300, lambda: f"Reached command #{count}" in station.texts)
+    return [text.removeprefix("Mission: ") for text in station.texts if text.startswith("Mission: ")]
+
+
+def test_a_mission_that_waits_on_the_ground_can_be_written_anew() -> None:
+    """Disarmed in AUTO the first item is current; a new mission begins at its own first item."""
+    autopilot, station = sim()
+    station.run(READY_S)
+    station.upload([takeoff(10), place(10, 0)])
+    station.mode(AUTO)
+    station.run(1)
+    assert autopilot.mission.seq == 1
+    station.send(dialect.MAVLink_mission_set_current_message(1, 1, 2))
+    assert autopilot.mission.seq == 2
+    station.upload([act(93, 1, -1, -1, -1), takeoff(20)])
+    station.run(1)
+    assert "Mission: 1 Delay" in station.texts
+    station.upload([act(178, 1, 5)])
+    station.run(1)
+    station.channel.request(dialect.MAVLINK_MSG_ID_MISSION_CURRENT)
+    assert station.last("MISSION_CURRENT").mission_state == dialect.MISSION_STATE_COMPLETE

@@ -1,0 +1,278 @@
+"""The supervisor beside others: pilots, failsafes and whoever else arms it are not overruled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from flight_replay import events
+from flight_replay.errors import VehicleError
+from flight_replay.supervisor.vehicle_interface import Heartbeat, News, Rebooted, Request, Unanswered
+from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
+from tests.helpers.supervised import flown
+
+
+def test_an_armed_vehicle_is_left_alone() -> None:
+    """A vehicle that somebody else flies is neither taken nor sent home."""
+    flight = flown()
+    flight.vehicle.armed, flight.vehicle.mode = True, "LOITER"
+    with pytest.raises(VehicleError, match="armed already, in mode LOITER"):
+        flight.fly()
+    assert flight.vehicle.asked == []
+
+
+def test_a_vehicle_that_somebody_else_arms_is_not_taken_off_with() -> None:
+    """What was not armed from here is neither flown nor sent home."""
+    flight = flown(FakeVehicle(FakeClock()))
+    vehicle = flight.vehicle
+
+    def armed_meanwhile(attend: Callable[[], None]) -> bool:
+        vehicle.queue.append(Heartbeat("GUIDED", True))
+        attend()
+        return True
+
+    vehicle.mission_verified = armed_meanwhile  # type: ignore[method-assign]
+    with pytest.raises(VehicleError, match="armed already, in mode GUIDED"):
+        flight.fly()
+    assert vehicle.asked == ["GUIDED"]
+
+
+def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
+    """GUIDED is not asked for over the head of somebody who armed it in another mode."""
+    flight = flown(FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"})))
+    flight.vehicle.at.append((6.0, lambda: setattr(flight.vehicle, "armed", True)))
+    with pytest.raises(VehicleError, match="armed already, in mode STABILIZE"):
+        flight.fly()
+    assert flight.wall_s < 9
+
+
+@pytest.mark.parametrize("mode", ["LOITER", "STABILIZE", "POSHOLD"])
+def test_a_pilot_who_takes_over_is_let_be(mode: str) -> None:
+    """A mode that we did not ask for ends the flight, without RTL or AUTO being asked again."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "mode", mode)))
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("pilot", False)
+    assert mode in (record.problem or "")
+    assert flight.vehicle.asked[-1] == "AUTO"
+
+
+def test_a_pilot_who_takes_over_during_takeoff_ends_the_flight() -> None:
+    """Before AUTO it is an error, and still nothing more is commanded."""
+    flight = flown()
+    flight.vehicle.at.append((8.0, lambda: setattr(flight.vehicle, "mode", "ALT_HOLD")))
+    with pytest.raises(VehicleError, match="ALT_HOLD by somebody else"):
+        flight.fly()
+    assert flight.vehicle.asked[-1] == "takeoff"
+
+
+def test_one_late_heartbeat_is_no_takeover() -> None:
+    """A heartbeat from before the mode change that arrives after it changes nothing."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(Heartbeat("GUIDED", True))))
+    assert flight.fly().ended == "duration"
+
+
+@pytest.mark.parametrize(("mode", "home"), [("RTL", True), ("LAND", False)])
+def test_a_failsafe_is_accepted_and_told(mode: str, home: bool) -> None:
+    """RTL or LAND by the vehicle itself is reported with its reason, and not overruled."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+
+    def failsafe() -> None:
+        flight.vehicle.say("Battery Failsafe")
+        flight.vehicle.mode = mode
+
+    flight.vehicle.at.append((30.0, failsafe))
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("failsafe", home)
+    assert "Battery Failsafe" in (record.problem or "")
+    assert flight.vehicle.asked[-1] == "AUTO"
+
+
+def test_a_return_without_a_reason_is_told_as_what_it_is() -> None:
+    """RTL that nobody here asked for, and that the vehicle did not explain."""
+    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
+    assert "changed to RTL without being asked to from here" in (flight.fly().problem or "")
+
+
+class Stalled(FakeVehicle):
+    """A vehicle whose news waits while this program does not run: in AUTO, for ``stall_s`` at once."""
+
+    stall_s = 0.0
+
+    def ask_mode(self, mode: str) -> None:
+        super().ask_mode(mode)
+        if mode == "AUTO":
+            end_s = self.clock.now_s + self.stall_s
+            waiting: list[News] = []
+            while self.clock.now_s < end_s:
+                waiting += super().news(0.1)
+            self.queue[:0] = waiting
+
+
+@pytest.mark.parametrize(("mode", "ended"), [("RTL", "failsafe"), ("LOITER", "pilot")])
+@pytest.mark.parametrize("stall_s", [3.0, 3.5, 4.0, 4.5, 5.0, 8.0])
+def test_a_program_that_did_not_run_for_a_while_overrules_nobody(
+    mode: str, ended: str, stall_s: float
+) -> None:
+    """AUTO, and another mode a second later, may be heard at once: AUTO is not asked for again."""
+    vehicle = Stalled(FakeClock(), points=40)
+    vehicle.stall_s = stall_s
+
+    def change() -> None:
+        vehicle.mode = mode
+
+    ask_mode = vehicle.ask_mode
+
+    def ask(wanted: str) -> None:
+        if wanted == "AUTO":
+            vehicle.at.append((vehicle.clock.now_s - vehicle.began_s + 2.0, change))
+        ask_mode(wanted)
+
+    vehicle.ask_mode = ask  # type: ignore[method-assign,assignment]
+    flight = flown(vehicle)
+    assert flight.fly().ended == ended
+    assert vehicle.asked.count("AUTO") == 1
+    assert "RTL" not in vehicle.asked
+
+
+def test_a_pilot_who_takes_over_while_the_mission_is_verified_is_let_be() -> None:
+    """Reading takes seconds on a slow link; AUTO is not asked for over the pilot's choice."""
+
+    class SlowReader(FakeVehicle):
+        def mission_verified(self, attend: Callable[[], None]) -> bool:
+            if self.altitude_m > 1:
+                self.mode = "LOITER"
+            for _ in range(30):
+                self.clock.now_s += 0.1
+                attend()
+            return True
+
+    flight = flown(SlowReader(FakeClock()))
+    with pytest.raises(VehicleError, match="LOITER by somebody else"):
+        flight.fly()
+    assert not {"AUTO", "RTL"} & set(flight.vehicle.asked)
+
+
+def test_one_heartbeat_of_another_mode_holds_commands_back() -> None:
+    """A pilot's choice just before the top of the climb: AUTO waits until it is certain what it was."""
+    flight = flown()
+    vehicle = flight.vehicle
+    move = vehicle._move
+
+    def moved(step_s: float) -> None:
+        move(step_s)
+        if vehicle.mode == "GUIDED" and vehicle.altitude_m > 28:
+            vehicle.mode = "POSHOLD"
+            vehicle.altitude_m = 29.0
+            vehicle.queue.append(Heartbeat("POSHOLD", True))
+
+    vehicle._move = moved  # type: ignore[method-assign]
+    with pytest.raises(VehicleError, match="POSHOLD by somebody else"):
+        flight.fly()
+    assert "AUTO" not in vehicle.asked
+
+
+def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
+    """RTL is not asked for again over the pilot's choice, and the problem names it."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def ask(mode: str) -> None:
+        vehicle.asked.append(mode)
+        vehicle.mode = "LOITER" if mode == "RTL" else mode
+
+    vehicle.ask_mode = ask  # type: ignore[method-assign]
+    flight = flown(vehicle)
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("duration", False)
+    assert "LOITER by somebody else" in (record.problem or "")
+    assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(False)]
+    assert vehicle.asked.count("RTL") < 20
+
+
+def test_a_pilot_who_chooses_before_ctrl_c_is_not_sent_home() -> None:
+    """An interrupt between the first and the second heartbeat of the pilot's mode commands nothing."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def interrupt() -> None:
+        vehicle.mode = "LOITER"
+        vehicle.queue.append(Heartbeat("LOITER", True))
+        vehicle.at.append((30.1, stop))
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    vehicle.at.append((30.0, interrupt))
+    flight = flown(vehicle)
+    with pytest.raises(KeyboardInterrupt):
+        flight.fly()
+    assert "RTL" not in vehicle.asked
+
+
+def test_words_behind_the_second_heartbeat_are_the_reason() -> None:
+    """A mode change is told at once, its reason with the next packet; the second heartbeat may come first."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def failsafe() -> None:
+        vehicle.mode = "RTL"
+        vehicle.queue += [Heartbeat("RTL", True), Heartbeat("RTL", True)]
+        vehicle.at.append((30.1, lambda: vehicle.say("Radio Failsafe")))
+
+    vehicle.at.append((30.0, failsafe))
+    assert "changed to RTL by itself: Radio Failsafe" in (flown(vehicle).fly().problem or "")
+
+
+def test_words_of_long_ago_are_not_the_reason() -> None:
+    """A failsafe that was told on the ground does not explain the pilot's RTL."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    vehicle.at += [
+        (1.0, lambda: vehicle.say("PreArm: Radio failsafe on")),
+        (30.0, lambda: setattr(vehicle, "mode", "RTL")),
+    ]
+    assert "without being asked to from here" in (flown(vehicle).fly().problem or "")
+
+
+@pytest.mark.parametrize(("told", "again"), [(True, 1), (False, 0)])
+def test_a_mode_is_asked_for_again_when_the_request_is_known_to_be_lost(told: bool, again: int) -> None:
+    """Within 3 s only when the vehicle answered something later and its heartbeat shows the old mode."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    asked_s: list[float] = []
+
+    def ask(mode: str) -> None:
+        vehicle.asked.append(mode)
+        if mode != "AUTO" or asked_s:
+            vehicle.mode = mode
+        if mode == "AUTO":
+            asked_s.append(vehicle.time_s)
+            if told:
+                vehicle.queue.append(Unanswered(Request.MODE))
+
+    vehicle.ask_mode = ask  # type: ignore[method-assign]
+    assert flown(vehicle).fly().problem is None
+    assert len(asked_s) == 2
+    assert (asked_s[1] - asked_s[0] < 2.5) is bool(again)
+
+
+def test_a_reboot_is_not_taken_for_a_pilot_before_the_clock_is_heard() -> None:
+    """Heartbeats come at once after a reboot, the clock only when it was asked for again."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def reboot() -> None:
+        vehicle.mode, vehicle.armed, vehicle.reports_clock = "STABILIZE", False, False
+        vehicle.at.append((34.0, lambda: vehicle.queue.append(Rebooted())))
+
+    vehicle.at.append((30.0, reboot))
+    assert flown(vehicle).fly().ended == "reboot"
+
+
+def test_a_pilot_who_changes_the_mode_and_disarms_is_told_from_a_reboot() -> None:
+    """The vehicle's clock goes on."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def take() -> None:
+        vehicle.mode, vehicle.armed = "STABILIZE", False
+
+    vehicle.at.append((30.0, take))
+    assert flown(vehicle).fly().ended in ("pilot", "disarmed")

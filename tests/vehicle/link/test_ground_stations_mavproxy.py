@@ -1,0 +1,97 @@
+"""MAVProxy beside a replay: it watches and takes over through --gcs, and flies the missions we save."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flight_replay.logs.tlog import read_log
+from flight_replay.mission import formats
+from flight_replay.mission.items import Home, Mission, change_speed, waypoint
+from flight_replay.simulator.server.launch import run
+from tests.helpers.paths import SAMPLE
+from tests.helpers.sim_station import START
+from tests.simulator.server.test_clients import Console
+
+pytestmark = pytest.mark.mavproxy
+
+
+def free_port() -> int:
+    """A UDP port that nobody listens on."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def test_a_station_watches_the_whole_replay_and_may_take_over(tmp_path: Path) -> None:
+    """MAVProxy hears the vehicle from connecting on, fetches the parameters, and its LOITER counts."""
+    pytest.importorskip("MAVProxy")
+    port = free_port()
+    station = Console(f"udpin:127.0.0.1:{port}", tmp_path)
+    options = ["--tlog", str(SAMPLE), "--sim", "builtin", "--speedup", "5", "--gcs", f"udp:127.0.0.1:{port}"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "flight_replay", *options],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as replay:
+        try:
+            for heard in (
+                "Flight plan received",
+                "Arming motors",
+                "Received 1340 parameters",
+                "Reached command #2",
+            ):
+                station.expect(heard)
+            station.say("mode LOITER")
+            station.expect("LOITER")
+            _, errors = replay.communicate(timeout=30)
+        finally:
+            replay.kill()
+            station.close()
+    assert replay.returncode == 1
+    assert "the mode was changed to LOITER by somebody else" in errors
+    (recorded,) = tmp_path.rglob("*.tlog")
+    log = read_log(recorded)
+    assert log.track.alt_m.max() > 25
+    assert log.vehicle.system == 1
+
+
+def test_mavproxy_loads_and_flies_a_saved_mission(tmp_path: Path) -> None:
+    """``wp load`` of our .waypoints, flown in AUTO, saved again: every place within a centimetre."""
+    pytest.importorskip("MAVProxy")
+    places = [(2e-4, 0.0), (2e-4, 3e-4), (0.0, 3e-4)]
+    items = [
+        waypoint(START.lat_deg + north, START.lon_deg + east, 20.0 + n, spline=n == 1)
+        for n, (north, east) in enumerate(places)
+    ]
+    mission = Mission((items[0], change_speed(4.0), *items[1:]), Home(START.lat_deg, START.lon_deg, 488.0))
+    formats.save(tmp_path / "saved.waypoints", mission)
+    with run(START, speedup=10) as running:
+        station = Console(running.connection, tmp_path)
+        try:
+            station.expect("Received 1340 parameters")
+            station.say("wp load saved.waypoints")
+            station.expect("Flight plan received")
+            station.say("wp save back.waypoints")
+            station.expect("Saved 5 waypoints")
+            for command, answer in (
+                ("mode guided", "Mode GUIDED"),
+                ("arm throttle", "ARMED"),
+                ("takeoff 20", "height 15"),
+                ("mode auto", "Mode AUTO"),
+            ):
+                station.say(command)
+                station.expect(answer)
+            station.expect("Reached command #4")
+        finally:
+            station.close()
+    back = formats.load_mission(tmp_path / "back.waypoints")
+    assert [item.command for item in back.items] == [item.command for item in mission.items]
+    for was, now in zip(mission.items, back.items, strict=True):
+        assert (now.lat_deg, now.lon_deg) == pytest.approx((was.lat_deg, was.lon_deg), abs=1e-6)
+        assert (now.alt_m, now.params) == (was.alt_m, was.params)

@@ -1,0 +1,205 @@
+"""The link keeps a heartbeat up, outlives breaks, and hands on what it hears."""
+
+from __future__ import annotations
+
+import queue
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flight_replay.logs.tlog.writer import Recorder
+from flight_replay.mavlink import dialect
+from flight_replay.vehicle.link.link import Link
+from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
+from flight_replay.vehicle.link.transport import TcpClient
+
+
+class Vehicle:
+    """The other end of a TCP link."""
+
+    def __init__(self) -> None:
+        self.server = socket.create_server(("127.0.0.1", 0))
+        self.server.settimeout(5)
+        self.mav = dialect.MAVLink(None, 1, 1)
+        self.parser = dialect.MAVLink(None)
+        self.parser.robust_parsing = True
+        self.client: socket.socket | None = None
+
+    @property
+    def address(self) -> tuple[str, int]:
+        host, port = self.server.getsockname()[:2]
+        return host, port
+
+    def accept(self) -> None:
+        if self.client:
+            self.client.close()
+        self.client, _ = self.server.accept()
+        self.client.settimeout(5)
+
+    def send(self, message: Any, *, old: bool = False) -> None:
+        assert self.client
+        self.client.sendall(message.pack(self.mav, force_mavlink1=old))
+
+    def heard(self, count: int) -> list[Any]:
+        """The next messages that come."""
+        assert self.client
+        messages: list[Any] = []
+        while len(messages) < count:
+            data = self.client.recv(4096)
+            assert data, "the link was closed"
+            messages += self.parser.parse_buffer(data) or []
+        return messages
+
+    def close(self) -> None:
+        if self.client:
+            self.client.close()
+        self.server.close()
+
+
+@pytest.fixture
+def vehicle() -> Iterator[Vehicle]:
+    vehicle = Vehicle()
+    yield vehicle
+    vehicle.close()
+
+
+def linked(vehicle: Vehicle, **options: Any) -> Link:
+    transport = TcpClient(vehicle.address)
+    transport.open()
+    vehicle.accept()
+    link = Link(transport, **options)
+    link.start()
+    return link
+
+
+BEAT = dialect.MAVLink_heartbeat_message(2, 3, 0, 0, 3, 3)
+
+
+def test_we_are_heard_as_a_ground_station_often_enough(vehicle: Vehicle) -> None:
+    """At speedup 20 heartbeats come 20 times a second at least: by the vehicle's clock, once."""
+    link = linked(vehicle, speedup=20.0)
+    began_s = time.monotonic()
+    beats = vehicle.heard(21)
+    assert time.monotonic() - began_s < 3.0
+    assert {(m.get_srcSystem(), m.get_srcComponent()) for m in beats} == {(OUR_SYSTEM, OUR_COMPONENT)}
+    assert {m.type for m in beats} == {dialect.MAV_TYPE_GCS}
+    link.close()
+
+
+def test_we_speak_mavlink_1_until_version_2_is_heard(vehicle: Vehicle) -> None:
+    """ArduCopter 3.3 understands nothing else."""
+    link = linked(vehicle)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    vehicle.heard(1)
+    vehicle.send(BEAT, old=True)
+    heard.get(timeout=5)
+    link.send(BEAT)
+    assert vehicle.heard(1)[0].get_msgbuf()[0] == 0xFE
+    vehicle.send(BEAT)
+    heard.get(timeout=5)
+    link.send(BEAT)
+    assert vehicle.heard(1)[0].get_msgbuf()[0] == 0xFD
+    link.close()
+
+
+def test_a_broken_link_is_mended(vehicle: Vehicle) -> None:
+    """When the vehicle hangs up, the link connects again and goes on; what is sent meanwhile is lost."""
+    link = linked(vehicle)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    vehicle.heard(1)
+    assert vehicle.client
+    vehicle.client.close()
+    vehicle.accept()
+    vehicle.send(BEAT)
+    assert heard.get(timeout=5).get_type() == "HEARTBEAT"
+    vehicle.heard(1)
+    link.close()
+
+
+def test_a_vehicle_that_is_gone_is_waited_for(vehicle: Vehicle) -> None:
+    """With nobody listening the link tries again and again, and can be closed meanwhile."""
+    link = linked(vehicle)
+    vehicle.close()
+    time.sleep(0.1)
+    link.send(BEAT)
+    link.send(BEAT)
+    began_s = time.monotonic()
+    link.close()
+    assert time.monotonic() - began_s < 3
+
+
+def test_a_receiver_that_fails_does_not_deafen_the_link(
+    vehicle: Vehicle, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Its error is logged, the next receiver and the next message are served; removed ones are not."""
+    link = linked(vehicle)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+
+    def fail(message: Any) -> None:
+        raise RuntimeError("no")
+
+    link.add_receiver(fail)
+    link.add_receiver(heard.put)
+    vehicle.send(BEAT)
+    heard.get(timeout=5)
+    link.remove_receiver(fail)
+    vehicle.send(BEAT)
+    heard.get(timeout=5)
+    link.close()
+    assert [record.message for record in caplog.records if record.levelname == "ERROR"] == [
+        "cannot handle HEARTBEAT"
+    ]
+
+
+def test_junk_between_messages_is_skipped(vehicle: Vehicle) -> None:
+    """Bytes that are no frame cost nothing but themselves."""
+    link = linked(vehicle)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    assert vehicle.client
+    vehicle.client.sendall(b"PreArm junk\r\n")
+    for _ in range(3):
+        vehicle.send(BEAT)
+    assert heard.get(timeout=5).get_type() == "HEARTBEAT"
+    link.close()
+
+
+def test_both_directions_are_recorded(vehicle: Vehicle, tmp_path: Path) -> None:
+    """What the vehicle sent, what we sent and what a ground station sent through us is in the log."""
+    with Recorder(tmp_path / "flight.tlog") as recorder:
+        link = linked(vehicle, recorder=recorder)
+        heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        link.add_receiver(heard.put)
+        vehicle.heard(1)
+        vehicle.send(BEAT)
+        heard.get(timeout=5)
+        link.forward(dialect.MAVLink_system_time_message(1, 2).pack(dialect.MAVLink(None, 255, 190)))
+        vehicle.heard(1)
+        link.close()
+    data = (tmp_path / "flight.tlog").read_bytes()
+    parser = dialect.MAVLink(None)
+    senders = []
+    while data:
+        length = 12 + data[9] if data[8] == 0xFD else 8 + data[9]
+        (message,) = parser.parse_buffer(data[8 : 8 + length])
+        senders.append((message.get_srcSystem(), message.get_srcComponent()))
+        data = data[8 + length :]
+    assert {(255, OUR_COMPONENT), (1, 1), (255, 190)} <= set(senders)
+
+
+def test_a_connection_that_died_silently_is_opened_again(
+    vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """TCP that brings nothing for seconds is made anew, whatever its socket says."""
+    monkeypatch.setattr("flight_replay.vehicle.link.link._SILENT_S", 0.5)
+    link = linked(vehicle, speedup=20.0)
+    vehicle.heard(1)
+    vehicle.accept()
+    vehicle.heard(1)
+    link.close()

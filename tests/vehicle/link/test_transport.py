@@ -1,0 +1,200 @@
+"""Connection strings as DroneKit's users type them, over real sockets on loopback and a real terminal."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from flight_replay.errors import VehicleError
+from flight_replay.vehicle.link import connection_string, transport
+from flight_replay.vehicle.link.connection_string import opened, transport_for
+from flight_replay.vehicle.link.transport import Serial, TcpClient, Transport, UdpClient, UdpListener
+
+STRINGS = {
+    "tcp:127.0.0.1:5760": TcpClient,
+    "TCP:localhost:5760": TcpClient,
+    "udp:127.0.0.1:14550": UdpListener,
+    "udpin:0.0.0.0:14550": UdpListener,
+    "udpin::14550": UdpListener,
+    "127.0.0.1:14550": UdpListener,
+    "udpout:127.0.0.1:14550": UdpClient,
+    "tcp:[::1]:5760": TcpClient,
+    "/dev/ttyUSB0": Serial,
+    "/dev/serial/by-id/usb-3D_Robotics:1": Serial,
+    "COM14": Serial,
+    "com14,57600": Serial,
+}
+
+
+@pytest.mark.parametrize(("text", "kind"), STRINGS.items())
+def test_each_kind_of_string_is_understood(text: str, kind: type) -> None:
+    """TCP connects, UDP listens or speaks first, and the rest is a serial port."""
+    assert type(transport_for(text, 57600)) is kind
+
+
+@pytest.mark.parametrize(
+    "text", ["", ",57600", "tcp:127.0.0.1", "udp:host:port", "udpout:host:0", "tcp:host:99999"]
+)
+def test_a_string_that_makes_no_sense_is_refused(text: str) -> None:
+    """The error shows how to write it."""
+    with pytest.raises(VehicleError, match="write tcp:HOST:PORT"):
+        transport_for(text, 57600)
+
+
+@pytest.fixture
+def server() -> Iterator[socket.socket]:
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        yield listening
+
+
+def address(bound: socket.socket) -> str:
+    return f"127.0.0.1:{bound.getsockname()[1]}"
+
+
+def read_all(transport: Transport, length: int) -> bytes:
+    data = b""
+    while len(data) < length:
+        data += transport.read(1.0)
+    return data
+
+
+def test_tcp_carries_bytes_and_tells_its_end(server: socket.socket) -> None:
+    """Both ways, until the vehicle closes: that is an error, and it can be opened again."""
+    transport = opened(f"tcp:{address(server)}", 0)
+    vehicle, _ = server.accept()
+    vehicle.sendall(b"hello")
+    assert read_all(transport, 5) == b"hello"
+    transport.write(b"there")
+    assert vehicle.recv(5) == b"there"
+    assert transport.read(0.01) == b""
+    vehicle.close()
+    with pytest.raises(ConnectionResetError):
+        transport.read(1.0)
+    transport.open()
+    server.accept()[0].close()
+    transport.close()
+    with pytest.raises(OSError, match="closed"):
+        transport.write(b"x")
+
+
+def test_udp_that_listens_answers_whom_it_heard() -> None:
+    """Before anybody was heard, what is sent goes nowhere."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle, FreePort() as port:
+        transport = opened(f"127.0.0.1:{port.release()}", 0)
+        transport.write(b"nobody")
+        vehicle.settimeout(2)
+        vehicle.sendto(b"hello", ("127.0.0.1", port.number))
+        assert transport.read(1.0) == b"hello"
+        transport.write(b"there")
+        assert vehicle.recv(100) == b"there"
+        assert transport.read(0.01) == b""
+        transport.close()
+        transport.close()
+
+
+class FreePort:
+    """A UDP port that is free: held until released."""
+
+    def __enter__(self) -> FreePort:
+        self._held = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._held.bind(("127.0.0.1", 0))
+        self.number = self._held.getsockname()[1]
+        return self
+
+    def release(self) -> int:
+        self._held.close()
+        return int(self.number)
+
+    def __exit__(self, *_: object) -> None:
+        self._held.close()
+
+
+def test_udp_that_speaks_first_outlives_a_vehicle_that_is_not_there_yet() -> None:
+    """A refused datagram is nothing; once the vehicle listens, both ways work."""
+    with FreePort() as port:
+        transport = opened(f"udpout:127.0.0.1:{port.release()}", 0)
+        for _ in range(3):
+            transport.write(b"anybody?")
+            assert transport.read(0.02) == b""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+            vehicle.bind(("127.0.0.1", port.number))
+            vehicle.settimeout(2)
+            transport.write(b"hello")
+            data, sender = vehicle.recvfrom(100)
+            vehicle.sendto(b"there", sender)
+            assert data == b"hello"
+            assert transport.read(1.0) == b"there"
+        transport.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_a_serial_port_carries_bytes() -> None:
+    """A pseudo-terminal stands in for the radio."""
+    ours, name = os.openpty()
+    transport = opened(os.ttyname(name), 57600)
+    os.write(ours, b"hello")
+    assert read_all(transport, 5) == b"hello"
+    transport.write(b"there")
+    assert os.read(ours, 5) == b"there"
+    assert transport.read(0.01) == b""
+    transport.close()
+    transport.close()
+    os.close(ours)
+    os.close(name)
+
+
+def test_a_serial_port_without_pyserial_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where pyserial is missing the line to install it is in the error."""
+    monkeypatch.setitem(sys.modules, "serial", None)
+    with pytest.raises(VehicleError, match="pip install pyserial"):
+        opened("/dev/ttyUSB0", 57600)
+
+
+def test_what_cannot_be_opened_is_told_at_once(
+    monkeypatch: pytest.MonkeyPatch, server: socket.socket
+) -> None:
+    """A missing device, an unknown host, a port in use, and nobody listening: one line each."""
+    monkeypatch.setattr(connection_string, "_RETRY_S", 0.1)
+    with pytest.raises(VehicleError, match="cannot open /dev/no-such-port: No such file or directory; check"):
+        opened("/dev/no-such-port", 57600)
+    with pytest.raises(VehicleError, match="cannot find the host"):
+        opened("tcp:no-such-host.invalid:5760", 0)
+    with pytest.raises(VehicleError, match="no host is named like that; check its name"):
+        opened("tcp:two..dots:5760", 0)
+    with FreePort() as held, pytest.raises(VehicleError, match="no other program uses it"):
+        opened(f"udp:127.0.0.1:{held.number}", 0)
+    number = server.getsockname()[1]
+    server.close()
+    with pytest.raises(VehicleError, match="nothing listens on tcp:"):
+        opened(f"tcp:127.0.0.1:{number}", 0)
+
+
+def test_a_name_server_that_is_silent_does_not_hold_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looking up a name has a time limit, in which Ctrl-C is heard."""
+    over = threading.Event()
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
+    monkeypatch.setattr(transport, "_LOOK_UP_S", 0.2)
+    with pytest.raises(VehicleError, match=r"the name slow\.invalid is not found in time"):
+        opened("tcp:slow.invalid:5760", 0)
+    over.set()
+
+
+def test_a_host_is_looked_up_once_and_each_of_its_addresses_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No second question to a name server, which would have no time limit; the first address may be dead."""
+    asked: list[str] = []
+    with socket.create_server(("127.0.0.1", 0)) as server, socket.create_server(("127.0.0.1", 0)) as gone:
+        port, dead = server.getsockname()[1], gone.getsockname()
+        gone.close()
+
+        def addresses(host: str, *_: object, **__: object) -> list[object]:
+            asked.append(host)
+            return [(socket.AF_INET, socket.SOCK_STREAM, 0, "", at) for at in (dead, ("127.0.0.1", port))]
+
+        monkeypatch.setattr(socket, "getaddrinfo", addresses)
+        opened(f"tcp:drone.invalid:{port}", 0).close()
+    assert asked == ["drone.invalid"]

@@ -1,0 +1,313 @@
+"""The mission goes on board whole or not at all, over links that lose, delay, double and mix frames."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flight_replay.errors import FlightReplayError, MissionError, VehicleError
+from flight_replay.geometry.geodesy import distance_m
+from flight_replay.mavlink import MISSION_RESULTS, dialect
+from flight_replay.mission.items import Command, Frame, Mission, MissionItem, change_speed, waypoint
+from flight_replay.simulator.autopilot.faults import Faults, MissionFaults
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
+from flight_replay.vehicle.link.port import is_for_us
+from flight_replay.vehicle.protocol.mission_items import difference, item_message
+from flight_replay.vehicle.protocol.mission_storage import OnBoard
+from flight_replay.vehicle.protocol.mission_upload import UploadLimits
+from tests.helpers.virtual_port import VirtualPort, Weather
+
+
+def route(count: int) -> Mission:
+    """Waypoints, every tenth a spline with a hold, every seventh followed by a change of speed."""
+    items: list[MissionItem] = []
+    for i in range(1, count + 1):
+        items.append(waypoint(47.397742 + 1e-4 * i, 8.545594, 30.0, hold_s=i % 3, spline=i % 10 == 0))
+        if i % 7 == 0:
+            items.append(change_speed(1.5 + i / 10))
+    return Mission(tuple(items))
+
+
+def put(port: VirtualPort, mission: Mission, *, as_int: bool = True, quiet_s: float = 12.0) -> OnBoard:
+    """Put a mission on board over a link whose round trip is known."""
+    on_board = OnBoard(port, as_int=as_int, limits=UploadLimits(quiet_s=quiet_s))
+    on_board.put(mission, lambda done: None)
+    return on_board
+
+
+WEATHERS = {
+    "clear": Weather(),
+    "5 % lost": Weather(loss=0.05),
+    "20 % lost": Weather(loss=0.2),
+    "40 % lost": Weather(loss=0.4),
+    "0.5 s late": Weather(delay_s=0.5),
+    "all at once": Weather(loss=0.1, delay_s=0.05, jitter_s=0.15, doubled=0.2),
+}
+
+
+@pytest.mark.parametrize("weather", WEATHERS.values(), ids=WEATHERS.keys())
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_is_on_board_is_what_was_sent(weather: Weather, seed: int) -> None:
+    """Whatever the link does, the mission that is called verified is there, item for item."""
+    port = VirtualPort(weather, seed=seed)
+    on_board = put(port, route(100))
+    stored = [item.command for item in port.autopilot.store.items[1:]]
+    assert stored == [item.command for item in route(100).items]
+    assert on_board.verified()
+
+
+@pytest.mark.parametrize(
+    ("weather", "limit_s"),
+    [("clear", 0.7), ("20 % lost", 5.0), ("40 % lost", 25.0), ("0.5 s late", 20.0)],
+)
+def test_a_bad_link_costs_seconds_not_minutes(weather: str, limit_s: float) -> None:
+    """No loss waits for ArduPilot's own second, and no delay is paid for each item."""
+    port = VirtualPort(WEATHERS[weather], seed=5)
+    began_s = port.now_s()
+    put(port, route(100))
+    assert port.now_s() - began_s < limit_s
+
+
+@given(
+    st.floats(0, 0.3),
+    st.floats(0.001, 0.3),
+    st.floats(0, 0.3),
+    st.floats(0, 0.3),
+    st.integers(0, 10**6),
+)
+@settings(max_examples=12, deadline=None)
+def test_no_link_makes_a_wrong_mission_pass(
+    loss: float, delay_s: float, jitter_s: float, doubled: float, seed: int
+) -> None:
+    """An upload ends with the mission on board, or with an error; never with another mission."""
+    port = VirtualPort(Weather(loss, delay_s, jitter_s, doubled), seed=seed)
+    sent = route(12)
+    try:
+        put(port, sent)
+    except FlightReplayError:
+        return
+    stored = port.autopilot.store.items[1:]
+    places = [(item.lat_e7, item.lon_e7) for item in stored if item.command != Command.CHANGE_SPEED]
+    assert places == [(round(i.lat_deg * 1e7), round(i.lon_deg * 1e7)) for _, i in sent.places]
+
+
+REFUSALS = sorted(set(MISSION_RESULTS) - {0, 13, 14, 15, 1, 16})
+
+
+@pytest.mark.parametrize("result", REFUSALS, ids=lambda r: MISSION_RESULTS[r].replace(" ", "-"))
+def test_a_refused_item_is_named_with_the_vehicles_reason(result: int) -> None:
+    """Each MISSION_ACK code ends the upload at once, in one sentence."""
+    port = VirtualPort(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
+    with pytest.raises(MissionError) as caught:
+        put(port, route(10))
+    if result == dialect.MAV_MISSION_NO_SPACE:
+        assert "no room for 11 mission items" in str(caught.value)
+    else:
+        assert f"mission item 5: {MISSION_RESULTS[result]}" in str(caught.value)
+    assert port.now_s() < 3
+
+
+@pytest.mark.parametrize("result", [1, 13, 14, 15], ids=["error", "sequence", "denied", "cancelled"])
+def test_an_answer_that_may_pass_is_retried_until_a_deadline(result: int) -> None:
+    """What could be a busy or confused vehicle is tried again, not for ever, and named in the end."""
+    port = VirtualPort(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
+    with pytest.raises(FlightReplayError):
+        put(port, route(10), quiet_s=4.0)
+    assert port.now_s() < 60
+
+
+def test_a_refused_upload_is_told() -> None:
+    """An ACK against the whole, after the last item, is no success."""
+    port = VirtualPort(faults=Faults(mission=MissionFaults(result_of_upload=2)))
+    with pytest.raises(MissionError, match="refused mission item 10: unsupported frame"):
+        put(port, route(9))
+
+
+def test_a_mission_too_long_leaves_the_old_one_on_board() -> None:
+    """The vehicle says that it has no room before anything is overwritten."""
+    port = VirtualPort(faults=Faults(mission=MissionFaults(capacity=20)))
+    put(port, route(10))
+    with pytest.raises(MissionError, match="no room for 34 mission items; choose fewer with --max-points"):
+        put(port, route(30))
+    assert len(port.autopilot.store.items) == 12
+
+
+def test_a_dead_link_ends_the_upload() -> None:
+    """Without an answer the upload stops at its deadline."""
+    port = VirtualPort(Weather(loss=1.0))
+    with pytest.raises(VehicleError, match="upload stopped at mission item 0"):
+        put(port, route(3))
+    assert port.now_s() < 15
+
+
+def test_another_stations_upload_is_waited_for() -> None:
+    """While another station uploads, ours is denied; it goes through when the other gave up."""
+    port = VirtualPort()
+    other = dialect.MAVLink(None, 255, 190)
+    frame = dialect.MAVLink_mission_count_message(1, 1, 5).pack(other)
+    for message, sender in port.channel.receive(frame):
+        port.autopilot.handle(message, sender)
+    assert put(port, route(3)).verified()
+    assert port.now_s() > 5
+
+
+def test_requests_to_another_station_are_not_answered() -> None:
+    """An item goes out only for a request that is addressed to us."""
+    port = VirtualPort()
+    heard = dialect.MAVLink_mission_request_message(255, 190, 2)
+    on_board = put(port, route(4))
+    sent = len(port.sent)
+    port._deliver(False, heard.pack(dialect.MAVLink(None, 1, 1)))
+    port.pass_time(1.0)
+    assert len(port.sent) == sent
+    assert on_board.verified()
+
+
+def test_a_change_by_another_station_is_noticed() -> None:
+    """What another station writes afterwards makes the mission unverified."""
+    port = VirtualPort()
+    on_board = put(port, route(4))
+    other = dialect.MAVLink(None, 255, 190)
+    frame = dialect.MAVLink_mission_clear_all_message(1, 1).pack(other)
+    for message, sender in port.channel.receive(frame):
+        port.autopilot.handle(message, sender)
+    assert not on_board.verified()
+
+
+def test_nothing_is_verified_before_an_upload() -> None:
+    """A vehicle that was only connected has no mission of ours."""
+    assert not OnBoard(VirtualPort(), as_int=True).verified()
+
+
+def test_the_mission_on_board_is_read_with_home() -> None:
+    """What is on board comes back as a mission, home apart; nothing on board is an empty one."""
+    port = VirtualPort()
+    port.pass_time(20)
+    assert OnBoard(port, as_int=True).read().items == ()
+    put(port, route(3))
+    found = OnBoard(port, as_int=True).read()
+    assert len(found.items) == 3
+    assert found.home is not None
+    assert found.home.alt_amsl_m == pytest.approx(488, abs=0.1)
+
+
+PLACES = [
+    (47.3977, 8.5456), (-35.3632621, 149.1652374), (0.0000001, -0.0000001), (89.9, 12.0),
+    (-89.5, -179.9999999), (12.3456789, 179.9999999), (64.1234567, -180.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("lat_deg", "lon_deg"), PLACES)
+def test_positions_on_board_are_within_a_centimetre_anywhere(lat_deg: float, lon_deg: float) -> None:
+    """MISSION_ITEM_INT carries what the log says, at any latitude and across the antimeridian."""
+    port = VirtualPort(start=Start(lat_deg, lon_deg, 10.0))
+    places = [(lat_deg + 1.23456e-5 * i, lon_deg) for i in range(1, 4)]
+    put(port, Mission(tuple(waypoint(lat, lon, 30.0) for lat, lon in places)))
+    for stored, (lat, lon) in zip(port.autopilot.store.items[1:], places, strict=True):
+        assert float(distance_m(stored.lat_e7 / 1e7, stored.lon_e7 / 1e7, lat, lon)) < 0.012
+
+
+def test_old_firmware_gets_float_items() -> None:
+    """ArduCopter 3.3 knows no MISSION_ITEM_INT: floats are sent, asked for, and compared as floats."""
+    port = VirtualPort(faults=Faults(mission=MissionFaults(knows_item_int=False)))
+    assert put(port, route(5), as_int=False).verified()
+    kinds = {message.get_type() for message in port.sent}
+    assert "MISSION_ITEM" in kinds
+    assert not kinds & {"MISSION_ITEM_INT", "MISSION_REQUEST_INT"}
+
+
+BASE = waypoint(47.0, 8.0, 30.0, hold_s=2)
+UNLIKE = {
+    "command": (MissionItem(21, 3, (2, 0, 0, 0), 47.0, 8.0, 30.0), "command 21 instead of 16"),
+    "hold": (waypoint(47.0, 8.0, 30.0, hold_s=4), "param1 4 instead of 2"),
+    "frame": (MissionItem(16, Frame.ABSOLUTE, (2, 0, 0, 0), 47.0, 8.0, 30.0), "frame 0 instead of 3"),
+    "place": (waypoint(47.0000003, 8.0, 30.0, hold_s=2), "position 47.0000003"),
+    "no height": (waypoint(47.0, 8.0, math.nan, hold_s=2), "altitude nan m instead of 30 m"),
+    "no hold": (MissionItem(16, 3, (math.nan, 0, 0, 0), 47.0, 8.0, 30.0), "param1 nan instead of 2"),
+    "height": (waypoint(47.0, 8.0, 30.2, hold_s=2), "altitude 30.2 m instead of 30 m"),
+}
+
+
+class IntegersOnly(VirtualPort):
+    """A vehicle that has forgotten MISSION_ITEM, and asks for what it knows."""
+
+    def send(self, message: Any) -> None:
+        if message.get_type() not in ("MISSION_ITEM", "MISSION_REQUEST"):
+            super().send(message)
+
+    def _deliver(self, outward: bool, frame: bytes) -> None:
+        message = dialect.MAVLink(None).parse_buffer(frame)[0]
+        if not outward and message.get_type() == "MISSION_REQUEST":
+            asks = dialect.MAVLink_mission_request_int_message(OUR_SYSTEM, OUR_COMPONENT, message.seq)
+            frame = asks.pack(dialect.MAVLink(None, self.system, self.component))
+        super()._deliver(outward, frame)
+
+
+def test_who_asks_for_integers_gets_them() -> None:
+    """A vehicle whose word on what it can do was lost shows it by what it asks for, and answers."""
+    port = IntegersOnly()
+    on_board = put(port, route(12), as_int=False)
+    assert on_board.verified()
+    assert [item.command for item in port.autopilot.store.items[1:]] == [i.command for i in route(12).items]
+
+
+@pytest.mark.parametrize(("found", "words"), UNLIKE.values(), ids=UNLIKE.keys())
+def test_each_difference_is_named(found: MissionItem, words: str) -> None:
+    """A difference that would change the flight is told in words."""
+    assert (difference(BASE, found, as_int=True) or "").startswith(words)
+
+
+def test_what_ardupilot_rounds_is_no_difference() -> None:
+    """Whole seconds of hold, centimetres of height, and items without a place compare by what counts."""
+    assert (
+        difference(waypoint(47, 8, 30.006, hold_s=2.9), waypoint(47, 8, 30.0, hold_s=2), as_int=True) is None
+    )
+    speed = MissionItem(Command.CHANGE_SPEED, 0, (1.0, 4.001, -1.0, 0.0), 47.0, 8.0, 12.0)
+    assert difference(change_speed(4.0), speed, as_int=True) is None
+    assert difference(change_speed(4.0), change_speed(5.0), as_int=True) == "param2 5 instead of 4"
+
+
+def test_longitudes_beyond_180_degrees_are_wrapped() -> None:
+    """A route that goes on past the antimeridian fits the 32 bits of its field."""
+    port = VirtualPort()
+    message = item_message(port, 1, waypoint(10.0, 220.0, 30.0), as_int=True)
+    assert message.y == round(-140 * 1e7)
+    found = waypoint(10.0, -140.0, 30.0)
+    assert difference(waypoint(10.0, 220.0, 30.0), found, as_int=True) is None
+    assert math.isclose(message.x, 10 * 1e7)
+
+
+def test_we_are_nobody_elses_station() -> None:
+    """Our component is not that of common ground stations, which share links with us."""
+    assert (OUR_SYSTEM, OUR_COMPONENT) not in {(255, 0), (255, 190), (255, 230)}
+
+
+@pytest.mark.parametrize(
+    ("system", "component", "ours"),
+    [
+        (OUR_SYSTEM, OUR_COMPONENT, True),
+        (OUR_SYSTEM, 0, True),
+        (0, 0, True),
+        (255, 190, False),
+        (1, 0, False),
+    ],
+)
+def test_what_is_for_us(system: int, component: int, ours: bool) -> None:
+    """Messages to us, to all of our system or to everybody; not those to other stations."""
+    assert is_for_us(dialect.MAVLink_mission_ack_message(system, component, 0)) is ours
+
+
+@pytest.mark.parametrize("as_int", [True, False], ids=["4.6", "3.3"])
+def test_a_link_that_became_slow_is_learnt_anew(as_int: bool) -> None:
+    """A round trip two hundred times that of the connection costs seconds, not a minute of repetitions."""
+    port = VirtualPort(Weather(delay_s=0.5))
+    for _ in range(20):
+        port.trip.took(0.005)
+    put(port, route(100), as_int=as_int)
+    assert port.now_s() < 25
+    assert len(port.sent) < 700

@@ -1,0 +1,296 @@
+"""What a vehicle sends becomes news: in order, its own only, and nothing made up."""
+
+from __future__ import annotations
+
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from flight_replay.events import StatusText, VehicleState
+from flight_replay.mavlink import dialect
+from flight_replay.supervisor.vehicle_interface import (
+    Answer,
+    Heartbeat,
+    ItemReached,
+    MissionAt,
+    Readiness,
+    Rebooted,
+    Request,
+    Unanswered,
+)
+from flight_replay.vehicle.protocol import telemetry as module
+from flight_replay.vehicle.protocol.commands import Commands
+from flight_replay.vehicle.protocol.telemetry import Telemetry
+from tests.helpers.virtual_port import VirtualPort
+
+GOOD = SimpleNamespace(
+    is_armable=True,
+    gps_0=SimpleNamespace(fix_type=3),
+    battery=SimpleNamespace(voltage=12.1, level=80),
+)
+
+
+def telemetry(drone: Any = GOOD) -> Telemetry:
+    return Telemetry(1, 1, drone, Commands(VirtualPort()))
+
+
+def sent(message: Any, system: int = 1, component: int = 1) -> Any:
+    """A message as it arrives."""
+    frame = message.pack(dialect.MAVLink(None, system, component))
+    return dialect.MAVLink(None).parse_buffer(frame)[0]
+
+
+def position(time_ms: int, lat: int = 473977420, lon: int = 85455940) -> Any:
+    return sent(
+        dialect.MAVLink_global_position_int_message(time_ms, lat, lon, 500000, 12000, 100, -200, 50, 9000)
+    )
+
+
+def heartbeat(mode: int = 4, base: int = 128, **source: int) -> Any:
+    return sent(dialect.MAVLink_heartbeat_message(2, 3, base, mode, 4, 3), **source)
+
+
+def news_of(*messages: Any, drone: Any = GOOD) -> list[Any]:
+    heard = telemetry(drone)
+    for message in messages:
+        heard.receive(message)
+    return list(heard.take(0.0))
+
+
+def test_heartbeats_tell_mode_and_arming() -> None:
+    """Modes by ArduCopter's names; one newer than this program by its number."""
+    assert news_of(heartbeat(4), heartbeat(99, 0)) == [Heartbeat("GUIDED", True), Heartbeat("mode 99", False)]
+
+
+def test_only_the_vehicle_itself_is_heard() -> None:
+    """A gimbal with the vehicle's system id, and a neighbour, are not."""
+    assert news_of(heartbeat(3, system=1, component=154), heartbeat(5, system=2)) == []
+
+
+def test_positions_are_in_si_units() -> None:
+    """Degrees, metres above home, m/s north, east and up, with mode and battery."""
+    _, state = news_of(heartbeat(), position(12345))
+    assert state == VehicleState(
+        time_s=12.345,
+        lat_deg=47.397742,
+        lon_deg=8.545594,
+        alt_m=12.0,
+        velocity_m_s=(1.0, -2.0, -0.5),
+        heading_deg=90.0,
+        mode="GUIDED",
+        armed=True,
+        battery_v=12.1,
+        battery_percent=80,
+    )
+
+
+def test_a_report_without_a_position_is_none() -> None:
+    """0, 0 is what ArduPilot sends before it knows where it is."""
+    assert news_of(heartbeat(), position(1000, 0, 0)) == [Heartbeat("GUIDED", True)]
+
+
+def test_a_position_before_the_first_heartbeat_is_none() -> None:
+    """Nothing is said of mode and motors before the vehicle told."""
+    assert news_of(position(1000)) == []
+
+
+def test_reports_out_of_order_are_left_out() -> None:
+    """A position that was overtaken on the way is old news."""
+    news = news_of(heartbeat(), position(1000), position(1300), position(1100), position(1500))
+    times = [state.time_s for state in news if isinstance(state, VehicleState)]
+    assert times == [1.0, 1.3, 1.5]
+
+
+def test_a_clock_that_begins_anew_is_a_reboot(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Old times that persist, with nothing newer between, tell of a reboot; positions count again."""
+    clock = [100.0]
+    monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    heard = telemetry()
+    heard.receive(heartbeat())
+    heard.receive(position(90_000))
+    for time_ms in range(1000, 3000, 200):
+        clock[0] += 0.2
+        heard.receive(position(time_ms))
+    kinds = [type(item) for item in heard.take(0.0)]
+    assert kinds.count(Rebooted) == 1
+    assert kinds[-1] is VehicleState
+
+
+def test_long_texts_are_put_together() -> None:
+    """MAVLink 2 sends more than 50 characters in pieces."""
+    pieces = ["x" * 50, "y" * 50, "end"]
+    messages = [
+        sent(dialect.MAVLink_statustext_message(3, piece.encode(), id=7, chunk_seq=n))
+        for n, piece in enumerate(pieces)
+    ]
+    assert news_of(*messages) == [StatusText(3, "".join(pieces))]
+    assert news_of(messages[0], *messages) == [StatusText(3, "".join(pieces))]
+    assert news_of(sent(dialect.MAVLink_statustext_message(6, b"short"))) == [StatusText(6, "short")]
+
+
+def test_mission_progress_is_told() -> None:
+    """Current item, total and completion where the firmware tells them; items reached."""
+    current = dialect.MAVLink_mission_current_message(3, 20, 5)
+    unknown = dialect.MAVLink_mission_current_message(3, 65535, 0)
+    reached = dialect.MAVLink_mission_item_reached_message(2)
+    assert news_of(sent(current), sent(unknown), sent(reached)) == [
+        MissionAt(3, 20, True),
+        MissionAt(3, None, False),
+        ItemReached(2),
+    ]
+
+
+def system_status(enabled: int, health: int) -> Any:
+    return sent(
+        dialect.MAVLink_sys_status_message(enabled, enabled, health, 0, 12000, 10, 80, 0, 0, 0, 0, 0, 0)
+    )
+
+
+PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
+NO_FIX = SimpleNamespace(is_armable=False, gps_0=SimpleNamespace(fix_type=1), battery=None)
+NO_ESTIMATE = SimpleNamespace(is_armable=False, gps_0=SimpleNamespace(fix_type=3), battery=None)
+
+
+@pytest.mark.parametrize(
+    ("drone", "health", "ready", "words"),
+    [
+        (GOOD, PREARM, True, ""),
+        (GOOD, 0, False, "checks"),
+        (NO_FIX, PREARM, False, "GPS"),
+        (NO_ESTIMATE, PREARM, False, "estimate"),
+    ],
+    ids=["ready", "checks", "no fix", "no estimate"],
+)
+def test_readiness_needs_position_and_the_autopilots_checks(
+    drone: Any, health: int, ready: bool, words: str
+) -> None:
+    """What is missing is told where the autopilot's own words have not come yet."""
+    (readiness,) = news_of(system_status(PREARM, health), drone=drone)
+    assert isinstance(readiness, Readiness)
+    assert readiness.ready is ready
+    assert words in readiness.reason
+
+
+def test_firmware_without_prearm_bit_is_ready_with_its_position() -> None:
+    """ArduCopter 3.3 does not tell its checks: position and estimator have to do."""
+    assert news_of(system_status(0, 0)) == [Readiness(True)]
+
+
+def ack(command: int, result: int) -> Any:
+    return sent(dialect.MAVLink_command_ack_message(command, result))
+
+
+def test_answers_name_the_request() -> None:
+    """Accepted and refused commands come as answers; progress and other commands do not."""
+    assert news_of(ack(400, 0), ack(22, 4), ack(400, 5), ack(511, 0)) == [
+        Answer(Request.ARM, True),
+        Answer(Request.TAKEOFF, False, "failed"),
+    ]
+
+
+def test_answers_to_other_stations_are_not_ours() -> None:
+    """Another station's refusal neither makes us ask again nor ask for modes in the old way."""
+    refused = [sent(dialect.MAVLink_command_ack_message(176, result, 0, 0, 255, 190)) for result in (3, 4)]
+    assert news_of(*refused) == []
+
+
+def test_a_mode_command_that_is_not_known_is_sent_the_old_way() -> None:
+    """UNSUPPORTED makes it SET_MODE at once, and from then on."""
+    port = VirtualPort()
+    commands = Commands(port)
+    commands.set_mode(4)
+    assert commands.answer(ack(176, 3)) is None
+    commands.set_mode(3)
+    asked = [m for m in port.sent if m.get_type() != "TIMESYNC"]
+    assert [m.get_type() for m in asked] == ["COMMAND_LONG", "SET_MODE", "SET_MODE"]
+    assert [m.custom_mode for m in asked[1:]] == [4, 3]
+
+
+def test_a_mode_that_nobody_answers_is_asked_for_both_ways() -> None:
+    """Silence may be a lost packet or an old autopilot, so after two tries both ways are used."""
+    port = VirtualPort()
+    commands = Commands(port)
+    for _ in range(3):
+        commands.set_mode(4)
+    asked = [m.get_type() for m in port.sent if m.get_type() != "TIMESYNC"]
+    assert asked == ["COMMAND_LONG"] * 3 + ["SET_MODE"]
+
+
+def echo_of(ping: Any, vehicle_ns: int = 5) -> Any:
+    return sent(dialect.MAVLink_timesync_message(vehicle_ns, ping.ts1))
+
+
+def test_a_request_that_is_not_answered_before_an_echo_got_lost() -> None:
+    """The echo was asked for behind the request; it tells once, and after an answer it tells nothing."""
+    port = VirtualPort()
+    commands = Commands(port)
+    commands.arm()
+    ping = port.sent[-1]
+    assert commands.echoed(echo_of(ping, vehicle_ns=0)) is None, "a question, not an echo"
+    assert commands.echoed(echo_of(ping)) == Unanswered(Request.ARM)
+    assert commands.echoed(echo_of(ping)) is None
+    port.pass_time(0.1)
+    commands.set_mode(3)
+    assert commands.echoed(echo_of(ping)) is None, "an echo from before the request"
+    commands.answer(ack(176, 0))
+    assert commands.echoed(echo_of(port.sent[-1])) is None
+
+
+def test_a_lost_echo_is_asked_for_again_but_not_for_ever() -> None:
+    """Any of them that comes back will do; an autopilot that never sends one is left alone."""
+    port = VirtualPort()
+    commands = Commands(port)
+    commands.set_mode(3)
+    commands.keep()
+    assert [m.get_type() for m in port.sent] == ["COMMAND_LONG", "TIMESYNC"], "the first may yet come"
+    for _ in range(50):
+        port.pass_time(port.trip.again_s)
+        commands.keep()
+    pings = [m for m in port.sent if m.get_type() == "TIMESYNC"]
+    assert 10 < len(pings) < 30
+    assert commands.echoed(echo_of(pings[3])) == Unanswered(Request.MODE)
+
+
+def test_a_message_that_a_link_doubles_counts_once() -> None:
+    """Two copies of a heartbeat are one; a second heartbeat has another number."""
+    mav = dialect.MAVLink(None, 1, 1)
+    beats = []
+    for _ in range(2):
+        beats.append(dialect.MAVLink_heartbeat_message(2, 3, 128, 5, 4, 3).pack(mav))
+        mav.seq += 1
+    heard = telemetry()
+    for frame in (beats[0], beats[0], beats[1], beats[0]):
+        heard.receive(dialect.MAVLink(None).parse_buffer(frame)[0])
+    assert list(heard.take(0.0)) == [Heartbeat("LOITER", True)] * 2
+
+
+@pytest.mark.parametrize(
+    ("sent_text", "readable"),
+    [
+        (b"\x1b[31mEVIL\x1b]0;title\x07\r\nmore", "[31mEVIL ]0;title more"),
+        (b"  two  spaces ", "two spaces"),
+        (b"caf\xe9", "caf\N{REPLACEMENT CHARACTER}"),
+    ],
+)
+def test_words_cannot_command_a_terminal(sent_text: bytes, readable: str) -> None:
+    """Escape codes and line ends of a vehicle, or of who pretends to be it, are no words."""
+    text = sent(dialect.MAVLink_statustext_message(3, sent_text))
+    assert news_of(text) == [StatusText(3, readable)]
+
+
+def test_heartbeats_that_are_not_numbered_all_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Alike to the last bit and a second apart, they are no copies: the pilot's mode is told each time."""
+    heard = telemetry()
+    for now_s in (100.0, 100.3, 101.0, 102.0):
+        monkeypatch.setattr(time, "monotonic", lambda now_s=now_s: now_s)
+        heard.receive(heartbeat(5))
+    assert list(heard.take(0.0)) == [Heartbeat("LOITER", True)] * 3
+
+
+def test_taking_news_waits_no_longer_than_asked() -> None:
+    """Without news the wait ends at its timeout."""
+    began_s = time.monotonic()
+    assert list(telemetry().take(0.05)) == []
+    assert 0.04 < time.monotonic() - began_s < 2.0

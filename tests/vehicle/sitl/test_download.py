@@ -1,0 +1,313 @@
+"""dronekit-sitl's download, made safe: whole or not at all, in time, and never outside its folder."""
+
+from __future__ import annotations
+
+import http.server
+import io
+import platform
+import random
+import socket
+import sys
+import tarfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from flight_replay.errors import SimulatorError
+from flight_replay.events import Event, Progress
+from flight_replay.vehicle.sitl import download as module
+from flight_replay.vehicle.sitl.download import Source, download, dronekit_sitl_source
+
+Answer = Callable[[http.server.BaseHTTPRequestHandler], None]
+
+
+class StandIn:
+    """A web server on loopback that gives one answer to everything."""
+
+    def __init__(self) -> None:
+        self.asked: list[str] = []
+        self.answer: Answer = lambda handler: None
+        outer = self
+
+        class Handler(http.server.BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                outer.asked.append(self.path)
+                outer.answer(self)
+
+            def log_message(self, format: str, *args: object) -> None:
+                """Say nothing."""
+
+        self.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        self.server.daemon_threads = True
+        self.thread = threading.Thread(
+            target=self.server.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True
+        )
+        self.thread.start()
+
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self.server.server_port}/sitl"
+
+    def close(self) -> None:
+        self.server.shutdown()
+        self.server.server_close()
+        self.thread.join()
+
+
+@pytest.fixture
+def web() -> Iterator[StandIn]:
+    server = StandIn()
+    yield server
+    server.close()
+
+
+def archive(*members: tuple[tarfile.TarInfo, bytes]) -> bytes:
+    data = io.BytesIO()
+    with tarfile.open(fileobj=data, mode="w:gz") as tar:
+        for info, content in members:
+            info.size = len(content)
+            tar.addfile(info, io.BytesIO(content))
+    return data.getvalue()
+
+
+def member(
+    name: str, content: bytes = b"binary", kind: bytes = tarfile.REGTYPE
+) -> tuple[tarfile.TarInfo, bytes]:
+    info = tarfile.TarInfo(name)
+    info.type = kind
+    info.linkname = "/etc/passwd"
+    return info, content if kind == tarfile.REGTYPE else b""
+
+
+GOOD = archive(
+    member("./", kind=tarfile.DIRTYPE), member("./apm"), member("./sub/default_eeprom.bin", b"stored")
+)
+
+
+def gives(data: bytes, *, promised: int | None = None, status: int = 200) -> Answer:
+    """An answer with these bytes, which may promise more than it gives."""
+
+    def answer(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.send_response(status)
+        handler.send_header("Content-Length", str(len(data) if promised is None else promised))
+        handler.end_headers()
+        handler.wfile.write(data)
+
+    return answer
+
+
+def source(web: StandIn, tmp_path: Path) -> Source:
+    return Source(web.url, tmp_path / "cache", "linux")
+
+
+def test_a_download_lands_whole_in_the_cache(web: StandIn, tmp_path: Path) -> None:
+    """From the address dronekit-sitl uses, unpacked, executable, with progress told."""
+    web.answer = gives(GOOD)
+    told: list[Event] = []
+    place = source(web, tmp_path)
+    assert place.cached() is None
+    binary = download(place, told.append)
+    assert binary == tmp_path / "cache" / "copter-3.3" / "apm" == place.cached()
+    assert binary.read_bytes() == b"binary"
+    assert binary.stat().st_mode & 0o111
+    assert (binary.parent / "sub" / "default_eeprom.bin").read_bytes() == b"stored"
+    assert web.asked == ["/sitl/copter/sitl-linux-copter-3.3.tar.gz"]
+    assert told[-1] == Progress("ArduPilot SITL", len(GOOD), len(GOOD), "bytes")
+    assert [path.name for path in place.cache.iterdir()] == ["copter-3.3"]
+
+
+BAD: dict[str, tuple[Answer, str]] = {
+    "not found": (gives(b"", status=404), "404"),
+    "cut short": (gives(GOOD[:100], promised=len(GOOD)), "cannot download"),
+    "no archive": (gives(b"<html>captive portal</html>"), "cannot download"),
+    "half an archive": (gives(GOOD[:60]), "cannot download"),
+    "no simulator": (gives(archive(member("readme"))), "holds no simulator"),
+    "climbs out": (gives(archive(member("../../evil"))), "outside its folder"),
+    "absolute": (gives(archive(member("/tmp/evil"))), "outside its folder"),
+    "drive": (gives(archive(member("C:/evil"))), "outside its folder"),
+    "backslashes": (gives(archive(member("..\\evil"))), "outside its folder"),
+    "symbolic link": (gives(archive(member("apm", kind=tarfile.SYMTYPE))), "neither file nor folder"),
+    "hard link": (gives(archive(member("apm", kind=tarfile.LNKTYPE))), "neither file nor folder"),
+    "device": (gives(archive(member("apm", kind=tarfile.CHRTYPE))), "neither file nor folder"),
+}
+
+
+@pytest.mark.parametrize(("answer", "words"), BAD.values(), ids=BAD.keys())
+def test_a_bad_download_leaves_nothing(web: StandIn, tmp_path: Path, answer: Answer, words: str) -> None:
+    """Neither a part nor anything outside the cache remains, and the line says what was wrong."""
+    web.answer = answer
+    place = source(web, tmp_path)
+    with pytest.raises(SimulatorError, match=words):
+        download(place)
+    assert list(place.cache.iterdir()) == []
+    assert {path.name for path in tmp_path.iterdir()} == {"cache"}
+
+
+def test_a_silent_server_is_given_up(web: StandIn, tmp_path: Path) -> None:
+    """A connection that stays silent ends at its time limit."""
+    web.answer = lambda handler: time.sleep(3)
+    began_s = time.monotonic()
+    with pytest.raises(SimulatorError, match="timed out"):
+        download(source(web, tmp_path), silence_s=0.3)
+    assert time.monotonic() - began_s < 2.5
+
+
+def test_a_slow_download_ends_at_its_time_limit(web: StandIn, tmp_path: Path) -> None:
+    """Bytes that trickle are not enough."""
+
+    def trickle(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.send_response(200)
+        handler.end_headers()
+        try:
+            for _ in range(100):
+                handler.wfile.write(b"x" * (1 << 16))
+                time.sleep(0.05)
+        except OSError:
+            return
+
+    web.answer = trickle
+    with pytest.raises(SimulatorError, match="it takes too long"):
+        download(source(web, tmp_path), limit_s=0.3)
+
+
+def test_a_download_without_end_is_given_up(
+    web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """More bytes than any simulator has are not kept."""
+    monkeypatch.setattr(module, "_LARGEST_BYTES", 1000)
+    web.answer = gives(b"x" * 5000)
+    with pytest.raises(SimulatorError, match="too large"):
+        download(source(web, tmp_path))
+
+
+def test_a_cache_that_cannot_be_written_is_told(web: StandIn, tmp_path: Path) -> None:
+    """A file where the folder should be, say."""
+    (tmp_path / "cache").write_text("in the way")
+    with pytest.raises(SimulatorError, match="cannot download"):
+        download(source(web, tmp_path))
+
+
+def test_dronekit_sitls_addresses_are_used_over_https(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its plain http is not."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(platform, "machine", lambda: "x86_64")
+    found = dronekit_sitl_source()
+    assert found.url == "https://dronekit-assets.s3.amazonaws.com/sitl/copter/sitl-linux-copter-3.3.tar.gz"
+    assert found.cache.parts[-2:] == (".dronekit", "sitl")
+
+
+def test_machines_without_binaries_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """dronekit-sitl has none for ARM."""
+    monkeypatch.setattr(platform, "machine", lambda: "aarch64")
+    with pytest.raises(SimulatorError, match=r"no binary for .* on aarch64"):
+        dronekit_sitl_source()
+
+
+def test_a_python_without_dronekit_sitl_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python 3.14 took away what dronekit-sitl imports."""
+    monkeypatch.setitem(sys.modules, "dronekit_sitl", None)
+    with pytest.raises(SimulatorError, match="dronekit-sitl cannot be used on Python"):
+        dronekit_sitl_source()
+
+
+def test_a_name_that_is_not_known_is_told(tmp_path: Path) -> None:
+    """Without a network the line is short."""
+    place = Source("https://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
+    with pytest.raises(SimulatorError, match=r"the name no-such-host\.invalid is not known here"):
+        download(place)
+
+
+def test_a_name_server_that_is_silent_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looking up a name has a time limit too."""
+    over = threading.Event()
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
+    place = Source("https://slow.invalid/sitl", tmp_path / "cache", "linux")
+    with pytest.raises(SimulatorError, match="not found in time"):
+        download(place, silence_s=0.2)
+    over.set()
+
+
+def test_a_proxy_looks_up_names_itself(web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Behind a proxy the name need not be known here."""
+    monkeypatch.setenv("http_proxy", web.url.removesuffix("/sitl"))
+    web.answer = gives(GOOD)
+    place = Source("http://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
+    assert download(place).is_file()
+
+
+def raw(data: bytes) -> Answer:
+    """An answer byte for byte, whatever HTTP says."""
+
+    def answer(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.wfile.write(data)
+
+    return answer
+
+
+def spoilt(data: bytes) -> bytes:
+    """An archive with some bytes in its middle changed."""
+    return data[: len(data) // 2] + b"spoilt" + data[len(data) // 2 + 6 :]
+
+
+NONSENSE = {
+    "a page": gives(b"<html>log in first</html>"),
+    "no length": raw(b"HTTP/1.0 200 OK\r\nContent-Length: many\r\n\r\n"),
+    "no HTTP": raw(b"220 mail.example.org\r\nESMTP\r\n"),
+    "torn pieces": raw(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n40\r\nabc"),
+    "spoilt": gives(spoilt(archive(member("apm", random.Random(1).randbytes(100_000))))),
+}
+
+
+@pytest.mark.parametrize("answer", NONSENSE.values(), ids=NONSENSE.keys())
+def test_nonsense_is_told_in_one_line(answer: Answer, web: StandIn, tmp_path: Path) -> None:
+    """Whatever a server or an archive has wrong is an expected failure, and leaves nothing behind."""
+    web.answer = answer
+    place = source(web, tmp_path)
+    with pytest.raises(SimulatorError, match="cannot download ArduPilot SITL") as told:
+        download(place)
+    assert "\n" not in str(told.value)
+    assert list(place.cache.iterdir()) == []
+
+
+def test_a_download_that_drips_has_a_time_limit(web: StandIn, tmp_path: Path) -> None:
+    """A byte now and then is neither silence nor progress."""
+    over = threading.Event()
+
+    def drips(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.send_response(200)
+        handler.end_headers()
+        while not over.wait(0.05):
+            handler.wfile.write(b"x")
+
+    web.answer = drips
+    began_s = time.monotonic()
+    with pytest.raises(SimulatorError, match="it takes too long"):
+        download(source(web, tmp_path), limit_s=0.5)
+    over.set()
+    assert time.monotonic() - began_s < 5.0
+
+
+def test_a_broken_download_of_dronekit_sitl_makes_way(web: StandIn, tmp_path: Path) -> None:
+    """A folder without a simulator is replaced."""
+    web.answer = gives(GOOD)
+    place = source(web, tmp_path)
+    place.folder.mkdir(parents=True)
+    (place.folder / "sitl.tar.gz").write_bytes(b"torn")
+    assert download(place) == place.cached()
+    assert not (place.folder / "sitl.tar.gz").exists()
+
+
+def test_another_run_may_be_faster(web: StandIn, tmp_path: Path) -> None:
+    """Of two downloads at once the first stays, and both runs have a simulator."""
+    place = source(web, tmp_path)
+
+    def answer(handler: http.server.BaseHTTPRequestHandler) -> None:
+        place.folder.mkdir(parents=True)
+        (place.folder / "apm").write_bytes(b"the other's")
+        gives(GOOD)(handler)
+
+    web.answer = answer
+    assert download(place).read_bytes() == b"the other's"

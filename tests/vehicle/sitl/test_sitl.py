@@ -1,0 +1,326 @@
+"""ArduPilot's simulator: found where it may be, started, stopped, and gone afterwards whatever happens."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from flight_replay.errors import SimulatorError
+from flight_replay.events import Event, Notice
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.vehicle.sitl import choose, process, simulator
+from flight_replay.vehicle.sitl.bench_parameters import bench_text
+from flight_replay.vehicle.sitl.download import Source
+from flight_replay.vehicle.sitl.locate import Binary, at_hand
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-in binaries are scripts")
+
+START = Start(47.5, 8.25, 400.0, 90.0)
+HELP = "--home --model --speedup --defaults -I"
+WAITS = "print('Waiting for connection ....', flush=True); time.sleep(60)"
+
+
+@pytest.fixture(autouse=True)
+def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A place for scratch folders of its own, which must be empty again after each test."""
+    folder = tmp_path / "scratch"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    yield folder
+    assert list(folder.iterdir()) == []
+
+
+def stand_in(folder: Path, body: str = WAITS, *, options: str = HELP, name: str = "arducopter") -> Path:
+    """A program that shows options for --help, and else does as it is told."""
+    path = folder / name
+    path.write_text(
+        f"#!{sys.executable}\nimport sys, time, os\n"
+        f"if '--help' in sys.argv:\n    print({options!r})\n    sys.exit(0)\n{body}\n"
+    )
+    path.chmod(0o755)
+    return path
+
+
+def test_it_runs_for_as_long_as_it_is_needed(tmp_path: Path) -> None:
+    """Started at the place, heading and speed asked for, with parameters, on free ports; then ended."""
+    path = stand_in(
+        tmp_path, "print(' '.join(sys.argv[1:])); print(os.path.getsize('bench.parm'), flush=True)\n" + WAITS
+    )
+    with process.run(Binary(path), START, speedup=5.0) as running:
+        words = running.log.read_text()
+        assert "--model + --home=47.50000000,8.25000000,400.000,90.00 --defaults" in words
+        assert words.split("bench.parm")[1].startswith(" --speedup 5 -I")
+        assert str(len(bench_text())) in words
+        assert running.connection == f"tcp:127.0.0.1:{running.port}"
+        assert running.process.poll() is None
+    assert running.process.poll() is not None
+
+
+def test_ports_in_use_are_left_to_others(tmp_path: Path) -> None:
+    """A second simulator takes the next ports."""
+    path = stand_in(tmp_path)
+    with (
+        process.run(Binary(path), START) as first,
+        socket.create_server(("127.0.0.1", first.port)),
+        process.run(Binary(path), START) as second,
+    ):
+        assert second.port > first.port
+        assert (second.port - first.port) % 10 == 0
+
+
+def test_ports_that_another_takes_meanwhile_are_left_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two simulators that start at once the slower one ends, and is started anew on the next ports."""
+    body = """
+port = 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))
+import socket
+try:
+    held = socket.create_server(("127.0.0.1", port))
+except OSError:
+    sys.exit("bind failed")
+"""
+    path = stand_in(tmp_path, body + WAITS)
+    free = process._free_instance()
+    with socket.create_server(("127.0.0.1", process._first_port(free))):
+        choices = [free, process._free_instance()]
+        monkeypatch.setattr(process, "_free_instance", lambda: choices.pop(0))
+        with process.run(Binary(path), START) as running:
+            assert running.port > process._first_port(free)
+    assert choices == []
+
+
+def test_named_parameters_replace_the_built_in_ones(tmp_path: Path) -> None:
+    """SITL_DEFAULTS_FILEPATH goes to the binary, as a path that does not depend on where it runs."""
+    named = tmp_path / "mine.parm"
+    named.write_text("FRAME_CLASS 1\n")
+    path = stand_in(tmp_path, "print(' '.join(sys.argv[1:]), flush=True)\n" + WAITS)
+    with process.run(Binary(path, named), START) as running:
+        assert f"--defaults {named}" in running.log.read_text()
+
+
+def test_storage_of_an_old_binary_is_used(tmp_path: Path) -> None:
+    """dronekit-sitl's 3.3 takes no parameter file, but comes with its storage."""
+    (tmp_path / "default_eeprom.bin").write_bytes(b"stored")
+    path = stand_in(
+        tmp_path, "print(open('eeprom.bin').read(), flush=True)\n" + WAITS, options="--home --model"
+    )
+    with process.run(Binary(path), START, speedup=5.0) as running:
+        assert "stored" in running.log.read_text()
+
+
+def test_a_binary_too_old_for_parameter_files_is_told_each_parameter(tmp_path: Path) -> None:
+    """It runs once to store them, and once more to fly with them."""
+    body = """
+from flight_replay.simulator.server.cli import main
+port = 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))
+print("Waiting for connection ....", open("runs", "a").write("x"), flush=True)
+main(["--listen", f"tcp:127.0.0.1:{port}", "--home", "47.5,8.25,400,90", "--speedup", "20"])
+"""
+    named = tmp_path / "mine.parm"
+    named.write_text("# comment\nWPNAV_SPEED,700 # slow\nNO_SUCH_NAME 3\n")
+    path = stand_in(tmp_path, body, options="--home --model")
+    with process.run(Binary(path, named), START) as running:
+        assert (running.log.parent / "runs").read_text() == "xx"
+
+
+FAILING = {
+    "dies": (
+        "print('no memory'); print('bad luck', file=sys.stderr, flush=True); sys.exit(3)",
+        "ended with status 3",
+    ),
+    "says why": (
+        "print('bind failed on port 5760', flush=True); sys.exit(1)",
+        "last words: bind failed on port 5760",
+    ),
+    "says nothing": ("sys.exit(1)", "last words: nothing"),
+}
+
+
+@pytest.mark.parametrize(("body", "words"), FAILING.values(), ids=FAILING.keys())
+def test_a_binary_that_dies_at_start_leaves_its_last_words(tmp_path: Path, body: str, words: str) -> None:
+    """One line with status and words, and nothing left behind."""
+    with pytest.raises(SimulatorError, match=words), process.run(Binary(stand_in(tmp_path, body)), START):
+        raise AssertionError
+
+
+def test_a_missing_library_is_told(tmp_path: Path) -> None:
+    """What the system's loader says is in the line."""
+    path = tmp_path / "arducopter"
+    path.write_text("#!/bin/sh\necho 'error while loading shared libraries: libx.so.1' >&2\nexit 127\n")
+    path.chmod(0o755)
+    with pytest.raises(SimulatorError, match=r"libx\.so\.1"), process.run(Binary(path), START):
+        raise AssertionError
+
+
+def test_a_file_that_is_no_program_is_told(tmp_path: Path) -> None:
+    """A binary for another machine, say."""
+    path = tmp_path / "arducopter"
+    path.write_bytes(b"\x7fELF\x00\x00junk")
+    path.chmod(0o755)
+    with pytest.raises(SimulatorError, match="is it for this machine"), process.run(Binary(path), START):
+        raise AssertionError
+
+
+def test_a_binary_that_never_is_ready_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its last words are told, and it is stopped: that it holds its ports is no reason to start it anew."""
+    monkeypatch.setattr(process, "_READY_S", 0.5)
+    body = """
+import socket
+held = socket.create_server(("127.0.0.1", 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))))
+open("../runs", "a").write("x")
+print("thinking", flush=True)
+time.sleep(60)
+"""
+    path = stand_in(tmp_path, body)
+    with pytest.raises(SimulatorError, match="last words: thinking"), process.run(Binary(path), START):
+        raise AssertionError
+    runs = Path(tempfile.gettempdir()) / "runs"
+    assert runs.read_text() == "x"
+    runs.unlink()
+
+
+def test_one_that_does_not_answer_help_is_no_simulator(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Any other program that was named by mistake is refused before it runs on."""
+    monkeypatch.setattr(process, "_HELP_S", 0.3)
+    path = tmp_path / "sleeper"
+    path.write_text("#!/bin/sh\nexec sleep 60\n")
+    path.chmod(0o755)
+    with pytest.raises(SimulatorError, match="does not answer --help"), process.run(Binary(path), START):
+        raise AssertionError
+
+
+def test_one_that_will_not_end_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A simulator that ignores SIGTERM is killed."""
+    monkeypatch.setattr(process, "_STOP_S", 0.2)
+    body = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)\n" + WAITS
+    with process.run(Binary(stand_in(tmp_path, body)), START) as running:
+        pass
+    assert running.process.returncode == -9
+
+
+@pytest.mark.parametrize("error", [RuntimeError("boom"), KeyboardInterrupt()], ids=["error", "Ctrl-C"])
+def test_every_way_out_ends_it(tmp_path: Path, error: BaseException) -> None:
+    """An error or an interrupt within the context is its own, and the simulator is gone."""
+    with pytest.raises(type(error)), process.run(Binary(stand_in(tmp_path)), START) as running:
+        raise error
+    assert running.process.poll() is not None
+
+
+def test_one_that_dies_later_explains_the_error(tmp_path: Path) -> None:
+    """An error that came of its death names the death."""
+    body = (
+        "print('Waiting for connection', flush=True); time.sleep(0.1); print('division by zero'); sys.exit(8)"
+    )
+    with (
+        pytest.raises(SimulatorError, match=r"status 8; its last words: .*division"),
+        process.run(Binary(stand_in(tmp_path, body)), START) as running,
+    ):
+        running.process.wait(10)
+        raise RuntimeError("no vehicle is heard")
+
+
+# Where it is found
+
+
+def test_a_named_binary_comes_first(tmp_path: Path) -> None:
+    """--sitl, then SITL_BINARY, then PATH, then dronekit-sitl's cache, then none."""
+    named, other = stand_in(tmp_path, name="one"), stand_in(tmp_path, name="two")
+    on_path = stand_in(tmp_path)
+    source = Source("https://nowhere.invalid", tmp_path / "cache", "linux")
+    source.folder.mkdir(parents=True)
+    cached = stand_in(source.folder, name="apm")
+    where = {"SITL_BINARY": str(other), "PATH": str(tmp_path)}
+    assert at_hand(named, source, where) == Binary(named, named=True)
+    assert at_hand(None, source, where) == Binary(other, named=True)
+    assert at_hand(None, source, {"PATH": str(tmp_path)}) == Binary(on_path)
+    assert at_hand(None, source, {}) == Binary(cached)
+    assert at_hand(None, Source("", tmp_path / "none", "linux"), {}) is None
+    assert at_hand(None, None, {}) is None
+
+
+def test_what_is_named_must_be_there(tmp_path: Path) -> None:
+    """A missing binary, one without its run bit, and a missing parameter file are told by name."""
+    with pytest.raises(SimulatorError, match="named by --sitl does not exist"):
+        at_hand(tmp_path / "none", None, {})
+    with pytest.raises(SimulatorError, match="named by SITL_BINARY does not exist"):
+        at_hand(None, None, {"SITL_BINARY": "/no/such/file"})
+    plain = tmp_path / "plain"
+    plain.write_text("")
+    if os.geteuid() != 0 or not os.access(plain, os.X_OK):
+        with pytest.raises(SimulatorError, match="chmod"):
+            at_hand(plain, None, {})
+    with pytest.raises(SimulatorError, match="named in SITL_DEFAULTS_FILEPATH does not exist"):
+        at_hand(None, None, {"SITL_DEFAULTS_FILEPATH": f"{plain},/no/such.parm"})
+    defaults = {"SITL_BINARY": str(stand_in(tmp_path)), "SITL_DEFAULTS_FILEPATH": str(plain)}
+    binary = at_hand(None, None, defaults)
+    assert binary is not None
+    assert binary.defaults == plain
+
+
+# Which simulator it will be
+
+
+@pytest.fixture
+def nothing_at_hand(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """No binary anywhere, and no network."""
+
+    def none() -> Source:
+        return Source("http://127.0.0.1:9/sitl", tmp_path / "cache", "linux")
+
+    monkeypatch.setattr(choose, "dronekit_sitl_source", none)
+    monkeypatch.setenv("PATH", str(tmp_path / "empty"))
+    monkeypatch.delenv("SITL_BINARY", raising=False)
+    monkeypatch.delenv("SITL_DEFAULTS_FILEPATH", raising=False)
+
+
+@pytest.mark.usefixtures("nothing_at_hand")
+def test_without_ardupilot_the_built_in_copter_flies() -> None:
+    """``auto`` falls back, and says so in one line; ``builtin`` says nothing; ``sitl`` is refused."""
+    said: list[Event] = []
+    with simulator("auto", None, START, listener=said.append) as connection:
+        assert connection.startswith("tcp:127.0.0.1:")
+    (notice,) = said
+    assert isinstance(notice, Notice)
+    assert notice.text.startswith(
+        "Flying the built-in copter: cannot download ArduPilot SITL from http://127"
+    )
+    said.clear()
+    with simulator("builtin", None, START, listener=said.append):
+        assert said == []
+    with pytest.raises(SimulatorError, match="cannot download"), simulator("sitl", None, START):
+        raise AssertionError
+
+
+@pytest.mark.usefixtures("nothing_at_hand")
+def test_a_binary_at_hand_is_preferred(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is on PATH flies; if it cannot start the built-in copter does, unless it was named."""
+    bin_folder = tmp_path / "empty"
+    bin_folder.mkdir()
+    stand_in(bin_folder)
+    with simulator("auto", None, START) as connection:
+        assert int(connection.split(":")[2]) % 10 == 0
+    stand_in(bin_folder, "sys.exit(1)")
+    said: list[Event] = []
+    with simulator("auto", None, START, listener=said.append):
+        assert len(said) == 1
+    monkeypatch.setenv("SITL_BINARY", str(bin_folder / "arducopter"))
+    with pytest.raises(SimulatorError, match="ended with status 1"), simulator("auto", None, START):
+        raise AssertionError
+
+
+@pytest.mark.usefixtures("nothing_at_hand")
+def test_a_named_path_is_flown_or_refused(tmp_path: Path) -> None:
+    """--sitl PATH never falls back."""
+    with simulator("sitl", stand_in(tmp_path), START) as connection:
+        assert connection.startswith("tcp:")
+    with pytest.raises(SimulatorError, match="does not exist"), simulator("sitl", tmp_path / "none", START):
+        raise AssertionError

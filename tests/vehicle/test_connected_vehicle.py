@@ -1,0 +1,221 @@
+"""A vehicle behind a connection string: found, identified, asked, and let go."""
+
+from __future__ import annotations
+
+import math
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from flight_replay.errors import PhaseTimeoutError, VehicleError
+from flight_replay.events import Event, Notice, Phase, PhaseStarted, Progress, Waiting
+from flight_replay.mavlink import dialect
+from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Personality, old_copter
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.server import launch
+from flight_replay.vehicle import ConnectedVehicle, connect
+from flight_replay.vehicle import connected_vehicle as module
+from tests.helpers.fault_runs import ROUTE
+
+START = Start(47.397742, 8.545594, 488.0)
+
+
+@contextmanager
+def copter(
+    faults: Faults | None = None,
+    *,
+    listen: str = "tcp:127.0.0.1:0",
+    speedup: float = 20.0,
+    events: list[Event] | None = None,
+) -> Iterator[ConnectedVehicle]:
+    with launch.run(START, speedup=speedup, faults=faults, listen=(listen,)) as running:
+        ours = {"tcp": "tcp", "udpout": "udpin", "udpin": "udpout"}
+        kind, address = running.connection.split(":", 1)
+        connection = f"{ours[kind]}:{address}"
+        listener = (events if events is not None else []).append
+        with connect(connection, speedup=speedup, listener=listener, limit_s=5.0) as connected:
+            yield connected
+
+
+def free_udp_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.mark.parametrize("kind", ["tcp", "udpout", "udpin"])
+def test_it_is_found_over_any_transport(kind: str) -> None:
+    """TCP, UDP that we listen on, and UDP where we speak first."""
+    port = 0 if kind == "tcp" else free_udp_port()
+    with copter(listen=f"{kind}:127.0.0.1:{port}") as vehicle:
+        assert vehicle.identity.name == "ArduCopter 4.6.0 (simulated quadcopter, system 1)"
+        assert vehicle.identity.takes_item_int
+        vehicle.upload(ROUTE)
+        assert vehicle.mission_verified()
+
+
+def test_connecting_is_quick_and_told() -> None:
+    """The handful of parameters that is needed, not 1,340; phases and progress are events."""
+    events: list[Event] = []
+    began_s = time.monotonic()
+    with copter(events=events) as vehicle:
+        assert time.monotonic() - began_s < 5.0
+        vehicle.upload(ROUTE, events.append)
+    assert [e.phase for e in events if isinstance(e, PhaseStarted)] == [
+        Phase.CONNECT,
+        Phase.UPLOAD,
+        Phase.CLOSE,
+    ]
+    done = [e.done for e in events if isinstance(e, Progress)]
+    assert done[-1] == len(ROUTE.items)
+    assert done == sorted(done)
+
+
+def test_an_old_copter_is_known_by_what_it_can_do() -> None:
+    """3.3: no MISSION_ITEM_INT, and no answer to what came later."""
+    with copter(old_copter()) as vehicle:
+        assert not vehicle.identity.takes_item_int
+        assert vehicle.identity.simulated
+        vehicle.upload(ROUTE)
+        assert vehicle.mission_verified()
+
+
+def test_of_several_vehicles_the_first_is_flown() -> None:
+    """The lowest system id; the others are named."""
+    events: list[Event] = []
+    with copter(Faults(others=(SECOND_COPTER,)), events=events) as vehicle:
+        assert vehicle.identity.system == 1
+    assert Notice("vehicle 2 is on this link too and is left alone", warning=True) in events
+
+
+def test_a_position_is_waited_for() -> None:
+    """Where it is comes once its GPS knows, and what is waited for is told."""
+    with copter() as vehicle:
+        at = vehicle.wait_position(10.0)
+        assert at.lat_deg == pytest.approx(START.lat_deg, abs=1e-5)
+        assert at.alt_m == pytest.approx(0, abs=1)
+
+
+def test_a_vehicle_that_never_knows_where_it_is_is_given_up() -> None:
+    """The wait ends at its limit."""
+    waits: list[Event] = []
+    with copter(speedup=0.1) as vehicle, pytest.raises(PhaseTimeoutError, match="where it is after 1 s"):
+        vehicle.wait_position(1.2, waits.append)
+    assert waits == [Waiting(Phase.PREARM, "no position yet")]
+
+
+def test_parameters_are_set_for_a_while() -> None:
+    """Speed limits in SI units, in the vehicle's own names, and back again."""
+    with copter() as vehicle:
+        wanted = vehicle.limits_as_parameters({"wp_speed_m_s": 14.0})
+        assert wanted == {"WPNAV_SPEED": 1400.0}
+        with vehicle.parameters_set(wanted):
+            assert vehicle.parameters(wanted) == wanted
+        assert vehicle.parameters(wanted) == {"WPNAV_SPEED": 1000.0}
+
+
+def test_a_vehicle_that_falls_silent_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A link that is lost before take-off is told as what it is, and not as a missing position."""
+    monkeypatch.setattr(module, "_SILENT_S", 0.5)
+    with copter() as vehicle:
+        vehicle.link.close()
+        vehicle.news(0.0)
+        with pytest.raises(VehicleError, match="nothing was heard from the vehicle"):
+            vehicle.wait_position(10.0)
+
+
+def test_where_it_is_now_is_told_and_not_where_it_was() -> None:
+    """Reports that nobody took meanwhile, while a person was asked, say, are old."""
+    with copter() as vehicle:
+        first = vehicle.wait_position(10.0)
+        time.sleep(0.3)
+        assert vehicle.wait_position(10.0).time_s > first.time_s + 0.3 * 20.0 / 2
+
+
+def test_the_speed_of_a_simulator_is_set_if_it_is_another() -> None:
+    """``run_at`` leaves a vehicle alone that runs at that speed, and parameters that it lacks too."""
+    with copter() as vehicle:
+        vehicle.run_at(8.0)
+        assert vehicle.parameters(["SIM_SPEEDUP"]) == {"SIM_SPEEDUP": 8.0}
+        vehicle.set_known_parameters({"SIM_SPEEDUP": 9.0, "NO_SUCH_NAME": 1.0})
+        assert vehicle.parameters(["SIM_SPEEDUP", "NO_SUCH_NAME"]) == {"SIM_SPEEDUP": 9.0}
+        vehicle.run_at(9.0)
+        assert vehicle.link.speedup == 9.0
+
+
+@pytest.mark.parametrize(
+    ("told", "pace"),
+    [
+        ({"SIM_SPEEDUP": 7.0}, 7.0),
+        ({}, 1.0),
+        ({"SIM_SPEEDUP": 0.0}, 100.0),
+        ({"SIM_SPEEDUP": math.nan}, 100.0),
+    ],
+    ids=["told", "not told", "as fast as it goes", "no number"],
+)
+def test_pace_is_kept_with_a_simulator_whatever_it_says(
+    told: dict[str, float], pace: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a wish its speed stays, and heartbeats come often enough for it."""
+    with copter() as vehicle:
+        monkeypatch.setattr(vehicle, "parameters", lambda names: told)
+        vehicle.run_at(None)
+        assert vehicle.link.speedup == pace
+
+
+def test_a_vehicle_of_another_make_is_named_as_what_it_is() -> None:
+    """The name says plane where it is one."""
+    with copter(Faults(personality=Personality(vehicle_type=1, firmware="ArduPlane"))) as vehicle:
+        assert vehicle.identity.kind == "fixed wing"
+        assert not vehicle.identity.is_multicopter
+
+
+def test_a_link_on_which_only_others_speak_has_no_vehicle() -> None:
+    """A ground station's heartbeat is no vehicle's; who was heard is told."""
+    station = dialect.MAVLink(None, 254, 190)
+    beat = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(station)
+    port = free_udp_port()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("127.0.0.1", 0))
+
+        with (
+            pytest.raises(VehicleError, match=r"within 1 s \(only 254/190\)"),
+            _speaking(other, beat, port),
+            connect(f"udpin:127.0.0.1:{port}", limit_s=1.0),
+        ):
+            raise AssertionError
+
+
+@contextmanager
+def _speaking(other: socket.socket, frame: bytes, port: int) -> Iterator[None]:
+    """Send a frame again and again."""
+    over = threading.Event()
+
+    def speak() -> None:
+        while not over.wait(0.1):
+            other.sendto(frame, ("127.0.0.1", port))
+
+    thread = threading.Thread(target=speak)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def test_the_link_is_closed_when_the_listener_fails() -> None:
+    """Even an error while the end is told leaves no thread and no socket behind."""
+
+    def listener(event: Event) -> None:
+        if event == PhaseStarted(Phase.CLOSE):
+            raise BrokenPipeError
+
+    with launch.run(START, speedup=20.0) as running:
+        with pytest.raises(BrokenPipeError), connect(running.connection, listener=listener) as vehicle:
+            thread = vehicle.link._thread
+        assert not thread.is_alive()

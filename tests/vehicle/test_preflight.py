@@ -1,0 +1,170 @@
+"""What must not be flown is refused before it is uploaded, and a person is told what will be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from flight_replay.errors import FlightReplayError, MissionError, VehicleError
+from flight_replay.events import VehicleState
+from flight_replay.mission.items import Frame, Home, Mission, MissionItem, change_speed, waypoint
+from flight_replay.vehicle.identity import Identity
+from flight_replay.vehicle.preflight import MAX_DISTANCE_M, check
+
+COPTER = Identity(
+    system=1, component=1, vehicle_type=2, autopilot=3, version="4.6.0", takes_item_int=True, simulated=False
+)
+HERE = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False, 12.3, 77.0)
+STEP_DEG = 9e-5  # 10 m of latitude.
+FENCE = {"FENCE_ENABLE": 1.0, "FENCE_TYPE": 15.0, "FENCE_RADIUS": 150.0, "FENCE_ALT_MAX": 100.0,
+         "FENCE_ALT_MIN": -10.0, "FENCE_MARGIN": 2.0}  # fmt: skip
+
+
+def route(*steps: int, alt_m: float = 30.0) -> Mission:
+    """Waypoints so many times 10 m north, with a change of speed between."""
+    items: list[MissionItem] = [change_speed(3.0)]
+    items += [waypoint(47.0 + STEP_DEG * step, 8.0, alt_m) for step in steps]
+    return Mission(tuple(items))
+
+
+def checked(mission: Mission, identity: Identity = COPTER, max_distance_m: float = MAX_DISTANCE_M) -> object:
+    return check(identity, mission, HERE, takeoff_altitude_m=30.0, max_distance_m=max_distance_m)
+
+
+def test_the_briefing_has_what_a_person_should_know() -> None:
+    """Vehicle, position, battery, distance to the first waypoint, and the route's extent."""
+    briefing = check(COPTER, route(1, 5, 12, alt_m=42.0), HERE, takeoff_altitude_m=30.0)
+    assert briefing.lines == (
+        "Vehicle: ArduCopter 4.6.0 (quadcopter, system 1)",
+        "Position: 47.0000000, 8.0000000",
+        "Battery: 12.3 V, 77 %",
+        "First waypoint: 10 m away",
+        "Route: 3 waypoints, up to 120 m away and 42 m up",
+    )
+
+
+def test_a_battery_that_is_not_known_is_said_to_be() -> None:
+    """A vehicle without a battery monitor shows no numbers."""
+    at = replace(HERE, battery_v=None, battery_percent=None)
+    assert check(COPTER, route(1), at, takeoff_altitude_m=30.0).lines[2] == "Battery: unknown"
+
+
+def test_a_far_away_first_waypoint_is_refused() -> None:
+    """1000 m by default, or what was asked for."""
+    with pytest.raises(
+        MissionError, match=r"1101 m from the vehicle, and 1000 m are allowed.*--max-distance"
+    ):
+        checked(route(110))
+    checked(route(110), max_distance_m=1200.0)
+    checked(route(1, 200))
+
+
+def test_the_distance_is_measured_across_the_antimeridian() -> None:
+    """179.9999 and -179.9999 degrees are neighbours."""
+    at = replace(HERE, lat_deg=10.0, lon_deg=179.9999)
+    mission = Mission((waypoint(10.0, -179.9999, 30.0),))
+    assert check(COPTER, mission, at, takeoff_altitude_m=30.0).first_m == pytest.approx(21.9, abs=0.1)
+
+
+OTHERS = {
+    "plane": (replace(COPTER, vehicle_type=1), r"fixed wing, system 1\) is not a multicopter"),
+    "rover": (replace(COPTER, vehicle_type=10), "ground rover"),
+    "helicopter": (replace(COPTER, vehicle_type=4), "helicopter"),
+    "PX4": (replace(COPTER, autopilot=12), "unknown firmware"),
+    "newer type": (replace(COPTER, vehicle_type=250), "vehicle, system 1"),
+}
+
+
+@pytest.mark.parametrize(("identity", "words"), OTHERS.values(), ids=OTHERS.keys())
+def test_anything_but_a_multicopter_is_refused(identity: Identity, words: str) -> None:
+    """Its name is in the error."""
+    with pytest.raises(VehicleError, match=words):
+        checked(route(1), identity)
+
+
+def test_an_armed_vehicle_is_left_alone() -> None:
+    """Its mission may be the one that it flies: nothing is uploaded."""
+    with pytest.raises(VehicleError, match="armed already, in mode AUTO"):
+        check(COPTER, route(1), replace(HERE, armed=True, mode="AUTO"), takeoff_altitude_m=30.0)
+
+
+@pytest.mark.parametrize("vehicle_type", [2, 13, 14, 15, 29, 35])
+def test_multicopters_of_any_number_of_rotors_are_flown(vehicle_type: int) -> None:
+    """From three to twelve rotors."""
+    checked(route(1), replace(COPTER, vehicle_type=vehicle_type, simulated=True))
+
+
+def odd(frame: int = Frame.RELATIVE, lat_deg: float = 47.0, alt_m: float = 30.0) -> Mission:
+    return Mission((MissionItem(16, frame, (0, 0, 0, 0), lat_deg, 8.0, alt_m),))
+
+
+UNFLYABLE = {
+    "frame": (odd(frame=1), "altitude frame 1"),
+    "no number": (odd(alt_m=float("nan")), "nowhere"),
+    "latitude": (odd(lat_deg=90.5), "nowhere"),
+    "on the ground": (odd(alt_m=0.0), "fly higher with --altitude"),
+    "below home": (odd(alt_m=-3.0), "-3 m above home"),
+}
+
+
+@pytest.mark.parametrize(("mission", "words"), UNFLYABLE.values(), ids=UNFLYABLE.keys())
+def test_places_that_cannot_be_flown_to_are_refused(mission: Mission, words: str) -> None:
+    """Altitude 0 would mean "keep the altitude" to ArduCopter, and other frames fly nowhere."""
+    with pytest.raises(MissionError, match=words):
+        checked(mission)
+
+
+BEYOND = {
+    "radius": (route(1, 15), FENCE, "150 m away, and the vehicle's fence ends at FENCE_RADIUS 150 m"),
+    "ceiling": (route(1, alt_m=99.0), FENCE, "FENCE_ALT_MAX 100 m, less a margin of 2 m"),
+    "floor": (route(1, alt_m=30.0), FENCE | {"FENCE_ALT_MIN": 29.0}, "FENCE_ALT_MIN 29 m"),
+    "take-off": (route(1, alt_m=10.0), FENCE | {"FENCE_ALT_MAX": 25.0}, "30 m up"),
+}
+
+
+@pytest.mark.parametrize(("mission", "fence", "words"), BEYOND.values(), ids=BEYOND.keys())
+def test_a_route_beyond_the_fence_is_refused(mission: Mission, fence: dict[str, float], words: str) -> None:
+    """Radius, ceiling and floor count with their margin, for the take-off too."""
+    with pytest.raises(MissionError, match=words):
+        checked(mission, replace(COPTER, parameters=fence))
+
+
+def test_a_fence_that_goes_on_when_armed_counts_already() -> None:
+    """FENCE_AUTOENABLE of ArduCopter 4.6 switches the fence on in the air."""
+    fence = FENCE | {"FENCE_ENABLE": 0.0, "FENCE_AUTOENABLE": 3.0}
+    with pytest.raises(MissionError, match="FENCE_RADIUS 150 m"):
+        checked(route(1, 15), replace(COPTER, parameters=fence))
+
+
+@pytest.mark.parametrize("name", ["FENCE_ENABLE", "FENCE_TYPE", "FENCE_ALT_MAX", "FENCE_MARGIN"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_fence_that_cannot_be_understood_is_not_flown_in(name: str, value: float) -> None:
+    """A storage that lost its values must not pass for a fence that holds nobody."""
+    with pytest.raises(VehicleError, match=f"{name} is {value:g}"):
+        checked(route(1), replace(COPTER, parameters=FENCE | {name: value}))
+
+
+@pytest.mark.parametrize(
+    "fence",
+    [{}, FENCE | {"FENCE_ENABLE": 0.0}, FENCE | {"FENCE_TYPE": 4.0}],
+    ids=["none", "off", "of another kind"],
+)
+def test_a_fence_that_is_not_there_holds_nobody(fence: dict[str, float]) -> None:
+    """Only enabled fences of the kinds that are set count."""
+    checked(route(1, 40, alt_m=200.0), replace(COPTER, parameters=fence))
+
+
+def test_absolute_altitudes_are_measured_from_home() -> None:
+    """A route in metres above the sea is compared with the fence above home."""
+    mission = Mission(
+        (MissionItem(16, Frame.ABSOLUTE, (0, 0, 0, 0), 47.0, 8.0, 530.0),), Home(47.0, 8.0, 500.0)
+    )
+    briefing = check(replace(COPTER, parameters=FENCE), mission, HERE, takeoff_altitude_m=10.0)
+    assert briefing.highest_m == 30.0
+
+
+def test_every_refusal_is_an_expected_failure() -> None:
+    """The command line tells it in one line."""
+    with pytest.raises(FlightReplayError):
+        checked(odd(frame=5))
