@@ -28,7 +28,7 @@ from flight_replay.vehicle.link.discovery import Sighting, Sightings
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.port import LinkPort
 from flight_replay.vehicle.protocol.commands import Commands
-from flight_replay.vehicle.protocol.flight_modes import mode_number
+from flight_replay.flight_modes import mode_number
 from flight_replay.vehicle.protocol.mission_download import FENCE, Reader
 from flight_replay.vehicle.protocol.mission_storage import OnBoard
 from flight_replay.vehicle.protocol.parameters import (

@@ -23,7 +23,7 @@ from flight_replay.supervisor.vehicle_interface import (
     Rebooted,
 )
 from flight_replay.vehicle.protocol.commands import Commands
-from flight_replay.vehicle.protocol.flight_modes import mode_name
+from flight_replay.flight_modes import mode_name
 
 _KEPT = 50_000  # News that nobody takes: minutes of a fast simulator.
 _LATE_REPORTS = 5  # So many reports in a row from before the newest one ...
