@@ -17,6 +17,7 @@ from flight_replay.events import (
     Waiting,
     ignore,
 )
+from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mission.fence import Area, areas_of, kinds_on
 from flight_replay.mission.items import Mission
@@ -28,7 +29,6 @@ from flight_replay.vehicle.link.discovery import Sighting, Sightings
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.port import LinkPort
 from flight_replay.vehicle.protocol.commands import Commands
-from flight_replay.flight_modes import mode_number
 from flight_replay.vehicle.protocol.mission_download import FENCE, Reader
 from flight_replay.vehicle.protocol.mission_storage import OnBoard
 from flight_replay.vehicle.protocol.parameters import (

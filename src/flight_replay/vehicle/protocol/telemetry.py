@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from flight_replay.events import StatusText, VehicleState
+from flight_replay.flight_modes import mode_name
 from flight_replay.mavlink import Message, dialect
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
@@ -23,7 +24,6 @@ from flight_replay.supervisor.vehicle_interface import (
     Rebooted,
 )
 from flight_replay.vehicle.protocol.commands import Commands
-from flight_replay.flight_modes import mode_name
 
 _KEPT = 50_000  # News that nobody takes: minutes of a fast simulator.
 _LATE_REPORTS = 5  # So many reports in a row from before the newest one ...
