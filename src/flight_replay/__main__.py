@@ -25,7 +25,7 @@ def main() -> int:
         from flight_replay import signals
 
         sys.stderr.write("flight-replay: error: interrupted\n")
-        return signals.INTERRUPTED
+        return signals.INTERRUPTED_STATUS
 
 
 def _started() -> int:
@@ -41,11 +41,11 @@ def _started() -> int:
     gc.freeze()
     gc.enable()
     status = main.main()
-    if status == signals.INTERRUPTED:
+    if status == signals.INTERRUPTED_STATUS:
         # A second Ctrl-C while Python takes itself down would change the exit status.
         import signal
 
-        for number in signals.SIGNALS:
+        for number in signals.TERMINATION_SIGNALS:
             signal.signal(number, signal.SIG_IGN)
     return status
 

@@ -1,28 +1,28 @@
-"""The failures that this program expects; ``cli.py`` turns each into one line and exit status 1.
+"""The failures that the program expects. The command line prints each as one line and exits with 1.
 
-Every message is one sentence that names the thing that failed and the next step.
+A message names what failed, then the reason, then what to do next.
 """
 
 
 class FlightReplayError(Exception):
-    """Base of every expected failure."""
+    """Base class of every expected failure."""
 
 
 class LogError(FlightReplayError):
-    """A log cannot be read, or holds nothing that can be flown."""
+    """A log cannot be read, or has nothing in it to fly."""
 
 
 class MissionError(FlightReplayError):
-    """A route cannot be planned, written, read or accepted."""
+    """A mission cannot be planned, read, written or flown."""
 
 
 class VehicleError(FlightReplayError):
-    """The vehicle, or the link to it, refused or failed."""
+    """The vehicle, or the link to it, failed or refused a command."""
 
 
 class PhaseTimeoutError(VehicleError):
-    """A phase of the flight did not end before its deadline."""
+    """A phase of the flight did not complete before its deadline."""
 
 
 class SimulatorError(FlightReplayError):
-    """A simulator cannot be found, started or kept running."""
+    """A simulator cannot be found or started, or stopped running."""

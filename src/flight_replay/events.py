@@ -1,4 +1,4 @@
-"""What happens during a replay, as plain records: the supervisor emits, console, map and report listen."""
+"""What happens during a replay, as plain records: supervisor and vehicle emit them, listeners show them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import Enum, IntEnum
 
 
 class Severity(IntEnum):
-    """MAV_SEVERITY: how much a status text matters; the lower, the more."""
+    """MAV_SEVERITY: the lower the number, the more serious the text."""
 
     EMERGENCY = 0
     ALERT = 1
@@ -21,7 +21,7 @@ class Severity(IntEnum):
 
 
 class Phase(Enum):
-    """The steps of a replay in the air, in order."""
+    """The phases of a replay once there is a vehicle, in order."""
 
     CONNECT = "connect"
     UPLOAD = "upload"
@@ -35,7 +35,7 @@ class Phase(Enum):
 
 @dataclass(frozen=True, slots=True)
 class PhaseStarted:
-    """A step begins; ``detail`` names what it works on (a connection string, say)."""
+    """A phase starts; ``detail`` names what it works on, such as a connection string."""
 
     phase: Phase
     detail: str = ""
@@ -43,7 +43,7 @@ class PhaseStarted:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """``done`` of ``total`` units of a named piece of work (bytes read, items sent, parameters)."""
+    """``done`` of ``total`` units of a named task (bytes read, items uploaded, parameters)."""
 
     what: str
     done: int
@@ -53,7 +53,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """A wait goes on; ``reason`` is the vehicle's own words where it gave any."""
+    """A phase is waiting; ``reason`` is the autopilot's own text, empty if it gave none."""
 
     phase: Phase
     reason: str
@@ -61,23 +61,23 @@ class Waiting:
 
 @dataclass(frozen=True, slots=True)
 class Climbing:
-    """Height above home during take-off, and the height at which take-off counts as done."""
+    """Altitude above home during take-off, which is complete at ``threshold_m``."""
 
     altitude_m: float
-    enough_m: float
+    threshold_m: float
     target_m: float
 
 
 @dataclass(frozen=True, slots=True)
 class TargetAltitudeReached:
-    """Take-off is done."""
+    """Take-off is complete."""
 
     target_m: float
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
-    """The vehicle flies towards mission item ``seq``, ``distance_m`` ahead of it."""
+class DistanceToWaypoint:
+    """Ground distance to the current mission item ``seq``; None where that item has no position."""
 
     seq: int
     distance_m: float | None
@@ -86,7 +86,7 @@ class Heading:
 
 @dataclass(frozen=True, slots=True)
 class WaypointReached:
-    """The vehicle reported mission item ``seq`` as reached, ``time_s`` by its own clock."""
+    """The vehicle reported reaching mission item ``seq`` at ``time_s`` of its own clock."""
 
     seq: int
     time_s: float
@@ -94,7 +94,10 @@ class WaypointReached:
 
 @dataclass(frozen=True, slots=True)
 class VehicleState:
-    """Where the vehicle was, by its own clock: degrees, metres above home, m/s north, east, up."""
+    """The vehicle's state at ``time_s`` of its own clock.
+
+    ``alt_m`` is above home, ``velocity_m_s`` is (north, east, up).
+    """
 
     time_s: float
     lat_deg: float
@@ -110,7 +113,7 @@ class VehicleState:
 
 @dataclass(frozen=True, slots=True)
 class StatusText:
-    """Words of the autopilot, with their MAV_SEVERITY (0 emergency to 7 debug)."""
+    """A STATUSTEXT of the autopilot; ``severity`` is its MAV_SEVERITY."""
 
     severity: int
     text: str
@@ -118,7 +121,7 @@ class StatusText:
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """One sentence of ours for the person watching."""
+    """A message of this program, one sentence."""
 
     text: str
     warning: bool = False
@@ -126,28 +129,28 @@ class Notice:
 
 @dataclass(frozen=True, slots=True)
 class LinkLost:
-    """Nothing has come from the vehicle for ``silent_s`` seconds."""
+    """Nothing has been received from the vehicle for ``silent_s`` seconds."""
 
     silent_s: float
 
 
 @dataclass(frozen=True, slots=True)
-class LinkBack:
-    """The vehicle is heard again after ``silent_s`` seconds."""
+class LinkRestored:
+    """The vehicle is received again after ``silent_s`` seconds."""
 
     silent_s: float
 
 
 @dataclass(frozen=True, slots=True)
 class ReturnCommanded:
-    """RTL was asked for; ``confirmed`` says whether the vehicle reported the mode."""
+    """RTL was commanded; ``confirmed`` if the vehicle then reported the mode RTL."""
 
     confirmed: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """The replay is over; ``ended`` says by what."""
+    """The replay is over; ``ended`` is the reason, as in ``FlightRecord.ended``."""
 
     ended: str
 
@@ -158,13 +161,13 @@ Event = (
     | Waiting
     | Climbing
     | TargetAltitudeReached
-    | Heading
+    | DistanceToWaypoint
     | WaypointReached
     | VehicleState
     | StatusText
     | Notice
     | LinkLost
-    | LinkBack
+    | LinkRestored
     | ReturnCommanded
     | Finished
 )
@@ -175,16 +178,19 @@ def ignore(event: Event) -> None:
     """A listener that does nothing."""
 
 
-def together(*listeners: Listener) -> Listener:
-    """One listener that tells all of them, in order; one that fails must not end a flight."""
+def combine_listeners(*listeners: Listener) -> Listener:
+    """One listener that calls each of ``listeners`` in order.
 
-    def tell(event: Event) -> None:
+    An exception in one of them is logged and goes no further: a display must not end a flight.
+    """
+
+    def call_all(event: Event) -> None:
         for listener in listeners:
             try:
                 listener(event)
             except Exception:
                 import logging
 
-                logging.getLogger(__name__).exception("a watcher failed at %r", event)
+                logging.getLogger(__name__).exception("a listener failed on %r", event)
 
-    return tell
+    return call_all

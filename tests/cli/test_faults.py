@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import pytest
 
-from flight_replay.events import LinkBack, LinkLost, Notice, Waiting
+from flight_replay.events import LinkLost, LinkRestored, Notice, Waiting
 from flight_replay.simulator.autopilot import faults as sim
 from flight_replay.simulator.autopilot.faults import Faults, Happening, MissionFaults
 from tests.helpers.fault_link import FOREVER_S, FaultLink, Message, Trip, Weather
@@ -148,7 +148,7 @@ def test_a_lost_link_that_comes_back_is_used_again() -> None:
     """Silence of 6 s in AUTO is told, the link is found again, and the flight ends as asked."""
     outcome = replay(None, None, Trip(in_mode(AUTO), lambda link: link.cut(6.0)), duration_s=120.0)
     kept(outcome)
-    assert [type(event) for event in outcome.link_losses] == [LinkLost, LinkBack]
+    assert [type(event) for event in outcome.link_losses] == [LinkLost, LinkRestored]
     assert outcome.line is None
     assert outcome.rtl_confirmed
 

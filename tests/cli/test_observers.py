@@ -10,7 +10,7 @@ import pytest
 
 from flight_replay.cli.observers import mapped
 from flight_replay.cli.options import parse
-from flight_replay.events import Event, Finished, Notice, together
+from flight_replay.events import Event, Finished, Notice, combine_listeners
 from flight_replay.output.console.console import PlainConsole
 from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_tracks import dash
@@ -26,9 +26,9 @@ def test_one_watcher_that_fails_does_not_keep_the_others_from_hearing(
         raise RuntimeError("no screen")
 
     with caplog.at_level(logging.ERROR):
-        together(broken, heard.append)(Finished("duration"))
+        combine_listeners(broken, heard.append)(Finished("duration"))
     assert heard == [Finished("duration")]
-    assert "a watcher failed" in caplog.text
+    assert "a listener failed" in caplog.text
 
 
 def test_without_a_map_the_listener_is_the_same() -> None:

@@ -16,7 +16,7 @@ import pytest
 from flight_replay import supervisor
 from flight_replay.cli.main import main
 from flight_replay.errors import VehicleError
-from flight_replay.events import Event, LinkBack, LinkLost, ReturnCommanded
+from flight_replay.events import Event, LinkLost, LinkRestored, ReturnCommanded
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.supervisor import FlightRecord, Plan
@@ -91,7 +91,7 @@ def test_a_lost_link_that_comes_back_is_used_again() -> None:
     with copter(None, Trip(in_auto, lambda link: link.cut(5.0))) as (vehicle, _, events):
         record = fly(vehicle, events, 90.0)
     assert record.problem is None
-    assert [type(e) for e in events if isinstance(e, LinkLost | LinkBack)] == [LinkLost, LinkBack]
+    assert [type(e) for e in events if isinstance(e, LinkLost | LinkRestored)] == [LinkLost, LinkRestored]
 
 
 def test_positions_on_board_are_within_a_centimetre() -> None:

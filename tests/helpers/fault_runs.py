@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from flight_replay import supervisor, vehicle
 from flight_replay.errors import FlightReplayError
-from flight_replay.events import Event, LinkBack, LinkLost, ReturnCommanded
+from flight_replay.events import Event, LinkLost, LinkRestored, ReturnCommanded
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
@@ -54,7 +54,7 @@ class Outcome:
     @property
     def link_losses(self) -> list[Event]:
         """Losses and returns of the link, in order."""
-        return [event for event in self.events if isinstance(event, LinkLost | LinkBack)]
+        return [event for event in self.events if isinstance(event, LinkLost | LinkRestored)]
 
     def modes_asked(self) -> list[int]:
         """The modes that reached the vehicle as wishes, in order, repeats left out."""

@@ -2,8 +2,8 @@
 
 from flight_replay.events import (
     Climbing,
+    DistanceToWaypoint,
     Event,
-    Heading,
     LinkLost,
     Phase,
     PhaseStarted,
@@ -26,7 +26,7 @@ def test_a_journal_keeps_what_happened_once_with_the_vehicles_time() -> None:
         VehicleState(12.5, 47.0, 8.0, 0.0, (0.0, 0.0, 0.0), None, "GUIDED", armed=False),
         Waiting(Phase.PREARM, "no fix"),
         Climbing(1.0, 28.5, 30.0),
-        Heading(1, 3.0, 9),
+        DistanceToWaypoint(1, 3.0, 9),
         Progress("Uploading", 1, 2, "items"),
         StatusText(6, "Arming motors"),
         LinkLost(4.0),

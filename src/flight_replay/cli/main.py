@@ -23,7 +23,7 @@ from flight_replay.cli.observers import mapped
 from flight_replay.cli.options import Options, parse
 from flight_replay.cli.output_step import Replay
 from flight_replay.errors import FlightReplayError
-from flight_replay.events import together
+from flight_replay.events import combine_listeners
 from flight_replay.output.console.console import Console, open_console
 from flight_replay.output.console.terminal import write_error
 from flight_replay.output.event_log import Journal
@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _run(options, arguments)
         except KeyboardInterrupt:
             write_error(sys.stderr, "interrupted")
-            return signals.INTERRUPTED
+            return signals.INTERRUPTED_STATUS
 
 
 def _run(options: Options, arguments: Sequence[str]) -> int:
@@ -81,9 +81,9 @@ def _explained(error: Exception) -> str:
 
 def replay(options: Options, arguments: Sequence[str], console: Console) -> str | None:
     """From log to landing; returns what went otherwise than asked, once everything is written down."""
-    output_step.check(options)
+    output_step.check_outputs(options)
     journal = Journal()
-    listener = together(console.listener, journal.listener)
+    listener = combine_listeners(console.listener, journal.listener)
     log, flights, track = plan_step.read(options, listener)
     route = plan_step.plan(options, track, listener)
     output_step.save_mission(options, route)
@@ -149,7 +149,9 @@ def _ended_like_interrupted() -> Iterator[None]:
             interrupted_s = time.monotonic()
             raise KeyboardInterrupt
 
-    heard = [number for number in signals.SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    heard = [
+        number for number in signals.TERMINATION_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN
+    ]
     before = {number: signal.signal(number, interrupt) for number in heard}
     try:
         yield

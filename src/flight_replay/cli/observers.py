@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from flight_replay.cli.options import Options
-from flight_replay.events import Listener, Notice, together
+from flight_replay.events import Listener, Notice, combine_listeners
 from flight_replay.output.console.console import Console
 from flight_replay.planning.route import Route
 
@@ -24,7 +24,7 @@ def mapped(options: Options, route: Route, console: Console, listener: Listener)
     with LiveMap(route) as live:
         listener(Notice(f"The map is at {live.url}"))
         _open_browser(live.url)
-        yield together(listener, live.listener)
+        yield combine_listeners(listener, live.listener)
         if live.is_watched and sys.stdin.isatty():
             _wait_for_enter(console)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from flight_replay.cli.options import Options
 from flight_replay.errors import FlightReplayError
 from flight_replay.output import json_summary as contract
+from flight_replay.output_files import check_suffix
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import Flown
@@ -29,17 +30,17 @@ class Replay:
     flown: Flown | None
 
 
-def check(options: Options) -> None:
-    """Refuse files and stations that could not be served, before anything is read or flown.
+def check_outputs(options: Options) -> None:
+    """Refuse output files and ground stations that cannot work, before anything is read or flown.
 
     Raises:
-        FlightReplayError: A suffix that no format has, a folder that is not there, a station
-            that cannot be understood.
+        FlightReplayError: A file has an unknown suffix or its folder does not exist, or a ground
+            station's connection string is not valid.
     """
     _check_suffixes(options)
     for file in (*options.save, options.plot, options.report, options.record):
         if file and not file.expanduser().parent.is_dir():
-            raise FlightReplayError(f"cannot write {file}: there is no folder {file.parent}; make it first")
+            raise FlightReplayError(f"cannot write {file}: no folder {file.parent}; create it first")
     if options.gcs:
         from flight_replay.vehicle.link.ground_station_sockets import socket_for
 
@@ -52,15 +53,15 @@ def _check_suffixes(options: Options) -> None:
         from flight_replay.mission import formats
 
         for path in options.save:
-            formats.check_suffix(path)
+            check_suffix(path, formats.SAVED_SUFFIXES)
     if options.plot:
         from flight_replay.output.charts import plot
 
-        plot.check_suffix(options.plot)
+        check_suffix(options.plot, plot.SUFFIXES)
     if options.report:
         from flight_replay.output.charts import report
 
-        report.check_suffix(options.report)
+        check_suffix(options.report, report.SUFFIXES)
 
 
 def save_mission(options: Options, route: Route) -> None:

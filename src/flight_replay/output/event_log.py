@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flight_replay.events import Climbing, Event, Heading, Progress, VehicleState, Waiting
+from flight_replay.events import Climbing, DistanceToWaypoint, Event, Progress, VehicleState, Waiting
 from flight_replay.output.event_text import sentence, went_wrong
 
-_PASSING = Climbing | Heading | Progress
+_PASSING = Climbing | DistanceToWaypoint | Progress
 
 
 @dataclass(frozen=True, slots=True)

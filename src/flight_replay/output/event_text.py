@@ -6,11 +6,11 @@ from functools import singledispatch
 
 from flight_replay.events import (
     Climbing,
+    DistanceToWaypoint,
     Event,
     Finished,
-    Heading,
-    LinkBack,
     LinkLost,
+    LinkRestored,
     Notice,
     Phase,
     PhaseStarted,
@@ -75,7 +75,7 @@ def _waiting(event: Waiting) -> str:
 
 @sentence.register
 def _climbing(event: Climbing) -> str:
-    return f" Altitude: {event.altitude_m:.2f} < {event.enough_m:.2f}"
+    return f" Altitude: {event.altitude_m:.2f} < {event.threshold_m:.2f}"
 
 
 @sentence.register
@@ -84,7 +84,7 @@ def _up(event: TargetAltitudeReached) -> str:
 
 
 @sentence.register
-def _heading(event: Heading) -> str:
+def _heading(event: DistanceToWaypoint) -> str:
     distance = "unknown" if event.distance_m is None else f"{event.distance_m:.2f}"
     return f"Distance to waypoint ({event.seq}): {distance}"
 
@@ -110,7 +110,7 @@ def _lost(event: LinkLost) -> str:
 
 
 @sentence.register
-def _back(event: LinkBack) -> str:
+def _back(event: LinkRestored) -> str:
     return f" The vehicle is heard again after {event.silent_s:.1f} s"
 
 

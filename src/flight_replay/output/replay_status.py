@@ -8,11 +8,11 @@ from functools import singledispatchmethod
 
 from flight_replay.events import (
     Climbing,
+    DistanceToWaypoint,
     Event,
     Finished,
-    Heading,
-    LinkBack,
     LinkLost,
+    LinkRestored,
     Notice,
     Phase,
     PhaseStarted,
@@ -37,7 +37,7 @@ class Status:
     progress: Progress | None = None
     waiting: str = ""
     target_m: float | None = None
-    heading: Heading | None = None
+    heading: DistanceToWaypoint | None = None
     reached: list[int] = field(default_factory=list)
     vehicle: VehicleState | None = None
     words: tuple[StatusText, ...] = ()
@@ -76,7 +76,7 @@ class Status:
         self.target_m = event.target_m
 
     @update.register
-    def _heading(self, event: Heading) -> None:
+    def _heading(self, event: DistanceToWaypoint) -> None:
         self.heading = event
 
     @update.register
@@ -101,7 +101,7 @@ class Status:
         self.trouble = f"nothing heard for {event.silent_s:.0f} s"
 
     @update.register
-    def _back(self, event: LinkBack) -> None:
+    def _back(self, event: LinkRestored) -> None:
         self.trouble = ""
 
     @update.register

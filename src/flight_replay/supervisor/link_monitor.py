@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flight_replay.events import LinkBack, LinkLost, Listener
+from flight_replay.events import LinkLost, LinkRestored, Listener
 from flight_replay.supervisor.flight_plan import Deadlines
 from flight_replay.supervisor.vehicle_interface import Clock
 
@@ -23,7 +23,7 @@ class Silence:
         """Something came; tell it if the link had been lost."""
         if self._lost:
             self._lost = False
-            emit(LinkBack(self._silent_s))
+            emit(LinkRestored(self._silent_s))
         self._heard_s = self._clock.monotonic_s()
 
     def check(self, emit: Listener) -> bool:

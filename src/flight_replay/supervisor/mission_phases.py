@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from flight_replay.events import Heading, Phase, PhaseStarted, ReturnCommanded, VehicleState, Waiting
+from flight_replay.events import (
+    DistanceToWaypoint,
+    Phase,
+    PhaseStarted,
+    ReturnCommanded,
+    VehicleState,
+    Waiting,
+)
 from flight_replay.geometry.geodesy import distance_m
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor.flight_plan import Plan
@@ -39,7 +46,7 @@ def fly_mission(watch: Watch, plan: Plan, start_s: float) -> str:
         if deadline.passed:
             raise Interrupted("no progress", f"the vehicle stopped on its way to item {watch.mission.seq}")
         if watch.mission.seq >= FIRST_SEQ and pace.due():
-            watch.emit(Heading(watch.mission.seq, distance_ahead_m(watch, plan), plan.last_seq))
+            watch.emit(DistanceToWaypoint(watch.mission.seq, distance_ahead_m(watch, plan), plan.last_seq))
         watch.step()
 
 

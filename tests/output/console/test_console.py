@@ -6,11 +6,11 @@ import pytest
 
 from flight_replay.events import (
     Climbing,
+    DistanceToWaypoint,
     Event,
     Finished,
-    Heading,
-    LinkBack,
     LinkLost,
+    LinkRestored,
     Notice,
     Phase,
     PhaseStarted,
@@ -65,7 +65,7 @@ def test_a_replay_reads_like_dronekits_example() -> None:
         Climbing(1.234, 28.5, 30.0),
         TargetAltitudeReached(30.0),
         PhaseStarted(Phase.MISSION),
-        Heading(1, 3.02, 100),
+        DistanceToWaypoint(1, 3.02, 100),
         PhaseStarted(Phase.RETURN),
         PhaseStarted(Phase.CLOSE),
         Finished("duration"),
@@ -92,11 +92,11 @@ def test_what_the_example_has_no_line_for_is_said_in_one() -> None:
         PhaseStarted(Phase.UPLOAD),
         Waiting(Phase.PREARM, "EKF is not ready"),
         Waiting(Phase.CONNECT, "no heartbeat"),
-        Heading(2, None, 3),
+        DistanceToWaypoint(2, None, 3),
         Notice("the built-in copter flies"),
         Notice("the route is long", warning=True),
         LinkLost(4.0),
-        LinkBack(6.25),
+        LinkRestored(6.25),
         ReturnCommanded(confirmed=True),
         ReturnCommanded(confirmed=False),
         StatusText(4, "PreArm: Compass not calibrated"),
@@ -148,8 +148,8 @@ def test_a_reading_is_repeated_once_a_second_or_when_it_is_another() -> None:
     console = PlainConsole(stream, clock=clock)
     for tenth in range(25):
         clock.now_s = 100 + tenth / 10
-        console.listener(Heading(1, 50.0 - tenth, 9))
-    console.listener(Heading(2, 7.0, 9))
+        console.listener(DistanceToWaypoint(1, 50.0 - tenth, 9))
+    console.listener(DistanceToWaypoint(2, 7.0, 9))
     assert stream.getvalue().splitlines() == [
         "Distance to waypoint (1): 50.00",
         "Distance to waypoint (1): 40.00",

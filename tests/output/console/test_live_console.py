@@ -9,11 +9,11 @@ from rich.console import Console as RichConsole
 
 from flight_replay.events import (
     Climbing,
+    DistanceToWaypoint,
     Event,
     Finished,
-    Heading,
-    LinkBack,
     LinkLost,
+    LinkRestored,
     Notice,
     Phase,
     PhaseStarted,
@@ -46,7 +46,7 @@ FLIGHT: list[Event] = [
         4, "Battery 1 is getting low and these words are longer than any narrow terminal is wide, too"
     ),
     WaypointReached(22, 80.5),
-    Heading(23, 3.02, 100),
+    DistanceToWaypoint(23, 3.02, 100),
     STATE,
 ]
 
@@ -117,7 +117,7 @@ def test_a_wait_is_shown_with_its_reason_until_the_next_step() -> None:
 def test_trouble_stays_until_it_is_over() -> None:
     """A lost link and a warning are shown; the link's return clears the line."""
     assert shown(LinkLost(4.2)) == ["Warning nothing heard for 4 s"]
-    assert shown(LinkLost(4.2), LinkBack(5.0)) == []
+    assert shown(LinkLost(4.2), LinkRestored(5.0)) == []
     assert shown(Notice("the route is long", warning=True), Notice("by the way")) == [
         "Warning the route is long"
     ]
@@ -155,7 +155,7 @@ def test_readings_that_are_not_known_are_left_out() -> None:
     bare = VehicleState(1.0, 47.0, 8.0, 0.0, (0.0, 0.0, 0.0), None, "STABILIZE", armed=False)
     (line,) = shown(bare)
     assert "Battery" not in line
-    (progress,) = shown(Heading(1, None, 9))
+    (progress,) = shown(DistanceToWaypoint(1, None, 9))
     assert progress.endswith(" 1 of 9")
     assert math.isnan(Status().speed_m_s)
 

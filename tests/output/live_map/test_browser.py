@@ -13,7 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flight_replay.events import Finished, Heading, Phase, PhaseStarted, VehicleState, WaypointReached
+from flight_replay.events import (
+    DistanceToWaypoint,
+    Finished,
+    Phase,
+    PhaseStarted,
+    VehicleState,
+    WaypointReached,
+)
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.live_map.server import LiveMap
 from tests.helpers.made_replays import FRAME, replay
@@ -110,7 +117,7 @@ def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(brow
         sent = []
         begin_s = time.time()
         for number in range(320):
-            live.listener(Heading(1 + number // 6, 3.0, 60))
+            live.listener(DistanceToWaypoint(1 + number // 6, 3.0, 60))
             live.listener(state(number, 100 + number / 4))
             sent.append(time.time())
             time.sleep(max(0.0, begin_s + number / (4 * SPEEDUP) - time.time()))

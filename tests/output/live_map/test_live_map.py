@@ -16,9 +16,9 @@ from bokeh.models import ColumnDataSource
 from bokeh.models.renderers import TileRenderer
 
 from flight_replay.events import (
+    DistanceToWaypoint,
     Event,
     Finished,
-    Heading,
     LinkLost,
     Phase,
     PhaseStarted,
@@ -107,11 +107,11 @@ def test_a_single_fix_can_be_followed() -> None:
 def test_the_target_is_the_waypoint_flown_to(data: LiveData) -> None:
     """Known while the vehicle heads for one; items without a place, and the end, have none."""
     assert data.target_m() is None
-    data.listener(Heading(1, 3.0, 60))
+    data.listener(DistanceToWaypoint(1, 3.0, 60))
     assert data.target_m() == pytest.approx((0, 0), abs=1e-3)
-    data.listener(Heading(999, 3.0, 60))
+    data.listener(DistanceToWaypoint(999, 3.0, 60))
     assert data.target_m() is None
-    data.listener(Heading(1, 3.0, 60))
+    data.listener(DistanceToWaypoint(1, 3.0, 60))
     data.listener(Finished("duration"))
     assert data.target_m() is None
 
@@ -135,7 +135,7 @@ def test_a_page_that_comes_late_shows_what_has_been_flown(data: LiveData) -> Non
     """Trail, errors, heading and target are there at once, and go on with each tick."""
     data.listener(WaypointReached(1, 100.0))
     data.listener(state(0, 0, 100.0))
-    data.listener(Heading(2, 3.0, 60))
+    data.listener(DistanceToWaypoint(2, 3.0, 60))
     page, document = open_page(data)
     assert list(source(document, "trail")["east"]) == [pytest.approx(0, abs=1e-3)]
     assert source(document, "target")["seq"] == ["2"]
@@ -228,7 +228,7 @@ def test_readings_tell_where_the_flight_stands(data: LiveData) -> None:
     )
     text = words(
         PhaseStarted(Phase.MISSION),
-        Heading(3, 2.0, 60),
+        DistanceToWaypoint(3, 2.0, 60),
         WaypointReached(1, 100.0),
         state(0, 1, 100.0),
         data=data,

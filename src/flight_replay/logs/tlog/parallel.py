@@ -100,7 +100,7 @@ def _started(stack: ExitStack, read: Read, begin: int, end: int) -> _Reader | No
 @contextmanager
 def _endings_held() -> Iterator[None]:
     """Let Ctrl-C and the like wait until a new process is known to who has to stop it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals.SIGNALS)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals.TERMINATION_SIGNALS)
     try:
         yield
     finally:
@@ -143,8 +143,8 @@ class _Reader:
 def _send(parents: Connection, results: Connection, read: Read, begin: int, end: int) -> None:
     """Read a part, and send what it holds; of errors, nothing: the parent meets them itself."""
     parents.close()  # or a parent that was killed would leave this process sending to itself for ever
-    for number in signals.SIGNALS:
+    for number in signals.TERMINATION_SIGNALS:
         signal.signal(number, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.SIGNALS)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.TERMINATION_SIGNALS)
     with suppress(Exception):
         results.send(read(begin, end, None))

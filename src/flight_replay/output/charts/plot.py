@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flight_replay import atomic_write
-from flight_replay.errors import FlightReplayError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.output.charts.series import FLOWN, PLANNED, RECORDED, Curves, Distances, Flown, curves
 from flight_replay.output.outcome import Outcome
+from flight_replay.output_files import check_suffix, write_atomically
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 
@@ -42,14 +41,6 @@ _STYLE: dict[Any, Any] = {
 }
 
 
-def check_suffix(path: Path | str) -> str:
-    """The picture's format; raises FlightReplayError for a suffix that is none."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise FlightReplayError(f"cannot draw {path}: use one of {', '.join(SUFFIXES)}")
-    return suffix[1:]
-
-
 def save_plot(
     path: Path | str, route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
 ) -> None:
@@ -58,7 +49,7 @@ def save_plot(
     Raises:
         FlightReplayError: The suffix is no picture's, or the file cannot be written.
     """
-    kind = check_suffix(path)
+    file_format = check_suffix(path, SUFFIXES).removeprefix(".")
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -69,8 +60,8 @@ def save_plot(
         _fill(figure, curves(route, record, outcome))
         page = io.BytesIO()
         dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
-        figure.savefig(page, format=kind, dpi=_PNG_DOTS_PER_IN, metadata=dates[kind])
-    atomic_write.write(path, page.getvalue())
+        figure.savefig(page, format=file_format, dpi=_PNG_DOTS_PER_IN, metadata=dates[file_format])
+    write_atomically(path, page.getvalue())
 
 
 def _fill(figure: Figure, shown: Curves) -> None:

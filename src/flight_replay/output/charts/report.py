@@ -11,19 +11,19 @@ from importlib.resources import files
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from flight_replay import atomic_write
-from flight_replay.errors import FlightReplayError
 from flight_replay.mission.formats.item_text import described
 from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
 from flight_replay.output.charts.series import Curves, curves, start_s
 from flight_replay.output.event_log import Entry
 from flight_replay.output.outcome import Outcome
+from flight_replay.output_files import check_suffix, write_atomically
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 
 if TYPE_CHECKING:
     from bokeh.model import Model
 
+SUFFIXES = (".html", ".htm")
 Summary = Mapping[str, Any]
 _LEADS = {
     None: "A plan: nothing was flown.",
@@ -31,12 +31,6 @@ _LEADS = {
     "final waypoint": "Flown until the vehicle headed for the final waypoint.",
     "mission complete": "The whole mission was flown.",
 }
-
-
-def check_suffix(path: Path | str) -> None:
-    """Raises FlightReplayError for a suffix that is not HTML's."""
-    if Path(path).suffix.lower() not in {".html", ".htm"}:
-        raise FlightReplayError(f"cannot write the report {path}: its name must end in .html")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +58,7 @@ def save_report(
     Raises:
         FlightReplayError: The suffix is not HTML's, or the file cannot be written.
     """
-    check_suffix(path)
+    check_suffix(path, SUFFIXES)
     from bokeh.embed import file_html
     from bokeh.resources import Resources
     from jinja2 import Template
@@ -84,7 +78,7 @@ def save_report(
             "made_by": f"Made by flight-replay {version('flight-replay')}. All of it is in this one file.",
         },
     )
-    atomic_write.write(path, page)
+    write_atomically(path, page)
 
 
 def _lead(record: FlightRecord | None) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Protocol, TextIO
 
-from flight_replay.events import Climbing, Event, Heading, Waiting
+from flight_replay.events import Climbing, DistanceToWaypoint, Event, Waiting
 from flight_replay.output.console.terminal import is_capable_terminal, write_line
 from flight_replay.output.event_text import is_detail, sentence, went_wrong
 
@@ -100,6 +100,6 @@ def _repeated(event: Event) -> tuple[object, float]:
         return event, REASON_REPEAT_S if event.reason else REPEAT_S
     if isinstance(event, Climbing):
         return event.target_m, REPEAT_S
-    if isinstance(event, Heading):
+    if isinstance(event, DistanceToWaypoint):
         return event.seq, REPEAT_S
     return None, 0.0

@@ -10,7 +10,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from flight_replay.events import Heading, Phase, Progress, VehicleState
+from flight_replay.events import DistanceToWaypoint, Phase, Progress, VehicleState
 from flight_replay.output.event_text import WARNING_SEVERITY
 from flight_replay.output.replay_status import Status
 
@@ -108,7 +108,7 @@ def _bar(label: str, amount: str, done: int, total: int) -> RenderableType:
     return row
 
 
-def _waypoints(heading: Heading) -> RenderableType:
+def _waypoints(heading: DistanceToWaypoint) -> RenderableType:
     ahead = "" if heading.distance_m is None else f", {heading.distance_m:.1f} m ahead"
     return _bar("Waypoint", f"{heading.seq} of {heading.last_seq}{ahead}", heading.seq, heading.last_seq)
 

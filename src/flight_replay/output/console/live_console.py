@@ -11,14 +11,23 @@ from rich.console import Console as RichConsole
 from rich.live import Live
 from rich.text import Text
 
-from flight_replay.events import Climbing, Event, Finished, Heading, Notice, PhaseStarted, Progress, Waiting
+from flight_replay.events import (
+    Climbing,
+    DistanceToWaypoint,
+    Event,
+    Finished,
+    Notice,
+    PhaseStarted,
+    Progress,
+    Waiting,
+)
 from flight_replay.output.console.display import Display
 from flight_replay.output.console.terminal import printable
 from flight_replay.output.event_text import sentence, went_wrong
 from flight_replay.output.replay_status import Status
 
 REFRESHES_PER_S = 8
-_SHOWN = PhaseStarted | Progress | Waiting | Climbing | Heading
+_SHOWN = PhaseStarted | Progress | Waiting | Climbing | DistanceToWaypoint
 """What the display itself shows, and need not scroll by as well."""
 
 

@@ -1,0 +1,51 @@
+"""output_files.py: suffixes are checked, and files are written whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from flight_replay.errors import FlightReplayError
+from flight_replay.output_files import check_suffix, write_atomically
+
+
+def test_a_known_suffix_is_returned_in_lower_case() -> None:
+    """Suffixes are compared without regard to case."""
+    assert check_suffix("Mission.PLAN", (".plan", ".kml")) == ".plan"
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("mission.doc", r'unknown suffix "\.doc"'), ("mission", "no suffix")]
+)
+def test_an_unknown_suffix_is_refused(name: str, reason: str) -> None:
+    """The error names the file, the reason and every suffix that would do."""
+    with pytest.raises(FlightReplayError, match=rf"^{name}: {reason}; use one of \.plan, \.kml$"):
+        check_suffix(name, (".plan", ".kml"))
+
+
+def test_text_and_bytes_are_written_and_no_temporary_file_stays(tmp_path: Path) -> None:
+    """Text is written as UTF-8, bytes as they are."""
+    write_atomically(tmp_path / "a", "grün")
+    write_atomically(str(tmp_path / "b"), b"\x00")
+    assert (tmp_path / "a").read_bytes() == "grün".encode()
+    assert (tmp_path / "b").read_bytes() == b"\x00"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
+
+
+def test_a_file_already_there_is_replaced_and_a_link_followed(tmp_path: Path) -> None:
+    """The link stays a link; its target gets the new content."""
+    target, link = tmp_path / "target", tmp_path / "link"
+    target.write_text("old")
+    link.symlink_to(target)
+    write_atomically(link, "new")
+    assert link.is_symlink()
+    assert target.read_text() == "new"
+
+
+def test_a_file_that_cannot_be_written_is_one_error(tmp_path: Path) -> None:
+    """The error names the file, the reason and the next step; nothing is left behind."""
+    with pytest.raises(FlightReplayError, match=r"cannot write .*missing.*No such file.*; choose another"):
+        write_atomically(tmp_path / "missing" / "file", "text")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(FlightReplayError, match="cannot write"):
+        write_atomically(tmp_path / "folder", "text")
+    assert [path.name for path in tmp_path.iterdir()] == ["folder"]
