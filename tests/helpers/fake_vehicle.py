@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from flight_replay.events import StatusText, VehicleState
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.supervisor.vehicle_interface import (
-    Answer,
     Heartbeat,
-    ItemReached,
-    MissionAt,
-    News,
-    Readiness,
+    MissionCurrent,
+    MissionItemReached,
+    PrearmStatus,
+    Report,
     Request,
+    RequestAck,
 )
 
 CLIMB_M_S = 2.5
@@ -58,7 +58,7 @@ class FakeVehicle:
         self.began_s = self.clock.now_s
         self.mode, self.armed, self.altitude_m = "STABILIZE", False, 0.0
         self.asked: list[str] = []
-        self.queue: list[News] = []
+        self.queue: list[Report] = []
         self.target_m = 0.0
         self.arms_at_s: float | None = None
         self.auto_s = 0.0
@@ -74,7 +74,7 @@ class FakeVehicle:
         """The item being flown."""
         return min(1 + int(self.auto_s / self.item_s), self.points)
 
-    def news(self, timeout_s: float) -> Sequence[News]:
+    def reports(self, timeout_s: float) -> Sequence[Report]:
         """One step of 0.1 s here."""
         before_s = self.time_s
         self.clock.now_s += min(timeout_s, 0.1)
@@ -97,7 +97,7 @@ class FakeVehicle:
             seq = self.seq
             self.auto_s += step_s
             if self.reports_reached and (self.seq > seq or self._complete):
-                self.queue.append(ItemReached(seq))
+                self.queue.append(MissionItemReached(seq))
 
     @property
     def _complete(self) -> bool:
@@ -108,9 +108,9 @@ class FakeVehicle:
             self.beat_s = self.time_s
             self.queue.append(Heartbeat(self.mode, self.armed))
             ready = self.time_s - 50.0 >= self.ready_after_s
-            self.queue.append(Readiness(ready, "" if ready else "no position yet"))
+            self.queue.append(PrearmStatus(ready, "" if ready else "no position yet"))
             seq = self.seq if self.auto_s else 0
-            self.queue.append(MissionAt(seq, self.points, self._complete))
+            self.queue.append(MissionCurrent(seq, self.points, self._complete))
         if self.reports_clock:
             north = min(self.auto_s / self.item_s, self.points)
             self.queue.append(
@@ -130,30 +130,30 @@ class FakeVehicle:
         """Let the vehicle send a status text."""
         self.queue.append(StatusText(severity, text))
 
-    def ask_mode(self, mode: str) -> None:
+    def request_mode(self, mode: str) -> None:
         self.asked.append(mode)
         if mode in self.refuse_mode:
-            self.queue.append(Answer(Request.MODE, False, "FAILED"))
+            self.queue.append(RequestAck(Request.MODE, False, "FAILED"))
         elif not self.silent:
             self.mode = mode
-            self.queue.append(Answer(Request.MODE, True))
+            self.queue.append(RequestAck(Request.MODE, True))
 
-    def ask_arm(self) -> None:
+    def request_arm(self) -> None:
         self.asked.append("arm")
         if self.refuse_arm:
             self.say(self.refuse_arm)
         elif not self.silent:
             self.arms_at_s = self.time_s + self.arm_delay_s
-        self.queue.append(Answer(Request.ARM, not self.refuse_arm, "FAILED"))
+        self.queue.append(RequestAck(Request.ARM, not self.refuse_arm, "FAILED"))
 
-    def ask_takeoff(self, altitude_m: float) -> None:
+    def request_takeoff(self, altitude_m: float) -> None:
         self.asked.append("takeoff")
         self.target_m = altitude_m
 
-    def ask_prearm_report(self) -> None:
+    def request_prearm_checks(self) -> None:
         self.asked.append("report")
 
-    def mission_verified(self, attend: Callable[[], None]) -> bool:
+    def mission_verified(self, while_waiting: Callable[[], None]) -> bool:
         self.asked.append("verify")
-        attend()
+        while_waiting()
         return self.verified

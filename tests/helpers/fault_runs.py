@@ -25,9 +25,9 @@ DEADLINES = Deadlines(
     arm_s=30.0,
     mode_s=40.0,
     no_climb_s=20.0,
-    least_wall_s=3.0,
-    link_back_s=8.0,
-    return_wall_s=6.0,
+    min_wall_s=3.0,
+    give_up_wall_s=8.0,
+    rtl_wall_s=6.0,
 )
 
 

@@ -11,7 +11,7 @@ from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
 Setup = Callable[[FakeVehicle], None]
 
 
-class Flown:
+class FakeFlight:
     """A flight of a fake vehicle: its record, what was emitted and what was asked."""
 
     def __init__(self, vehicle: FakeVehicle, **plan: object) -> None:
@@ -33,5 +33,5 @@ class Flown:
         return self.vehicle.clock.now_s - self.began_s
 
 
-def flown(vehicle: FakeVehicle | None = None, **plan: object) -> Flown:
-    return Flown(vehicle or FakeVehicle(FakeClock()), **plan)
+def fake_flight(vehicle: FakeVehicle | None = None, **plan: object) -> FakeFlight:
+    return FakeFlight(vehicle or FakeVehicle(FakeClock()), **plan)

@@ -8,15 +8,15 @@ from flight_replay import events
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Event
 from flight_replay.supervisor import Deadlines, Plan, fly
-from flight_replay.supervisor.vehicle_interface import MissionAt, Rebooted
+from flight_replay.supervisor.vehicle_interface import MissionCurrent, Rebooted
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
-from tests.helpers.supervised import flown
+from tests.helpers.supervised import fake_flight
 
 
 @pytest.mark.parametrize("when_s", [6.0, 12.0, 20.0, 30.0])
 def test_ctrl_c_sends_the_vehicle_home(when_s: float) -> None:
     """An interrupt in the air commands RTL first, says that it is confirmed, and goes on up."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def interrupt() -> None:
         raise KeyboardInterrupt
@@ -31,7 +31,7 @@ def test_ctrl_c_sends_the_vehicle_home(when_s: float) -> None:
 
 def test_an_interrupt_before_arming_commands_nothing() -> None:
     """Nothing was armed, so nothing is sent home."""
-    flight = flown()
+    flight = fake_flight()
 
     def interrupt() -> None:
         raise KeyboardInterrupt
@@ -44,7 +44,7 @@ def test_an_interrupt_before_arming_commands_nothing() -> None:
 
 def test_a_link_that_comes_back_is_used_again() -> None:
     """12 s of silence are told within 5 s, and the flight ends as asked."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.at += [
         (30.0, lambda: setattr(flight.vehicle, "silent", True)),
         (42.0, lambda: setattr(flight.vehicle, "silent", False)),
@@ -58,7 +58,7 @@ def test_a_link_that_comes_back_is_used_again() -> None:
 
 def test_a_link_lost_for_ever_ends_with_what_is_known() -> None:
     """After the time allowed, RTL is tried into the void and the record says what happened."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "silent", True)))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("link lost", False)
@@ -69,7 +69,7 @@ def test_a_link_lost_for_ever_ends_with_what_is_known() -> None:
 
 def test_a_reboot_in_the_air_ends_the_flight() -> None:
     """Whatever was known before is void; RTL is asked of what is left."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(Rebooted())))
     record = flight.fly()
     assert record.ended == "reboot"
@@ -78,7 +78,7 @@ def test_a_reboot_in_the_air_ends_the_flight() -> None:
 
 def test_a_reboot_on_the_ground_is_an_error() -> None:
     """Before arming nothing is commanded any more."""
-    flight = flown()
+    flight = fake_flight()
     flight.vehicle.at.append((2.0, lambda: flight.vehicle.queue.append(Rebooted())))
     with pytest.raises(VehicleError, match="rebooted"):
         flight.fly()
@@ -87,15 +87,15 @@ def test_a_reboot_on_the_ground_is_an_error() -> None:
 
 def test_a_mission_that_changes_in_flight_is_left() -> None:
     """Another count of items on board than at the start ends AUTO with RTL."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(MissionAt(3, 7))))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
+    flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(MissionCurrent(3, 7))))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("mission changed", True)
 
 
 def test_a_mission_of_the_same_length_uploaded_in_flight_is_left() -> None:
     """The count does not show it, but the vehicle's words do: nothing unverified is flown on."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.at.append((2.0, lambda: flight.vehicle.say("Flight plan received", 6)))
     flight.vehicle.at.append((30.0, lambda: flight.vehicle.say("Flight plan received", 6)))
     record = flight.fly()
@@ -105,7 +105,7 @@ def test_a_mission_of_the_same_length_uploaded_in_flight_is_left() -> None:
 
 def test_rtl_that_is_refused_is_a_problem() -> None:
     """A vehicle that does not confirm RTL leaves the record with a problem."""
-    flight = flown(FakeVehicle(FakeClock(), points=40, refuse_mode=frozenset({"RTL"})))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40, refuse_mode=frozenset({"RTL"})))
     record = flight.fly()
     assert not record.rtl_confirmed
     assert "did not confirm RTL" in (record.problem or "")
@@ -113,8 +113,8 @@ def test_rtl_that_is_refused_is_a_problem() -> None:
 
 def test_a_clock_that_stands_still_does_not_hold_the_wait() -> None:
     """A vehicle whose time never moves is given up by the clock here."""
-    flight = flown(FakeVehicle(FakeClock(), reports_clock=False), deadlines=Deadlines(prearm_s=20))
-    with pytest.raises(PhaseTimeoutError, match="not ready to arm within 20 s"):
+    flight = fake_flight(FakeVehicle(FakeClock(), reports_clock=False), deadlines=Deadlines(prearm_s=20))
+    with pytest.raises(PhaseTimeoutError, match="not ready to arm in 20 s"):
         flight.fly()
     assert flight.wall_s < 70
 
@@ -135,7 +135,7 @@ def test_a_listener_that_fails_does_not_keep_the_vehicle_in_the_air() -> None:
 
 def test_a_vehicle_that_disarms_on_the_ground_is_armed_again() -> None:
     """ArduCopter disarms itself after 10 s on the ground, which a slow link can take."""
-    flight = flown(FakeVehicle(FakeClock(), points=40, climbs=False))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
 
     def disarm() -> None:
         flight.vehicle.armed, flight.vehicle.climbs = False, True
@@ -147,10 +147,10 @@ def test_a_vehicle_that_disarms_on_the_ground_is_armed_again() -> None:
 
 def test_a_vehicle_that_keeps_disarming_is_given_up() -> None:
     """Three times is enough; nothing is left to be sent home."""
-    flight = flown(FakeVehicle(FakeClock(), points=40, climbs=False))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
     for second in range(16, 90, 11):
         flight.vehicle.at.append((second, lambda: setattr(flight.vehicle, "armed", False)))
-    with pytest.raises(VehicleError, match="disarmed before it climbed"):
+    with pytest.raises(VehicleError, match="disarmed 3 times before take-off"):
         flight.fly()
     assert flight.vehicle.asked.count("arm") == 3
     assert "RTL" not in flight.vehicle.asked
@@ -158,9 +158,9 @@ def test_a_vehicle_that_keeps_disarming_is_given_up() -> None:
 
 def test_a_vehicle_that_somebody_disarms_is_not_armed_again() -> None:
     """Before it lifts off, somebody may have walked up to it and stopped its motors."""
-    flight = flown(FakeVehicle(FakeClock(), points=40, climbs=False))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
     flight.vehicle.at.append((6.0, lambda: setattr(flight.vehicle, "armed", False)))
-    with pytest.raises(VehicleError, match="disarmed by somebody else before it climbed"):
+    with pytest.raises(VehicleError, match="disarmed before take-off by the pilot"):
         flight.fly()
     assert flight.vehicle.asked.count("arm") == 1
     assert "RTL" not in flight.vehicle.asked
@@ -168,21 +168,21 @@ def test_a_vehicle_that_somebody_disarms_is_not_armed_again() -> None:
 
 def test_a_vehicle_that_falls_while_it_climbs_is_not_armed_again() -> None:
     """A crash at 15 m is no vehicle that waited too long on the ground."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def crash() -> None:
         flight.vehicle.say("Crash: Disarming")
         flight.vehicle.armed, flight.vehicle.altitude_m = False, 0.0
 
     flight.vehicle.at.append((12.0, crash))
-    with pytest.raises(VehicleError, match=r"climbed to \d+\.\d m: it says \"Crash: Disarming\""):
+    with pytest.raises(VehicleError, match=r"climbing to \d+\.\d m: it says \"Crash: Disarming\""):
         flight.fly()
     assert flight.vehicle.asked.count("arm") == 1
 
 
 def test_a_vehicle_that_disarms_in_flight_is_no_success() -> None:
     """A crash ends the flight with the vehicle's words, though its mode still is AUTO."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def crash() -> None:
         flight.vehicle.say("Crash: Disarming")
@@ -202,6 +202,6 @@ def test_a_disarmed_vehicle_that_never_tells_its_clock_is_not_waited_for() -> No
         vehicle.armed, vehicle.reports_clock = False, False
 
     vehicle.at.append((30.0, fall))
-    flight = flown(vehicle)
+    flight = fake_flight(vehicle)
     assert flight.fly().ended == "disarmed"
     assert flight.wall_s < 45

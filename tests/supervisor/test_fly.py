@@ -10,12 +10,12 @@ from flight_replay import events
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.mission.items import Mission, change_speed, waypoint
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
-from tests.helpers.supervised import Setup, flown
+from tests.helpers.supervised import Setup, fake_flight
 
 
 def test_a_good_flight_asks_each_step_once_in_order() -> None:
     """GUIDED, the mission checked, arm, take-off, checked again, AUTO, RTL: each asked once."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     record = flight.fly()
     asked = [word for word in flight.vehicle.asked if word != "report"]
     assert asked == ["GUIDED", "verify", "arm", "takeoff", "verify", "AUTO", "RTL"]
@@ -25,7 +25,7 @@ def test_a_good_flight_asks_each_step_once_in_order() -> None:
 
 def test_a_timed_flight_ends_after_its_duration() -> None:
     """60 s of AUTO by the vehicle's clock, and the waypoints reached by then are counted."""
-    record = flown(FakeVehicle(FakeClock(), points=40)).fly()
+    record = fake_flight(FakeVehicle(FakeClock(), points=40)).fly()
     assert record.ended == "duration"
     assert record.auto_s == pytest.approx(60, abs=0.3)
     assert record.waypoints_reached == 15
@@ -37,20 +37,20 @@ def test_a_timed_flight_ends_after_its_duration() -> None:
 @pytest.mark.parametrize("speedup", [0.5, 1.0, 20.0])
 def test_the_speed_of_the_vehicles_clock_changes_nothing(speedup: float) -> None:
     """A simulator that runs faster or slower than time here flies the same 60 s."""
-    record = flown(FakeVehicle(FakeClock(), speedup=speedup, points=40)).fly()
+    record = fake_flight(FakeVehicle(FakeClock(), speedup=speedup, points=40)).fly()
     assert record.auto_s == pytest.approx(60, abs=2.5)
     assert record.problem is None
 
 
 def test_a_timed_flight_ends_when_heading_for_the_final_waypoint() -> None:
     """As in DroneKit's example, heading for the last one ends it; the one before was reached."""
-    record = flown().fly()
+    record = fake_flight().fly()
     assert (record.ended, record.waypoints_reached) == ("final waypoint", 4)
 
 
 def test_a_whole_flight_reaches_the_last_waypoint() -> None:
     """``duration_s=None`` follows until the last waypoint is reached."""
-    record = flown(duration_s=None).fly()
+    record = fake_flight(duration_s=None).fly()
     assert (record.ended, record.waypoints_reached, record.problem) == ("mission complete", 5, None)
     assert record.auto_s == pytest.approx(20, abs=1.5)
 
@@ -58,12 +58,12 @@ def test_a_whole_flight_reaches_the_last_waypoint() -> None:
 def test_reached_waypoints_do_not_depend_on_the_reports_arriving() -> None:
     """Where every MISSION_ITEM_REACHED is lost, MISSION_CURRENT tells."""
     vehicle = FakeVehicle(FakeClock(), reports_reached=False)
-    assert flown(vehicle, duration_s=None).fly().waypoints_reached == 5
+    assert fake_flight(vehicle, duration_s=None).fly().waypoints_reached == 5
 
 
 def test_the_flown_track_is_what_was_reported_in_auto() -> None:
     """The record's track begins with AUTO, ends with it, and moves north."""
-    record = flown().fly()
+    record = fake_flight().fly()
     assert record.flown.time_s[0] >= record.auto_start_s
     assert record.flown.time_s[-1] - record.auto_start_s == pytest.approx(record.auto_s, abs=0.2)
     assert record.flown.lat_deg[-1] > record.flown.lat_deg[0]
@@ -71,7 +71,7 @@ def test_the_flown_track_is_what_was_reported_in_auto() -> None:
 
 def test_takeoff_is_done_at_95_percent() -> None:
     """The climb is told once a second against 28.5 m, and the mission starts above that."""
-    flight = flown()
+    flight = fake_flight()
     flight.fly()
     climbs = flight.of(events.Climbing)
     assert 10 <= len(climbs) <= 14
@@ -81,14 +81,14 @@ def test_takeoff_is_done_at_95_percent() -> None:
 
 def test_landing_is_awaited_when_asked_for() -> None:
     """``land`` follows the vehicle until it has disarmed on the ground."""
-    flight = flown(land=True)
+    flight = fake_flight(land=True)
     assert flight.fly().landed
     assert not flight.vehicle.armed
 
 
 def test_an_arming_that_shows_late_is_not_asked_twice() -> None:
     """ArduCopter 3.3 arms after 3 s, and starts over when asked again."""
-    flight = flown(FakeVehicle(FakeClock(), arm_delay_s=3.0))
+    flight = fake_flight(FakeVehicle(FakeClock(), arm_delay_s=3.0))
     flight.fly()
     assert flight.vehicle.asked.count("arm") == 1
 
@@ -121,10 +121,10 @@ def wrong_mission(vehicle: FakeVehicle) -> None:
 FAILURES: list[tuple[Setup, type[Exception], str, bool]] = [
     (never_ready, PhaseTimeoutError, "Compass not calibrated", False),
     (arming_refused, PhaseTimeoutError, "Throttle too high", False),
-    (guided_refused, PhaseTimeoutError, "did not change to mode GUIDED", False),
-    (auto_refused, PhaseTimeoutError, 'mode AUTO within 15 s: it says "FAILED"', True),
-    (no_climb, PhaseTimeoutError, "stayed at 0.0 m", True),
-    (wrong_mission, VehicleError, "another station changed it", False),
+    (guided_refused, PhaseTimeoutError, "did not change to GUIDED", False),
+    (auto_refused, PhaseTimeoutError, 'change to AUTO in 15 s: it says "FAILED"', True),
+    (no_climb, PhaseTimeoutError, "did not climb above 0.0 m in 25 s", True),
+    (wrong_mission, VehicleError, "another ground station changed it", False),
 ]
 
 
@@ -135,7 +135,7 @@ def test_a_phase_that_fails_names_the_reason(
     setup: Setup, kind: type[Exception], words: str, armed: bool
 ) -> None:
     """Each deadline ends in one sentence with the autopilot's words; RTL is commanded if it is armed."""
-    flight = flown()
+    flight = fake_flight()
     setup(flight.vehicle)
     with pytest.raises(kind, match=words):
         flight.fly()
@@ -146,14 +146,14 @@ def test_a_phase_that_fails_names_the_reason(
 
 def test_a_vehicle_that_stops_on_its_way_is_sent_home() -> None:
     """No progress for a minute ends a flight that has no duration."""
-    flight = flown(FakeVehicle(FakeClock(), item_s=1e9), duration_s=None)
+    flight = fake_flight(FakeVehicle(FakeClock(), item_s=1e9), duration_s=None)
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("no progress", True)
 
 
 def test_holds_in_the_mission_are_no_standstill() -> None:
     """A wait of two minutes at a waypoint is progress enough, and an item without a place has no distance."""
-    flight = flown(FakeVehicle(FakeClock(), points=3, item_s=100.0), duration_s=None)
+    flight = fake_flight(FakeVehicle(FakeClock(), points=3, item_s=100.0), duration_s=None)
     items = (waypoint(47.0, 8.0, 30.0, hold_s=120), change_speed(3.0), waypoint(47.001, 8.0, 30.0))
     flight.plan = replace(flight.plan, mission=Mission(items))
     assert flight.fly().ended == "mission complete"
@@ -167,7 +167,7 @@ def test_holds_in_the_mission_are_no_standstill() -> None:
 
 def test_a_landing_that_does_not_end_is_told() -> None:
     """A vehicle that hangs in the air on its way down leaves the record with a problem."""
-    flight = flown(FakeVehicle(FakeClock(), points=40), land=True)
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40), land=True)
     move = flight.vehicle._move
     flight.vehicle._move = lambda step_s: None if flight.vehicle.mode == "RTL" else move(step_s)  # type: ignore[method-assign]
     record = flight.fly()

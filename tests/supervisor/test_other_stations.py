@@ -8,41 +8,41 @@ import pytest
 
 from flight_replay import events
 from flight_replay.errors import VehicleError
-from flight_replay.supervisor.vehicle_interface import Heartbeat, News, Rebooted, Request, Unanswered
+from flight_replay.supervisor.vehicle_interface import Heartbeat, Rebooted, Report, Request, RequestLost
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
-from tests.helpers.supervised import flown
+from tests.helpers.supervised import fake_flight
 
 
 def test_an_armed_vehicle_is_left_alone() -> None:
     """A vehicle that somebody else flies is neither taken nor sent home."""
-    flight = flown()
+    flight = fake_flight()
     flight.vehicle.armed, flight.vehicle.mode = True, "LOITER"
-    with pytest.raises(VehicleError, match="armed already, in mode LOITER"):
+    with pytest.raises(VehicleError, match="already armed, in mode LOITER"):
         flight.fly()
     assert flight.vehicle.asked == []
 
 
 def test_a_vehicle_that_somebody_else_arms_is_not_taken_off_with() -> None:
     """What was not armed from here is neither flown nor sent home."""
-    flight = flown(FakeVehicle(FakeClock()))
+    flight = fake_flight(FakeVehicle(FakeClock()))
     vehicle = flight.vehicle
 
-    def armed_meanwhile(attend: Callable[[], None]) -> bool:
+    def armed_meanwhile(while_waiting: Callable[[], None]) -> bool:
         vehicle.queue.append(Heartbeat("GUIDED", True))
-        attend()
+        while_waiting()
         return True
 
     vehicle.mission_verified = armed_meanwhile  # type: ignore[method-assign]
-    with pytest.raises(VehicleError, match="armed already, in mode GUIDED"):
+    with pytest.raises(VehicleError, match="already armed, in mode GUIDED"):
         flight.fly()
     assert vehicle.asked == ["GUIDED"]
 
 
 def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
     """GUIDED is not asked for over the head of somebody who armed it in another mode."""
-    flight = flown(FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"})))
+    flight = fake_flight(FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"})))
     flight.vehicle.at.append((6.0, lambda: setattr(flight.vehicle, "armed", True)))
-    with pytest.raises(VehicleError, match="armed already, in mode STABILIZE"):
+    with pytest.raises(VehicleError, match="already armed, in mode STABILIZE"):
         flight.fly()
     assert flight.wall_s < 9
 
@@ -50,7 +50,7 @@ def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
 @pytest.mark.parametrize("mode", ["LOITER", "STABILIZE", "POSHOLD"])
 def test_a_pilot_who_takes_over_is_let_be(mode: str) -> None:
     """A mode that we did not ask for ends the flight, without RTL or AUTO being asked again."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "mode", mode)))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("pilot", False)
@@ -60,16 +60,16 @@ def test_a_pilot_who_takes_over_is_let_be(mode: str) -> None:
 
 def test_a_pilot_who_takes_over_during_takeoff_ends_the_flight() -> None:
     """Before AUTO it is an error, and still nothing more is commanded."""
-    flight = flown()
+    flight = fake_flight()
     flight.vehicle.at.append((8.0, lambda: setattr(flight.vehicle, "mode", "ALT_HOLD")))
-    with pytest.raises(VehicleError, match="ALT_HOLD by somebody else"):
+    with pytest.raises(VehicleError, match="ALT_HOLD by the pilot"):
         flight.fly()
     assert flight.vehicle.asked[-1] == "takeoff"
 
 
 def test_one_late_heartbeat_is_no_takeover() -> None:
     """A heartbeat from before the mode change that arrives after it changes nothing."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(Heartbeat("GUIDED", True))))
     assert flight.fly().ended == "duration"
 
@@ -77,7 +77,7 @@ def test_one_late_heartbeat_is_no_takeover() -> None:
 @pytest.mark.parametrize(("mode", "home"), [("RTL", True), ("LAND", False)])
 def test_a_failsafe_is_accepted_and_told(mode: str, home: bool) -> None:
     """RTL or LAND by the vehicle itself is reported with its reason, and not overruled."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def failsafe() -> None:
         flight.vehicle.say("Battery Failsafe")
@@ -92,9 +92,9 @@ def test_a_failsafe_is_accepted_and_told(mode: str, home: bool) -> None:
 
 def test_a_return_without_a_reason_is_told_as_what_it_is() -> None:
     """RTL that nobody here asked for, and that the vehicle did not explain."""
-    flight = flown(FakeVehicle(FakeClock(), points=40))
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
-    assert "changed to RTL without being asked to from here" in (flight.fly().problem or "")
+    assert "changed to RTL for no reason that it reported" in (flight.fly().problem or "")
 
 
 class Stalled(FakeVehicle):
@@ -102,13 +102,13 @@ class Stalled(FakeVehicle):
 
     stall_s = 0.0
 
-    def ask_mode(self, mode: str) -> None:
-        super().ask_mode(mode)
+    def request_mode(self, mode: str) -> None:
+        super().request_mode(mode)
         if mode == "AUTO":
             end_s = self.clock.now_s + self.stall_s
-            waiting: list[News] = []
+            waiting: list[Report] = []
             while self.clock.now_s < end_s:
-                waiting += super().news(0.1)
+                waiting += super().reports(0.1)
             self.queue[:0] = waiting
 
 
@@ -124,15 +124,15 @@ def test_a_program_that_did_not_run_for_a_while_overrules_nobody(
     def change() -> None:
         vehicle.mode = mode
 
-    ask_mode = vehicle.ask_mode
+    request_mode = vehicle.request_mode
 
     def ask(wanted: str) -> None:
         if wanted == "AUTO":
             vehicle.at.append((vehicle.clock.now_s - vehicle.began_s + 2.0, change))
-        ask_mode(wanted)
+        request_mode(wanted)
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign,assignment]
-    flight = flown(vehicle)
+    vehicle.request_mode = ask  # type: ignore[method-assign,assignment]
+    flight = fake_flight(vehicle)
     assert flight.fly().ended == ended
     assert vehicle.asked.count("AUTO") == 1
     assert "RTL" not in vehicle.asked
@@ -142,23 +142,23 @@ def test_a_pilot_who_takes_over_while_the_mission_is_verified_is_let_be() -> Non
     """Reading takes seconds on a slow link; AUTO is not asked for over the pilot's choice."""
 
     class SlowReader(FakeVehicle):
-        def mission_verified(self, attend: Callable[[], None]) -> bool:
+        def mission_verified(self, while_waiting: Callable[[], None]) -> bool:
             if self.altitude_m > 1:
                 self.mode = "LOITER"
             for _ in range(30):
                 self.clock.now_s += 0.1
-                attend()
+                while_waiting()
             return True
 
-    flight = flown(SlowReader(FakeClock()))
-    with pytest.raises(VehicleError, match="LOITER by somebody else"):
+    flight = fake_flight(SlowReader(FakeClock()))
+    with pytest.raises(VehicleError, match="LOITER by the pilot"):
         flight.fly()
     assert not {"AUTO", "RTL"} & set(flight.vehicle.asked)
 
 
 def test_one_heartbeat_of_another_mode_holds_commands_back() -> None:
     """A pilot's choice just before the top of the climb: AUTO waits until it is certain what it was."""
-    flight = flown()
+    flight = fake_flight()
     vehicle = flight.vehicle
     move = vehicle._move
 
@@ -170,7 +170,7 @@ def test_one_heartbeat_of_another_mode_holds_commands_back() -> None:
             vehicle.queue.append(Heartbeat("POSHOLD", True))
 
     vehicle._move = moved  # type: ignore[method-assign]
-    with pytest.raises(VehicleError, match="POSHOLD by somebody else"):
+    with pytest.raises(VehicleError, match="POSHOLD by the pilot"):
         flight.fly()
     assert "AUTO" not in vehicle.asked
 
@@ -183,11 +183,11 @@ def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
         vehicle.asked.append(mode)
         vehicle.mode = "LOITER" if mode == "RTL" else mode
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign]
-    flight = flown(vehicle)
+    vehicle.request_mode = ask  # type: ignore[method-assign]
+    flight = fake_flight(vehicle)
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("duration", False)
-    assert "LOITER by somebody else" in (record.problem or "")
+    assert "LOITER by the pilot" in (record.problem or "")
     assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(False)]
     assert vehicle.asked.count("RTL") < 20
 
@@ -205,7 +205,7 @@ def test_a_pilot_who_chooses_before_ctrl_c_is_not_sent_home() -> None:
         raise KeyboardInterrupt
 
     vehicle.at.append((30.0, interrupt))
-    flight = flown(vehicle)
+    flight = fake_flight(vehicle)
     with pytest.raises(KeyboardInterrupt):
         flight.fly()
     assert "RTL" not in vehicle.asked
@@ -221,7 +221,7 @@ def test_words_behind_the_second_heartbeat_are_the_reason() -> None:
         vehicle.at.append((30.1, lambda: vehicle.say("Radio Failsafe")))
 
     vehicle.at.append((30.0, failsafe))
-    assert "changed to RTL by itself: Radio Failsafe" in (flown(vehicle).fly().problem or "")
+    assert "changed to RTL by itself: Radio Failsafe" in (fake_flight(vehicle).fly().problem or "")
 
 
 def test_words_of_long_ago_are_not_the_reason() -> None:
@@ -231,7 +231,7 @@ def test_words_of_long_ago_are_not_the_reason() -> None:
         (1.0, lambda: vehicle.say("PreArm: Radio failsafe on")),
         (30.0, lambda: setattr(vehicle, "mode", "RTL")),
     ]
-    assert "without being asked to from here" in (flown(vehicle).fly().problem or "")
+    assert "for no reason that it reported" in (fake_flight(vehicle).fly().problem or "")
 
 
 @pytest.mark.parametrize(("told", "again"), [(True, 1), (False, 0)])
@@ -247,10 +247,10 @@ def test_a_mode_is_asked_for_again_when_the_request_is_known_to_be_lost(told: bo
         if mode == "AUTO":
             asked_s.append(vehicle.time_s)
             if told:
-                vehicle.queue.append(Unanswered(Request.MODE))
+                vehicle.queue.append(RequestLost(Request.MODE))
 
-    vehicle.ask_mode = ask  # type: ignore[method-assign]
-    assert flown(vehicle).fly().problem is None
+    vehicle.request_mode = ask  # type: ignore[method-assign]
+    assert fake_flight(vehicle).fly().problem is None
     assert len(asked_s) == 2
     assert (asked_s[1] - asked_s[0] < 2.5) is bool(again)
 
@@ -264,7 +264,7 @@ def test_a_reboot_is_not_taken_for_a_pilot_before_the_clock_is_heard() -> None:
         vehicle.at.append((34.0, lambda: vehicle.queue.append(Rebooted())))
 
     vehicle.at.append((30.0, reboot))
-    assert flown(vehicle).fly().ended == "reboot"
+    assert fake_flight(vehicle).fly().ended == "reboot"
 
 
 def test_a_pilot_who_changes_the_mode_and_disarms_is_told_from_a_reboot() -> None:
@@ -275,4 +275,4 @@ def test_a_pilot_who_changes_the_mode_and_disarms_is_told_from_a_reboot() -> Non
         vehicle.mode, vehicle.armed = "STABILIZE", False
 
     vehicle.at.append((30.0, take))
-    assert flown(vehicle).fly().ended in ("pilot", "disarmed")
+    assert fake_flight(vehicle).fly().ended in ("pilot", "disarmed")

@@ -123,7 +123,7 @@ def test_a_vehicle_that_falls_silent_is_not_waited_for(monkeypatch: pytest.Monke
     monkeypatch.setattr(module, "_SILENT_S", 0.5)
     with copter() as vehicle:
         vehicle.link.close()
-        vehicle.news(0.0)
+        vehicle.reports(0.0)
         with pytest.raises(VehicleError, match="nothing was heard from the vehicle"):
             vehicle.wait_position(10.0)
 

@@ -85,7 +85,7 @@ def test_anything_but_a_multicopter_is_refused(identity: Identity, words: str) -
 
 def test_an_armed_vehicle_is_left_alone() -> None:
     """Its mission may be the one that it flies: nothing is uploaded."""
-    with pytest.raises(VehicleError, match="armed already, in mode AUTO"):
+    with pytest.raises(VehicleError, match="already armed, in mode AUTO"):
         check(COPTER, route(1), replace(HERE, armed=True, mode="AUTO"), takeoff_altitude_m=30.0)
 
 

@@ -1,4 +1,4 @@
-"""The flight's phases, deadlines and the RTL promise: pure logic over a vehicle and a clock."""
+"""The flight as phases with deadlines, and RTL on every way out: pure logic over a vehicle and a clock."""
 
 from flight_replay.supervisor.flight_plan import Deadlines, FlightRecord, Plan
 from flight_replay.supervisor.fly import fly

@@ -1,4 +1,4 @@
-"""The flight as a story, and the promise that whatever is in the air is sent home."""
+"""The flight, phase by phase, with RTL on every way out once the vehicle may be armed."""
 
 from __future__ import annotations
 
@@ -11,62 +11,61 @@ from flight_replay.errors import VehicleError
 from flight_replay.events import Event, Listener, Phase, PhaseStarted, VehicleState, ignore
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
+from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import FlightRecord, Plan
-from flight_replay.supervisor.interruptions import Interrupted
-from flight_replay.supervisor.mission_phases import fly_mission, return_home, wait_landed
-from flight_replay.supervisor.takeoff_phases import change_mode, go_up, verify_mission, wait_ready
+from flight_replay.supervisor.mission_phases import command_rtl, fly_mission, wait_landed
+from flight_replay.supervisor.takeoff_phases import arm_and_takeoff, change_mode, verify_mission, wait_prearm
 from flight_replay.supervisor.vehicle_interface import Clock, Vehicle
-from flight_replay.supervisor.vehicle_monitor import Watch
+from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
-_LET_GO = frozenset({"pilot", "failsafe"})
-"""Ends after which the vehicle is somebody else's: it is not commanded any more."""
+_TAKEN_OVER = frozenset({"pilot", "failsafe"})
+"""``FlightRecord.ended`` where a pilot or failsafe has control: no more commands are sent."""
 
 
 def fly(vehicle: Vehicle, clock: Clock, plan: Plan, listener: Listener = ignore) -> FlightRecord:
-    """Fly ``plan`` on a vehicle whose mission is uploaded: ready, GUIDED, arm, take-off, AUTO, RTL.
+    """Fly ``plan`` on a vehicle with the mission on board: pre-arm, GUIDED, arm, take-off, AUTO, RTL.
 
-    Whatever ends the flight once arming was asked for (an error, Ctrl-C, a ``SystemExit`` raised on
-    SIGTERM) commands RTL first and emits whether the vehicle confirmed it; only a pilot or a
-    failsafe that changed the mode is not overruled. ``Finished`` is left to the caller, who has the
-    vehicle to close first. A flight that reached AUTO is handed back
-    even where it ended otherwise than asked: see ``FlightRecord.problem``.
+    Once arming was requested, every way out (an error, Ctrl-C, a ``SystemExit`` raised on SIGTERM)
+    commands RTL first and emits whether the vehicle confirmed it; only a pilot or a failsafe that
+    changed the mode is not overruled. The caller emits ``Finished``, after closing the vehicle. A
+    flight that reached AUTO returns its record even if it ended early: see ``FlightRecord.problem``.
 
     Raises:
-        PhaseTimeoutError: A phase before AUTO did not end in time; the reason is the vehicle's own.
+        PhaseTimeoutError: A phase before AUTO timed out; the message has the vehicle's own reason.
         VehicleError: The vehicle, its pilot or its link ended the flight before AUTO.
     """
-    watch = Watch(vehicle, clock, listener, plan.deadlines)
-    with _homecoming(watch):
-        wait_ready(watch)
-        change_mode(watch, "GUIDED")
-        verify_mission(watch)
-        go_up(watch, plan.takeoff_altitude_m)
-        verify_mission(watch)
-        watch.emit(PhaseStarted(Phase.MISSION))
-        watch.record_auto()
-        change_mode(watch, "AUTO")
-        return _follow(watch, plan)
+    monitor = VehicleMonitor(vehicle, clock, listener, plan.deadlines)
+    with _rtl_on_exception(monitor):
+        wait_prearm(monitor)
+        change_mode(monitor, "GUIDED")
+        verify_mission(monitor)
+        arm_and_takeoff(monitor, plan.takeoff_altitude_m)
+        verify_mission(monitor)
+        monitor.emit(PhaseStarted(Phase.MISSION))
+        monitor.record_auto()
+        change_mode(monitor, "AUTO")
+        return _fly_auto(monitor, plan)
 
 
 @contextmanager
-def _homecoming(watch: Watch) -> Iterator[None]:
-    """Send home what may be in the air when the flight is left by an exception."""
+def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
+    """Command RTL when an exception ends the flight and the vehicle may be armed."""
     try:
         yield
-    except Interrupted as turn:
-        if turn.ended not in _LET_GO:
-            with suppress(Interrupted):
-                _send_home(watch, watch.deadlines.return_wall_s)
-        raise VehicleError(turn.problem) from turn
+    except FlightEnded as end:
+        if end.ended not in _TAKEN_OVER:
+            with suppress(FlightEnded):
+                _rtl_if_armed(monitor, monitor.deadlines.rtl_wall_s)
+        raise VehicleError(end.problem) from end
     except BaseException:
-        watch.emit = _deaf(watch.emit)
-        with suppress(Interrupted):
-            _send_home(watch, watch.deadlines.return_wall_s)
+        monitor.emit = _without_errors(monitor.emit)
+        with suppress(FlightEnded):
+            _rtl_if_armed(monitor, monitor.deadlines.rtl_wall_s)
         raise
 
 
-def _deaf(listener: Listener) -> Listener:
-    """The listener, whose own failure (a pipe that closed, say) must not keep the vehicle in the air."""
+def _without_errors(listener: Listener) -> Listener:
+    """The listener, but an error of its own (a closed pipe, say) does not stop RTL."""
 
     def emit(event: Event) -> None:
         with suppress(Exception):
@@ -75,52 +74,61 @@ def _deaf(listener: Listener) -> Listener:
     return emit
 
 
-def _send_home(watch: Watch, limit_wall_s: float) -> bool:
+def _rtl_if_armed(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     """Command RTL if the vehicle may be armed; whether it is confirmed.
 
     Raises:
-        Interrupted: As ``return_home``.
+        FlightEnded: As ``command_rtl``.
     """
-    return watch.may_be_armed and return_home(watch, limit_wall_s)
+    return monitor.may_be_armed and command_rtl(monitor, limit_wall_s)
 
 
-def _follow(watch: Watch, plan: Plan) -> FlightRecord:
-    """Supervise AUTO and the way home; what is known of it."""
-    start_s = watch.auto_start_s if watch.auto_start_s is not None else watch.time_s
+def _fly_auto(monitor: VehicleMonitor, plan: Plan) -> FlightRecord:
+    """Supervise AUTO and RTL; the record of the flight."""
+    start_s = monitor.auto_start_s if monitor.auto_start_s is not None else monitor.time_s
     problem, landed = None, False
     try:
-        ended = fly_mission(watch, plan, start_s)
-    except Interrupted as turn:
-        ended, problem = turn.ended, turn.problem
-    auto_s = watch.time_s - start_s
-    flown = tuple(watch.flown)
-    confirmed = watch.mode == "RTL"
-    if ended not in _LET_GO:
-        try:
-            confirmed = _send_home(watch, watch.deadlines.link_back_s)
-        except Interrupted as turn:
-            confirmed = False
-            problem = problem or (turn.problem if turn.ended in _LET_GO else None)
-    if problem is None and not confirmed:
-        why = f": {watch.silence}" if watch.silence else ""
-        problem = f"the vehicle did not confirm RTL{why}; take control of it with another station"
+        ended = fly_mission(monitor, plan, start_s)
+    except FlightEnded as end:
+        ended, problem = end.ended, end.problem
+    end_s, flown = monitor.time_s, tuple(monitor.flown)
+    confirmed = monitor.mode == "RTL"
+    if ended not in _TAKEN_OVER:
+        confirmed, rtl_problem = _return(monitor)
+        problem = problem or rtl_problem
     if plan.land and confirmed:
         try:
-            wait_landed(watch)
+            wait_landed(monitor)
             landed = True
-        except Interrupted as turn:
-            problem = problem or turn.problem
+        except FlightEnded as end:
+            problem = problem or end.problem
     places = {seq for seq, _ in plan.mission.places}
     return FlightRecord(
-        waypoints_reached=len(places & watch.reached.keys()),
+        waypoints_reached=len(places & monitor.reached.keys()),
         ended=ended,
         problem=problem,
         auto_start_s=start_s,
-        auto_s=auto_s,
+        auto_s=end_s - start_s,
         rtl_confirmed=confirmed,
         landed=landed,
-        reached=tuple((seq, time_s) for seq, time_s in watch.reached.items() if seq >= FIRST_SEQ),
+        reached=tuple((seq, time_s) for seq, time_s in monitor.reached.items() if seq >= FIRST_SEQ),
         flown=_track(flown),
+    )
+
+
+def _return(monitor: VehicleMonitor) -> tuple[bool, str | None]:
+    """Command RTL at the end of AUTO: whether it is confirmed, and the problem if it is not."""
+    try:
+        confirmed = _rtl_if_armed(monitor, monitor.deadlines.give_up_wall_s)
+    except FlightEnded as end:
+        if end.ended in _TAKEN_OVER:
+            return False, end.problem
+        confirmed = False
+    if confirmed:
+        return True, None
+    why = f": {monitor.silence}" if monitor.silence else ""
+    return False, (
+        f"the vehicle did not confirm RTL{why}; take control with the transmitter or another ground station"
     )
 
 

@@ -1,4 +1,4 @@
-"""Whether the vehicle is heard: silence is told when it matters, and ends the flight when it lasts."""
+"""Detects a lost link: emits its loss and its return, and tells when the flight has to end."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ from flight_replay.supervisor.flight_plan import Deadlines
 from flight_replay.supervisor.vehicle_interface import Clock
 
 
-class Silence:
-    """Times how long nothing was heard, by the clock here."""
+class LinkMonitor:
+    """Measures, in wall-clock time, how long no data has come from the vehicle."""
 
     def __init__(self, clock: Clock, deadlines: Deadlines) -> None:
         self._clock, self._deadlines = clock, deadlines
-        self._heard_s = clock.monotonic_s()
+        self._received_s = clock.monotonic_s()
         self._lost = False
 
     @property
     def _silent_s(self) -> float:
-        return self._clock.monotonic_s() - self._heard_s
+        return self._clock.monotonic_s() - self._received_s
 
-    def heard(self, emit: Listener) -> None:
-        """Something came; tell it if the link had been lost."""
+    def received(self, emit: Listener) -> None:
+        """Data came from the vehicle; emit ``LinkRestored`` if the link had been lost."""
         if self._lost:
             self._lost = False
             emit(LinkRestored(self._silent_s))
-        self._heard_s = self._clock.monotonic_s()
+        self._received_s = self._clock.monotonic_s()
 
     def check(self, emit: Listener) -> bool:
-        """Tell a loss once; whether the silence has lasted so long that the flight must be given up."""
-        if self._silent_s >= self._deadlines.silence_s and not self._lost:
+        """Whether the link has been silent for so long that the flight ends; emits ``LinkLost`` once."""
+        if self._silent_s >= self._deadlines.link_lost_wall_s and not self._lost:
             self._lost = True
             emit(LinkLost(self._silent_s))
-        return self._silent_s >= self._deadlines.link_back_s
+        return self._silent_s >= self._deadlines.give_up_wall_s
 
     @property
-    def words(self) -> str:
-        """The silence in words, if the link is lost."""
-        return f"nothing was heard from it for {self._silent_s:.0f} s" if self._lost else ""
+    def silence(self) -> str:
+        """How long no data has come, as a phrase; empty while the link is up."""
+        return f"no data for {self._silent_s:.0f} s" if self._lost else ""

@@ -1,4 +1,4 @@
-"""From the start of the mission until the vehicle is on its way home, or at home."""
+"""The phases from the start of the mission until the vehicle is in RTL, or landed."""
 
 from __future__ import annotations
 
@@ -12,110 +12,135 @@ from flight_replay.events import (
 )
 from flight_replay.geometry.geodesy import distance_m
 from flight_replay.mission.items import FIRST_SEQ, Command
+from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import Plan
-from flight_replay.supervisor.interruptions import Interrupted
-from flight_replay.supervisor.timers import Deadline, Pace, Repeat
+from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
-from flight_replay.supervisor.vehicle_monitor import Watch
+from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
-_GAIN_M = 0.5  # Less movement than this is no progress.
-_AGAIN_S = 1.2  # Heartbeats show once a second what came of a request that was accepted.
-_DOUBT_S = 2.0  # By the clock here: a strange mode that is not told again for so long does not hold RTL up.
-_WAITS = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT, Command.LOITER_TIME, Command.DELAY})
+_MIN_MOVE_M = 0.5  # A smaller movement is no progress.
+_RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
+_DOUBT_WALL_S = 2.0  # An unexpected mode that no heartbeat repeats for so long does not hold RTL back.
+_COMMANDS_THAT_WAIT = frozenset(
+    {Command.WAYPOINT, Command.SPLINE_WAYPOINT, Command.LOITER_TIME, Command.DELAY}
+)
 """Commands whose param1 is a time to wait, seconds."""
 
 
-def fly_mission(watch: Watch, plan: Plan, start_s: float) -> str:
-    """Follow the mission in AUTO until ``plan`` has it end; by what it ended."""
-    pace = Pace(watch)
-    deadline = Deadline(watch, watch.deadlines.no_progress_s + _longest_wait_s(plan))
-    items, before = None, (-1, 0.0)
+def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
+    """Follow the mission in AUTO until ``plan`` ends it; the ``ended`` of ``FlightRecord``.
+
+    Raises:
+        FlightEnded: The mission ended otherwise.
+    """
+    progress = ProgressTimer(monitor)
+    deadline = Deadline(monitor, monitor.deadlines.no_progress_s + _longest_wait_s(plan))
+    total, before = None, (-1, 0.0)
     while True:
-        ended = _ended(watch, plan, start_s)
-        if ended and not watch.mode_in_doubt:
+        ended = _planned_end(monitor, plan, start_s)
+        if ended and not monitor.unexpected_mode:
             return ended
-        if watch.surely_disarmed:
-            raise Interrupted("disarmed", f"the vehicle disarmed in flight: {watch.reason or 'find out why'}")
-        items = items or watch.mission.items
-        if watch.mission.items != items or watch.mission_replaced:
-            raise Interrupted("mission changed", "another station changed the mission during the flight")
-        now = (watch.mission.seq, distance_ahead_m(watch, plan) or 0.0)
-        if now[0] != before[0] or abs(now[1] - before[1]) > _GAIN_M:
+        if monitor.certainly_disarmed:
+            raise _disarmed(monitor)
+        total = total or monitor.mission.total
+        if monitor.mission.total != total or monitor.mission_replaced:
+            raise FlightEnded(
+                "mission changed", "another ground station changed the mission in flight; disconnect it"
+            )
+        seq, ahead_m = monitor.mission.seq, distance_to_item_m(monitor, plan)
+        now = (seq, ahead_m or 0.0)
+        if now[0] != before[0] or abs(now[1] - before[1]) > _MIN_MOVE_M:
             before = now
             deadline.restart()
         if deadline.passed:
-            raise Interrupted("no progress", f"the vehicle stopped on its way to item {watch.mission.seq}")
-        if watch.mission.seq >= FIRST_SEQ and pace.due():
-            watch.emit(DistanceToWaypoint(watch.mission.seq, distance_ahead_m(watch, plan), plan.last_seq))
-        watch.step()
+            raise FlightEnded("no progress", f"the vehicle stopped on its way to item {seq}; find out why")
+        if seq >= FIRST_SEQ and progress.due():
+            monitor.emit(DistanceToWaypoint(seq, ahead_m, plan.last_seq))
+        monitor.step()
 
 
-def _ended(watch: Watch, plan: Plan, start_s: float) -> str | None:
+def _disarmed(monitor: VehicleMonitor) -> FlightEnded:
+    reason = f': it says "{monitor.reason}"' if monitor.reason else ""
+    return FlightEnded(
+        "disarmed", f"the vehicle disarmed in flight{reason}; find out why before flying again"
+    )
+
+
+def _planned_end(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str | None:
     if plan.duration_s is None:
-        over = watch.mission.complete or plan.last_seq in watch.reached
-        return "mission complete" if over else None
-    if watch.time_s - start_s >= plan.duration_s:
+        complete = monitor.mission.complete or plan.last_seq in monitor.reached
+        return "mission complete" if complete else None
+    if monitor.time_s - start_s >= plan.duration_s:
         return "duration"
-    return "final waypoint" if watch.mission.seq >= plan.last_seq else None
+    return "final waypoint" if monitor.mission.seq >= plan.last_seq else None
 
 
 def _longest_wait_s(plan: Plan) -> float:
-    return max((item.params[0] for item in plan.mission.items if item.command in _WAITS), default=0.0)
+    waits_s = (item.params[0] for item in plan.mission.items if item.command in _COMMANDS_THAT_WAIT)
+    return max(waits_s, default=0.0)
 
 
-def distance_ahead_m(watch: Watch, plan: Plan) -> float | None:
-    """Ground distance to the item being flown, metres; None where that item is no place."""
-    index = watch.mission.seq - FIRST_SEQ
-    if watch.state is None or not 0 <= index < len(plan.mission.items):
+def distance_to_item_m(monitor: VehicleMonitor, plan: Plan) -> float | None:
+    """Ground distance to the item being flown, metres; None if that item has no position."""
+    index = monitor.mission.seq - FIRST_SEQ
+    if monitor.state is None or not 0 <= index < len(plan.mission.items):
         return None
     item = plan.mission.items[index]
     if not item.is_place:
         return None
-    return float(distance_m(watch.state.lat_deg, watch.state.lon_deg, item.lat_deg, item.lon_deg))
+    return float(distance_m(monitor.state.lat_deg, monitor.state.lon_deg, item.lat_deg, item.lon_deg))
 
 
-def return_home(watch: Watch, limit_wall_s: float) -> bool:
-    """Command RTL until the vehicle confirms it; whether it did in time, by the clock here.
+def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
+    """Request RTL until a heartbeat confirms it; whether it did within ``limit_wall_s``.
 
     Raises:
-        Interrupted: The link is lost for good, or somebody chose another mode meanwhile: RTL is not
-            asked for over their heads.
+        FlightEnded: The link stays lost, or somebody else changed the mode: RTL does not overrule them.
     """
-    watch.emit(PhaseStarted(Phase.RETURN))
-    watch.modes.expect_change("RTL")
-    watch.forget_reason()
-    began_s, repeat = watch.wall_s, Repeat(watch)
+    monitor.emit(PhaseStarted(Phase.RETURN))
+    monitor.modes.expect_change("RTL")
+    monitor.begin_phase()
+    began_wall_s, retry = monitor.wall_s, RetryTimer(monitor)
     try:
-        while not watch.modes.changed and watch.wall_s - began_s < limit_wall_s:
-            again_s = _AGAIN_S if watch.requests.accepted(Request.MODE) else 0.0
-            in_doubt = watch.mode_in_doubt and watch.modes.strange.lasts_s(watch.wall_s) < _DOUBT_S
-            if not in_doubt and repeat.due(again_s):
-                watch.vehicle.ask_mode("RTL")
-            watch.step()
-    except Interrupted:
-        watch.emit(ReturnCommanded(False))
+        while not monitor.modes.changed and monitor.wall_s - began_wall_s < limit_wall_s:
+            retry_s = _RETRY_S if monitor.requests.accepted(Request.MODE) else 0.0
+            if not _mode_in_doubt(monitor) and retry.due(retry_s):
+                monitor.vehicle.request_mode("RTL")
+            monitor.step()
+    except FlightEnded:
+        monitor.emit(ReturnCommanded(False))
         raise
-    watch.emit(ReturnCommanded(watch.modes.changed))
-    return watch.modes.changed
+    monitor.emit(ReturnCommanded(monitor.modes.changed))
+    return monitor.modes.changed
 
 
-def wait_landed(watch: Watch) -> None:
-    """Follow the vehicle home until it has landed and disarmed."""
-    watch.modes.expect("RTL", "LAND")
-    pace, deadline = Pace(watch), Deadline(watch, watch.deadlines.no_progress_s)
-    before = watch.state
-    while watch.armed:
-        if watch.state and before and _apart_m(watch.state, before) > _GAIN_M:
-            before = watch.state
+def _mode_in_doubt(monitor: VehicleMonitor) -> bool:
+    """Whether a heartbeat showed an unexpected mode just now, and the next one may confirm it."""
+    return monitor.unexpected_mode and monitor.modes.unexpected.duration_s(monitor.wall_s) < _DOUBT_WALL_S
+
+
+def wait_landed(monitor: VehicleMonitor) -> None:
+    """Follow the vehicle home until it has landed and disarmed.
+
+    Raises:
+        FlightEnded: It does not move any more, or ``VehicleMonitor.step`` ends the flight.
+    """
+    monitor.modes.expect("RTL", "LAND")
+    progress, deadline = ProgressTimer(monitor), Deadline(monitor, monitor.deadlines.no_progress_s)
+    before = monitor.state
+    while monitor.armed:
+        if monitor.state and before and _moved_m(monitor.state, before) > _MIN_MOVE_M:
+            before = monitor.state
             deadline.restart()
         if deadline.passed:
-            raise Interrupted(
-                "no progress", f"the vehicle did not land and disarm; {watch.reason or 'watch it'}"
+            reason = f': it says "{monitor.reason}"' if monitor.reason else ""
+            raise FlightEnded(
+                "no progress", f"the vehicle did not land and disarm{reason}; watch it until it has landed"
             )
-        if pace.due():
-            watch.emit(Waiting(Phase.RETURN, f"{watch.altitude_m:.1f} m above home"))
-        watch.step()
+        if progress.due():
+            monitor.emit(Waiting(Phase.RETURN, f"{monitor.altitude_m:.1f} m above home"))
+        monitor.step()
 
 
-def _apart_m(a: VehicleState, b: VehicleState) -> float:
+def _moved_m(a: VehicleState, b: VehicleState) -> float:
     return float(distance_m(a.lat_deg, a.lon_deg, b.lat_deg, b.lon_deg)) + abs(a.alt_m - b.alt_m)

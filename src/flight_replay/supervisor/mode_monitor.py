@@ -1,117 +1,122 @@
-"""Whose wish the mode is: ours, the vehicle's own, or a pilot's; told by heartbeats, in their order.
+"""Who changed the flight mode (this program, the vehicle itself, or a pilot), judged by heartbeats in order.
 
-A reboot looks at first like a pilot who changed the mode and disarmed. What tells them apart is
-the vehicle's clock, so nothing is concluded from a disarmed vehicle before its clock was heard.
+A reboot looks at first like a pilot who changed the mode and disarmed. Only the vehicle's clock tells
+the two apart, so a disarmed vehicle proves nothing until its clock has been received.
 """
 
 from __future__ import annotations
 
-_ENOUGH_BEATS = 2  # One heartbeat may be from before a change, on a link that mixes packets.
-_BEATS_WITHOUT_WORDS = 3  # The vehicle's reason comes behind the first heartbeat, or the second.
-_REBOOT_SHOWS_S = 1.5  # By the clock here: reports older than this may be from before a reboot.
-_CLOCK_SILENT_S = 6.0  # A vehicle that sends heartbeats and no clock for so long will send none.
-_OWN_MODES = frozenset({"RTL", "SMART_RTL", "LAND", "BRAKE", "AUTO_RTL"})
+from flight_replay.flight_modes import CopterMode
+
+_MIN_HEARTBEATS = 2  # One heartbeat may be from before a change, on a link that reorders packets.
+_MIN_HEARTBEATS_UNEXPLAINED = 3  # The status text with the reason follows the first or second heartbeat.
+_REBOOT_WALL_S = 1.5  # Reports older than this may be from before a reboot.
+_NO_CLOCK_WALL_S = 6.0  # A vehicle that sends heartbeats but no clock for so long will not send one.
+_FAILSAFE_MODES = frozenset(
+    mode.name
+    for mode in (CopterMode.RTL, CopterMode.SMART_RTL, CopterMode.LAND, CopterMode.BRAKE, CopterMode.AUTO_RTL)
+)
 
 
-class Suspicion:
-    """Heartbeats in a row that show something that should not be."""
+class UnexpectedHeartbeats:
+    """Consecutive heartbeats that show something unexpected."""
 
     def __init__(self) -> None:
-        self.beats = 0
-        self._since_s = 0.0
-        self._clock_goes_on = False
-        self.shows_s: float | None = None
-        """The vehicle's time that was reported next after the first of them."""
+        self.count = 0
+        self._since_wall_s = 0.0
+        self._clock_advanced = False
+        self.time_s: float | None = None
+        """The first vehicle time that was reported after the first of them."""
 
-    def beat(self, suspicious: bool, wall_s: float) -> None:
-        """A heartbeat came, at ``wall_s`` by the clock here."""
-        self.beats = self.beats + 1 if suspicious else 0
-        if self.beats == 1:
-            self._since_s, self._clock_goes_on, self.shows_s = wall_s, False, None
+    def heartbeat(self, unexpected: bool, wall_s: float) -> None:
+        """A heartbeat came at the wall-clock time ``wall_s``."""
+        self.count = self.count + 1 if unexpected else 0
+        if self.count == 1:
+            self._since_wall_s, self._clock_advanced, self.time_s = wall_s, False, None
 
-    def clock_goes_on(self, time_s: float, wall_s: float) -> None:
-        """The vehicle reported a time that is later than all before."""
-        if self.shows_s is None:
-            self.shows_s = time_s
-        if wall_s - self._since_s > _REBOOT_SHOWS_S:
-            self._clock_goes_on = True
+    def clock(self, time_s: float, wall_s: float) -> None:
+        """The vehicle reported a time later than all before."""
+        if self.time_s is None:
+            self.time_s = time_s
+        if wall_s - self._since_wall_s > _REBOOT_WALL_S:
+            self._clock_advanced = True
 
-    def forget(self) -> None:
-        """What was suspicious is so no more."""
-        self.beats = 0
+    def clear(self) -> None:
+        """What was unexpected is expected from now on."""
+        self.count = 0
 
-    def lasts_s(self, wall_s: float) -> float:
-        """How long it has lasted by the clock here."""
-        return wall_s - self._since_s if self.beats else 0.0
+    def duration_s(self, wall_s: float) -> float:
+        """How long they have lasted, in wall-clock time."""
+        return wall_s - self._since_wall_s if self.count else 0.0
 
-    def no_reboot(self, wall_s: float) -> bool:
-        """Whether it is certain that the vehicle did not just reboot."""
-        return self._clock_goes_on or wall_s - self._since_s > _CLOCK_SILENT_S
+    def reboot_excluded(self, wall_s: float) -> bool:
+        """Whether a reboot cannot be their cause."""
+        return self._clock_advanced or wall_s - self._since_wall_s > _NO_CLOCK_WALL_S
 
 
-class Modes:
-    """The mode, the modes that are expected, and what to make of another."""
+class ModeMonitor:
+    """The flight mode, the modes that are expected, and whether somebody else changed it."""
 
     def __init__(self) -> None:
         self.mode: str | None = None
-        self.strange, self.disarmed = Suspicion(), Suspicion()
+        self.unexpected, self.disarmed = UnexpectedHeartbeats(), UnexpectedHeartbeats()
         self.changed = False
-        """Whether the mode that was asked for with ``expect_change`` has been entered."""
-        self._ours: frozenset[str] = frozenset()
-        self._wanted: str | None = None
+        """Whether the mode requested with ``expect_change`` has been entered."""
+        self._expected: frozenset[str] = frozenset()
+        self._requested: str | None = None
         self._armed = False
 
     def expect(self, *modes: str) -> None:
-        """From now on any other mode, told again and again, is somebody else's wish."""
-        self._ours, self._wanted = frozenset(modes), None
-        self.strange.forget()
+        """Expect these modes only: any other that persists was chosen by somebody else."""
+        self._expected, self._requested = frozenset(modes), None
+        self.unexpected.clear()
 
     def expect_change(self, mode: str) -> None:
-        """Expect a mode to be entered, and those expected so far until then.
+        """Expect a change to ``mode``, and until then the modes expected so far.
 
-        A heartbeat that already showed another mode goes on counting.
+        Heartbeats that already showed another mode go on counting.
         """
-        before = self._ours or frozenset([self.mode] if self.mode else [])
-        self._wanted, self._ours = mode, before | {mode}
+        before = self._expected or frozenset([self.mode] if self.mode else [])
+        self._requested, self._expected = mode, before | {mode}
         self.changed = False
-        if self.mode in self._ours:
-            self.strange.forget()
-        self._settle()
+        if self.mode in self._expected:
+            self.unexpected.clear()
+        self._check_changed()
 
-    def _settle(self) -> None:
-        if self._wanted is not None and self.mode == self._wanted:
-            self._ours, self._wanted, self.changed = frozenset({self._wanted}), None, True
+    def _check_changed(self) -> None:
+        if self._requested is not None and self.mode == self._requested:
+            self._expected, self._requested, self.changed = frozenset({self._requested}), None, True
 
-    def beat(self, mode: str, armed: bool, wall_s: float) -> None:
-        """A heartbeat came."""
+    def heartbeat(self, mode: str, armed: bool, wall_s: float) -> None:
+        """A heartbeat came at the wall-clock time ``wall_s``."""
         self.mode, self._armed = mode, armed
-        self._settle()
-        self.disarmed.beat(not armed, wall_s)
-        self.strange.beat(bool(self._ours) and mode not in self._ours, wall_s)
+        self._check_changed()
+        self.disarmed.heartbeat(not armed, wall_s)
+        self.unexpected.heartbeat(bool(self._expected) and mode not in self._expected, wall_s)
 
-    def clock_goes_on(self, time_s: float, wall_s: float) -> None:
-        """The vehicle reported a time that is later than all before."""
-        self.strange.clock_goes_on(time_s, wall_s)
-        self.disarmed.clock_goes_on(time_s, wall_s)
+    def clock(self, time_s: float, wall_s: float) -> None:
+        """The vehicle reported a time later than all before."""
+        self.unexpected.clock(time_s, wall_s)
+        self.disarmed.clock(time_s, wall_s)
 
-    def is_strange(self, wall_s: float, *, explained: bool) -> bool:
-        """Whether the mode surely is somebody else's wish; ``explained`` if the vehicle gave its reason."""
-        own_without_words = self.is_own and not explained
-        enough = _BEATS_WITHOUT_WORDS if own_without_words else _ENOUGH_BEATS
-        return self.strange.beats >= enough and (self._armed or self.strange.no_reboot(wall_s))
+    def taken_over(self, wall_s: float, *, explained: bool) -> bool:
+        """Whether somebody else certainly chose the mode; ``explained`` if the vehicle gave a reason."""
+        waits_for_reason = self.is_failsafe and not explained
+        enough = _MIN_HEARTBEATS_UNEXPLAINED if waits_for_reason else _MIN_HEARTBEATS
+        return self.unexpected.count >= enough and (self._armed or self.unexpected.reboot_excluded(wall_s))
 
     @property
-    def is_own(self) -> bool:
-        """Whether the mode is one that a vehicle enters by itself."""
-        return self.mode in _OWN_MODES
+    def is_failsafe(self) -> bool:
+        """Whether the mode is one that a failsafe of the vehicle enters."""
+        return self.mode in _FAILSAFE_MODES
 
     @property
     def disarmed_at_s(self) -> float | None:
-        """When, by the vehicle's clock, it showed to have disarmed in a mode of ours; None if it has not."""
-        if self.disarmed.beats < _ENOUGH_BEATS or self.strange.beats:
+        """Vehicle time at which it certainly had disarmed in an expected mode; None if it has not."""
+        if self.disarmed.count < _MIN_HEARTBEATS or self.unexpected.count:
             return None
-        return self.disarmed.shows_s
+        return self.disarmed.time_s
 
-    def surely_disarmed(self, wall_s: float) -> bool:
-        """Whether the motors do not run, and the vehicle did not just reboot."""
-        return self.disarmed.beats >= _ENOUGH_BEATS and self.disarmed.no_reboot(wall_s)
+    def certainly_disarmed(self, wall_s: float) -> bool:
+        """Whether the vehicle is disarmed, and did not just reboot."""
+        return self.disarmed.count >= _MIN_HEARTBEATS and self.disarmed.reboot_excluded(wall_s)

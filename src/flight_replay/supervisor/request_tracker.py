@@ -1,47 +1,47 @@
-"""What came of what was asked of the vehicle."""
+"""What is known of the requests sent to the vehicle: accepted, refused or lost."""
 
 from __future__ import annotations
 
-from flight_replay.supervisor.vehicle_interface import Answer, Request
+from flight_replay.supervisor.vehicle_interface import Request, RequestAck
 
 
-class Requests:
-    """The newest answers, and which requests are known to have come to nothing."""
+class RequestTracker:
+    """The latest ack of each request, and the requests that are known to have failed."""
 
     def __init__(self) -> None:
-        self.answers: dict[Request, Answer] = {}
-        self._unanswered: set[Request] = set()
+        self.acks: dict[Request, RequestAck] = {}
+        self._lost: set[Request] = set()
         self._failed: set[Request] = set()
 
-    def forget(self) -> None:
-        """What comes from now on is about the step that begins now."""
-        self.answers.clear()
-        self.asking()
+    def clear(self) -> None:
+        """Forget all acks and failures: a new phase begins."""
+        self.acks.clear()
+        self.sending()
 
-    def asking(self) -> None:
-        """A request is sent now: that an earlier one failed says nothing of it."""
-        self._unanswered.clear()
+    def sending(self) -> None:
+        """A request is sent now: an earlier failure says nothing about it."""
+        self._lost.clear()
         self._failed.clear()
 
-    def answer(self, answer: Answer) -> None:
-        """The vehicle accepted or refused."""
-        self.answers[answer.request] = answer
-        if not answer.accepted:
-            self._failed.add(answer.request)
+    def acked(self, ack: RequestAck) -> None:
+        """The vehicle accepted or refused a request."""
+        self.acks[ack.request] = ack
+        if not ack.accepted:
+            self._failed.add(ack.request)
 
-    def unanswered(self, request: Request) -> None:
-        """A request or its answer got lost; which of them, the next heartbeat will show."""
-        self._unanswered.add(request)
+    def lost(self, request: Request) -> None:
+        """A request or its ack is lost; the next heartbeat shows which of the two."""
+        self._lost.add(request)
 
-    def beat(self) -> None:
-        """A heartbeat came: what it does not show did not happen."""
-        self._failed |= self._unanswered
+    def heartbeat(self) -> None:
+        """A heartbeat came: a lost request that it does not show as done has failed."""
+        self._failed |= self._lost
 
     def failed(self, request: Request) -> bool:
-        """Whether it is known that nothing came of the last request."""
+        """Whether the last request was refused, or lost on the way."""
         return request in self._failed
 
     def accepted(self, request: Request) -> bool:
-        """Whether the vehicle said that it does what was asked."""
-        answer = self.answers.get(request)
-        return answer is not None and answer.accepted
+        """Whether the vehicle accepted the last request."""
+        ack = self.acks.get(request)
+        return ack is not None and ack.accepted

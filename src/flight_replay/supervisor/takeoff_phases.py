@@ -1,7 +1,7 @@
-"""From the ground to the start of the mission: each phase a function that ends when the phase is done.
+"""The phases from the ground to the start of the mission; each function ends when its phase is done.
 
-Each raises ``PhaseTimeoutError`` with the autopilot's own reason when its deadline passes, and
-``Interrupted`` (see ``watch``) when the vehicle has other plans.
+Each raises ``PhaseTimeoutError`` with the autopilot's own reason at its deadline, and ``FlightEnded``
+(see ``vehicle_monitor``) when the vehicle, its pilot or its link ends the flight.
 """
 
 from __future__ import annotations
@@ -9,183 +9,184 @@ from __future__ import annotations
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, Waiting
 from flight_replay.mission.items import ENOUGH_OF_TARGET
-from flight_replay.supervisor.timers import Deadline, Pace, Repeat
+from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
-from flight_replay.supervisor.vehicle_monitor import Watch
+from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
-_AGAIN_S = 1.2  # Heartbeats show once a second what came of a request.
-_BLIND_S, _ARM_BLIND_S = 3.0, 5.0  # Where nothing tells that a request got lost: ArduCopter 3.3 shows
-# arming after 3 to 4 s, and a second request begins them anew.
-_BLIND_WALL_S = 1.0  # The vehicle's clock may run fast, and the answer be under way.
-_PREARM_REPORT_S = 5.0
+_RETRY_S = 1.2  # Heartbeats show once a second what came of a request.
+_RETRY_UNACKED_S = 3.0  # Firmware that sends no ack does not tell that a request is lost.
+_RETRY_UNACKED_ARM_S = 5.0  # ArduCopter 3.3 arms within 3 to 4 s, and starts over at a second request.
+_RETRY_UNACKED_WALL_S = 1.0  # The vehicle's clock may run fast, and the ack be on its way.
+_PREARM_CHECKS_S = 5.0
 _OFF_GROUND_M = 1.0
-_GAIN_M = 0.5  # Less height than this is no climb.
-_STARTS = 3
-_IDLE_S = 4.0  # A vehicle that disarms sooner than this was disarmed: ArduCopter waits for 10 s.
+_MIN_CLIMB_M = 0.5  # A smaller gain of height is no climb.
+_MAX_ARMINGS = 3
+_MIN_IDLE_S = 4.0  # ArduCopter disarms by itself after 10 s: sooner than this, somebody disarmed it.
 
 
-def wait_ready(watch: Watch) -> None:
-    """Wait until the vehicle can be armed, showing its own reasons meanwhile."""
-    watch.emit(PhaseStarted(Phase.PREARM))
-    watch.forget_reason()
-    pace, report = Pace(watch), Deadline(watch, _PREARM_REPORT_S)
-    deadline = Deadline(watch, watch.deadlines.prearm_s)
-    while not _known_ready(watch):
-        reason = watch.reason or (watch.readiness.reason if watch.readiness else "")
+def wait_prearm(monitor: VehicleMonitor) -> None:
+    """Wait until the vehicle is ready to arm, and emit its own reasons meanwhile."""
+    monitor.emit(PhaseStarted(Phase.PREARM))
+    monitor.begin_phase()
+    progress, checks = ProgressTimer(monitor), Deadline(monitor, _PREARM_CHECKS_S)
+    deadline = Deadline(monitor, monitor.deadlines.prearm_s)
+    while not _is_ready(monitor):
+        reason = monitor.reason or (monitor.prearm.reason if monitor.prearm else "")
         if deadline.passed:
-            raise PhaseTimeoutError(_late("was not ready to arm", watch.deadlines.prearm_s, reason))
-        if report.passed:
-            watch.vehicle.ask_prearm_report()
-            report.restart()
-        if pace.due():
-            watch.emit(Waiting(Phase.PREARM, reason))
-        watch.step()
+            raise PhaseTimeoutError(_timeout("was not ready to arm", monitor.deadlines.prearm_s, reason))
+        if checks.passed:
+            monitor.vehicle.request_prearm_checks()
+            checks.restart()
+        if progress.due():
+            monitor.emit(Waiting(Phase.PREARM, reason))
+        monitor.step()
 
 
-def _known_ready(watch: Watch) -> bool:
-    """Whether the vehicle is known to be on the ground, disarmed, somewhere, and ready."""
-    _check_not_armed_by_others(watch)
-    told = watch.armed is not None and watch.state is not None
-    return told and watch.readiness is not None and watch.readiness.ready
+def _is_ready(monitor: VehicleMonitor) -> bool:
+    """Whether the vehicle reported that it is disarmed, where it is, and that it is ready to arm."""
+    _check_not_armed_by_others(monitor)
+    known = monitor.armed is not None and monitor.state is not None
+    return known and monitor.prearm is not None and monitor.prearm.ready
 
 
-def _check_not_armed_by_others(watch: Watch) -> None:
-    """Whoever armed the vehicle before it was asked for here has control of it."""
-    if watch.armed and not watch.arm_asked:
+def _check_not_armed_by_others(monitor: VehicleMonitor) -> None:
+    """Whoever armed the vehicle before this program requested it has control of it."""
+    if monitor.armed and not monitor.arm_requested:
         raise VehicleError(
-            f"the vehicle is armed already, in mode {watch.mode}; land and disarm it, then start again"
+            f"the vehicle is already armed, in mode {monitor.mode}; land and disarm it, then start again"
         )
 
 
-def change_mode(watch: Watch, mode: str) -> None:
-    """Get the vehicle into ``mode``, confirmed by its heartbeat, and expect it to stay there.
+def change_mode(monitor: VehicleMonitor, mode: str) -> None:
+    """Change the flight mode, confirmed by a heartbeat, and expect the vehicle to stay in it.
 
-    A mode is asked for again only when the first request is known to have been refused or lost, or
-    after long: a second one that is under way would overrule what the vehicle or its pilot do.
+    A mode is requested again only when the first request was refused or lost, or after a long time:
+    a second request on its way would overrule the vehicle or its pilot.
     """
-    watch.catch_up()
-    watch.forget_reason()
-    watch.modes.expect_change(mode)
-    deadline, repeat = Deadline(watch, watch.deadlines.mode_s), Repeat(watch)
-    while not watch.modes.changed:
-        _check_not_armed_by_others(watch)
+    monitor.catch_up()
+    monitor.begin_phase()
+    monitor.modes.expect_change(mode)
+    deadline, retry = Deadline(monitor, monitor.deadlines.mode_s), RetryTimer(monitor)
+    while not monitor.modes.changed:
+        _check_not_armed_by_others(monitor)
         if deadline.passed:
-            reason = _refusal(watch, Request.MODE)
-            raise PhaseTimeoutError(_late(f"did not change to mode {mode}", watch.deadlines.mode_s, reason))
-        if not watch.mode_in_doubt and repeat.due(*_patience_s(watch, Request.MODE, _BLIND_S)):
-            watch.requests.asking()
-            watch.vehicle.ask_mode(mode)
-        watch.step()
+            reason = _refusal(monitor, Request.MODE)
+            raise PhaseTimeoutError(_timeout(f"did not change to {mode}", monitor.deadlines.mode_s, reason))
+        if not monitor.unexpected_mode and retry.due(*_retry_after(monitor, Request.MODE, _RETRY_UNACKED_S)):
+            monitor.requests.sending()
+            monitor.vehicle.request_mode(mode)
+        monitor.step()
 
 
-def _patience_s(watch: Watch, request: Request, blind_s: float) -> tuple[float, ...]:
-    """After how many seconds of the vehicle's time, and at least here, to ask again."""
-    return (_AGAIN_S,) if watch.requests.failed(request) else (blind_s, _BLIND_WALL_S)
+def _retry_after(monitor: VehicleMonitor, request: Request, unacked_s: float) -> tuple[float, ...]:
+    """When to send a request again: seconds of vehicle time, and of wall-clock time at least."""
+    return (_RETRY_S,) if monitor.requests.failed(request) else (unacked_s, _RETRY_UNACKED_WALL_S)
 
 
-def verify_mission(watch: Watch) -> None:
-    """Make sure that the mission on board is still the one that was uploaded."""
-    watch.mission_replaced = False
-    if not watch.vehicle.mission_verified(watch.catch_up):
+def verify_mission(monitor: VehicleMonitor) -> None:
+    """Check that the mission on board is still the one that was uploaded."""
+    monitor.mission_replaced = False
+    if not monitor.vehicle.mission_verified(monitor.catch_up):
         raise VehicleError(
-            "the mission on board is not the one that was uploaded: another station changed it; "
+            "the mission on board is not the one that was uploaded: another ground station changed it; "
             "disconnect that station, then start again"
         )
 
 
-def arm(watch: Watch) -> None:
-    """Arm, patiently: again only after a refusal, or after a silence longer than any arming takes."""
-    watch.emit(PhaseStarted(Phase.ARM))
-    watch.catch_up()
-    watch.forget_reason()
-    pace, repeat = Pace(watch), Repeat(watch)
-    deadline = Deadline(watch, watch.deadlines.arm_s)
-    pace.due()  # The phase's start was told just now.
-    while not watch.armed:
-        reason = _refusal(watch, Request.ARM)
+def arm(monitor: VehicleMonitor) -> None:
+    """Arm; requested again only after a refusal, or when no arming takes that long."""
+    monitor.emit(PhaseStarted(Phase.ARM))
+    monitor.catch_up()
+    monitor.begin_phase()
+    progress, retry = ProgressTimer(monitor), RetryTimer(monitor)
+    deadline = Deadline(monitor, monitor.deadlines.arm_s)
+    progress.due()  # The start of the phase was emitted just now.
+    while not monitor.armed:
+        reason = _refusal(monitor, Request.ARM)
         if deadline.passed:
-            raise PhaseTimeoutError(_late("did not arm", watch.deadlines.arm_s, reason))
-        if not watch.mode_in_doubt and repeat.due(*_patience_s(watch, Request.ARM, _ARM_BLIND_S)):
-            watch.requests.forget()
-            watch.begin_arming()
-            watch.vehicle.ask_arm()
-        if pace.due():
-            watch.emit(Waiting(Phase.ARM, reason))
-        watch.step()
-    _check_not_armed_by_others(watch)
+            raise PhaseTimeoutError(_timeout("did not arm", monitor.deadlines.arm_s, reason))
+        retry_after = _retry_after(monitor, Request.ARM, _RETRY_UNACKED_ARM_S)
+        if not monitor.unexpected_mode and retry.due(*retry_after):
+            monitor.requests.clear()
+            monitor.begin_arming()
+            monitor.vehicle.request_arm()
+        if progress.due():
+            monitor.emit(Waiting(Phase.ARM, reason))
+        monitor.step()
+    _check_not_armed_by_others(monitor)
 
 
-def go_up(watch: Watch, altitude_m: float) -> None:
+def arm_and_takeoff(monitor: VehicleMonitor, altitude_m: float) -> None:
     """Arm and take off; again if the vehicle disarms itself first, as it does after 10 s on the ground."""
-    for _ in range(_STARTS - 1):
-        arm(watch)
-        if take_off(watch, altitude_m):
+    for _ in range(_MAX_ARMINGS):
+        arm(monitor)
+        if take_off(monitor, altitude_m):
             return
-    arm(watch)
-    if not take_off(watch, altitude_m):
-        raise VehicleError(f"the vehicle disarmed before it climbed{_because(watch.reason)}; check the link")
-
-
-def take_off(watch: Watch, altitude_m: float) -> bool:
-    """Climb to ``altitude_m`` above home; 95 % of it counts. Whether it did: False if it disarmed itself.
-
-    Raises:
-        VehicleError: Somebody else disarmed it: whoever that was may stand beside it. Or it fell.
-    """
-    watch.emit(PhaseStarted(Phase.TAKEOFF))
-    watch.forget_reason()
-    enough_m = altitude_m * ENOUGH_OF_TARGET
-    ground_m = highest_m = watch.altitude_m
-    began_s = watch.time_s
-    pace, repeat = Pace(watch), Repeat(watch)
-    deadline = Deadline(watch, watch.deadlines.no_climb_s)
-    while watch.altitude_m < enough_m:
-        if watch.altitude_m > highest_m + _GAIN_M:
-            highest_m = watch.altitude_m
-            deadline.restart()
-        on_ground = highest_m < ground_m + _OFF_GROUND_M
-        if watch.modes.disarmed_at_s is not None:
-            if not on_ground:
-                raise _disarmed_in_the_air(watch, highest_m)
-            _check_it_disarmed_itself(watch, watch.modes.disarmed_at_s - began_s)
-            return False
-        if deadline.passed:
-            reason = _refusal(watch, Request.TAKEOFF)
-            raise PhaseTimeoutError(_late(f"stayed at {highest_m:.1f} m", watch.deadlines.no_climb_s, reason))
-        wanted = on_ground and not watch.requests.accepted(Request.TAKEOFF)
-        if wanted and not watch.mode_in_doubt and repeat.due(_AGAIN_S):
-            watch.vehicle.ask_takeoff(altitude_m)
-        if pace.due():
-            watch.emit(Climbing(watch.altitude_m, enough_m, altitude_m))
-        watch.step()
-    watch.emit(TargetAltitudeReached(altitude_m))
-    return True
-
-
-def _check_it_disarmed_itself(watch: Watch, idle_s: float) -> None:
-    if idle_s < _IDLE_S:
-        raise VehicleError(
-            f"the vehicle was disarmed by somebody else before it climbed{_because(watch.reason)}; "
-            "find out why before starting again"
-        )
-
-
-def _disarmed_in_the_air(watch: Watch, highest_m: float) -> VehicleError:
-    return VehicleError(
-        f"the vehicle disarmed after it had climbed to {highest_m:.1f} m{_because(watch.reason)}; "
-        "look after it, and find out why before starting again"
+    raise VehicleError(
+        f"the vehicle disarmed {_MAX_ARMINGS} times before take-off{_quoted(monitor.reason)}; check the link"
     )
 
 
-def _refusal(watch: Watch, request: Request) -> str:
-    """The vehicle's reason against ``request``: its words, or the code of its answer."""
-    answer = watch.requests.answers.get(request)
-    return watch.reason or (answer.reason if answer else "")
+def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
+    """Climb to 95 % of ``altitude_m`` above home; False if the vehicle disarmed itself on the ground.
+
+    Raises:
+        VehicleError: Somebody else disarmed it, perhaps standing beside it; or it disarmed in the air.
+    """
+    monitor.emit(PhaseStarted(Phase.TAKEOFF))
+    monitor.begin_phase()
+    enough_m = altitude_m * ENOUGH_OF_TARGET
+    ground_m = highest_m = monitor.altitude_m
+    began_s = monitor.time_s
+    progress, retry = ProgressTimer(monitor), RetryTimer(monitor)
+    deadline = Deadline(monitor, monitor.deadlines.no_climb_s)
+    while monitor.altitude_m < enough_m:
+        if monitor.altitude_m > highest_m + _MIN_CLIMB_M:
+            highest_m = monitor.altitude_m
+            deadline.restart()
+        on_ground = highest_m < ground_m + _OFF_GROUND_M
+        if monitor.modes.disarmed_at_s is not None:
+            if not on_ground:
+                raise _disarmed_in_the_air(monitor, highest_m)
+            _check_disarmed_itself(monitor, monitor.modes.disarmed_at_s - began_s)
+            return False
+        if deadline.passed:
+            what, reason = f"did not climb above {highest_m:.1f} m", _refusal(monitor, Request.TAKEOFF)
+            raise PhaseTimeoutError(_timeout(what, monitor.deadlines.no_climb_s, reason))
+        wanted = on_ground and not monitor.requests.accepted(Request.TAKEOFF)
+        if wanted and not monitor.unexpected_mode and retry.due(_RETRY_S):
+            monitor.vehicle.request_takeoff(altitude_m)
+        if progress.due():
+            monitor.emit(Climbing(monitor.altitude_m, enough_m, altitude_m))
+        monitor.step()
+    monitor.emit(TargetAltitudeReached(altitude_m))
+    return True
 
 
-def _late(what: str, limit_s: float, reason: str) -> str:
-    return f"the vehicle {what} within {limit_s:.0f} s{_because(reason) or '; look at its messages'}"
+def _check_disarmed_itself(monitor: VehicleMonitor, idle_s: float) -> None:
+    if idle_s < _MIN_IDLE_S:
+        raise VehicleError(
+            "the vehicle was disarmed before take-off by the pilot or another ground station"
+            f"{_quoted(monitor.reason)}; find out why before starting again"
+        )
 
 
-def _because(reason: str) -> str:
+def _disarmed_in_the_air(monitor: VehicleMonitor, highest_m: float) -> VehicleError:
+    return VehicleError(
+        f"the vehicle disarmed during take-off, after climbing to {highest_m:.1f} m"
+        f"{_quoted(monitor.reason)}; find out why before flying again"
+    )
+
+
+def _refusal(monitor: VehicleMonitor, request: Request) -> str:
+    """The vehicle's reason against ``request``: its status text, or the result in its ack."""
+    ack = monitor.requests.acks.get(request)
+    return monitor.reason or (ack.reason if ack else "")
+
+
+def _timeout(what: str, limit_s: float, reason: str) -> str:
+    return f"the vehicle {what} in {limit_s:.0f} s{_quoted(reason) or '; check its status texts'}"
+
+
+def _quoted(reason: str) -> str:
     return f': it says "{reason}"' if reason else ""

@@ -1,6 +1,6 @@
-"""What the supervisor needs of a vehicle and of a clock, and the words in which a vehicle reports.
+"""What the supervisor needs of a vehicle and of a clock, and the reports that a vehicle sends.
 
-Nothing here knows MAVLink: ``flight_replay.vehicle`` speaks it, tests script it.
+Nothing here knows MAVLink: ``flight_replay.vehicle`` speaks it, and tests use a scripted vehicle.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from flight_replay.events import StatusText, VehicleState
 
 
 class Request(Enum):
-    """What the supervisor asks of a vehicle."""
+    """What the supervisor requests of a vehicle."""
 
     MODE = "mode"
     ARM = "arm"
@@ -24,15 +24,15 @@ class Request(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Heartbeat:
-    """The vehicle's own word on its mode and whether its motors are armed."""
+    """The vehicle's flight mode, and whether it is armed."""
 
     mode: str
     armed: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
-    """The vehicle accepted a request or refused it, for ``reason``."""
+class RequestAck:
+    """The vehicle accepted a request, or refused it for ``reason``."""
 
     request: Request
     accepted: bool
@@ -40,31 +40,31 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Unanswered:
-    """The vehicle answered something sent after a request, but not the request: it or its answer is lost."""
+class RequestLost:
+    """The vehicle answered something sent after a request, but not the request: it or its ack is lost."""
 
     request: Request
 
 
 @dataclass(frozen=True, slots=True)
-class MissionAt:
-    """The item being flown (0 before the start), the items on board if told, and whether all are done."""
+class MissionCurrent:
+    """The item being flown (0 before the start), the number of items if known, and whether all are done."""
 
     seq: int
-    items: int | None = None
+    total: int | None = None
     complete: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class ItemReached:
-    """The vehicle says that it reached item ``seq``."""
+class MissionItemReached:
+    """The vehicle reached item ``seq``."""
 
     seq: int
 
 
 @dataclass(frozen=True, slots=True)
-class Readiness:
-    """Whether the vehicle can be armed, and if not, what is missing."""
+class PrearmStatus:
+    """Whether the vehicle is ready to arm, and if not, what is missing."""
 
     ready: bool
     reason: str = ""
@@ -72,56 +72,57 @@ class Readiness:
 
 @dataclass(frozen=True, slots=True)
 class Rebooted:
-    """The vehicle's clock began anew: everything known of it is void."""
+    """The autopilot rebooted: its clock restarted, and nothing known before holds any longer."""
 
 
-News = (
+Report = (
     Heartbeat
     | VehicleState
     | StatusText
-    | Answer
-    | Unanswered
-    | MissionAt
-    | ItemReached
-    | Readiness
+    | RequestAck
+    | RequestLost
+    | MissionCurrent
+    | MissionItemReached
+    | PrearmStatus
     | Rebooted
 )
 
 
 class Vehicle(Protocol):
-    """A vehicle that is asked without waiting and reports when it reports."""
+    """A vehicle: requests return at once, and what comes of them arrives as reports."""
 
-    def news(self, timeout_s: float) -> Sequence[News]:
-        """Everything reported since the last call, in order; waits for the first until the timeout."""
+    def reports(self, timeout_s: float) -> Sequence[Report]:
+        """All reports since the last call, in order; waits up to the timeout for the first."""
 
-    def ask_mode(self, mode: str) -> None:
-        """Ask for a flight mode; a ``Heartbeat`` tells whether it was taken."""
+    def request_mode(self, mode: str) -> None:
+        """Request a flight mode; the next ``Heartbeat`` shows the mode that the vehicle is in."""
 
-    def ask_arm(self) -> None:
-        """Ask to arm; a ``Heartbeat`` tells whether it was done."""
+    def request_arm(self) -> None:
+        """Request arming; the next ``Heartbeat`` shows whether the vehicle is armed."""
 
-    def ask_takeoff(self, altitude_m: float) -> None:
-        """Ask to climb to ``altitude_m`` above home, in GUIDED."""
+    def request_takeoff(self, altitude_m: float) -> None:
+        """Request a take-off to ``altitude_m`` above home, in GUIDED."""
 
-    def ask_prearm_report(self) -> None:
-        """Ask for the reasons against arming; they come as ``StatusText``."""
+    def request_prearm_checks(self) -> None:
+        """Request the pre-arm checks; failures arrive as ``StatusText``."""
 
-    def mission_verified(self, attend: Callable[[], None]) -> bool:
+    def mission_verified(self, while_waiting: Callable[[], None]) -> bool:
         """Whether the mission on board is, item for item, the one that was uploaded.
 
-        ``attend`` is called now and then, as reading it can take long; what it raises ends the reading.
+        The download can take long: ``while_waiting`` is called repeatedly meanwhile, and an
+        exception that it raises ends the download.
         """
 
 
 class Clock(Protocol):
-    """Time that passes here, whatever the vehicle's clock does."""
+    """Wall-clock time, which is independent of the vehicle's clock."""
 
     def monotonic_s(self) -> float:
         """Seconds that never run backwards."""
 
 
 class WallClock:
-    """The clock of this machine."""
+    """The clock of this computer."""
 
     def monotonic_s(self) -> float:
         """Seconds that never run backwards."""

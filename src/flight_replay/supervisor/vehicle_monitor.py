@@ -1,9 +1,8 @@
-"""The supervisor's eyes: folds a vehicle's news into what is known now, and notices what must be noticed.
+"""Turns the reports of a vehicle into what is known of it now, and ends the flight when it has to end.
 
-Two clocks: the vehicle's own times the flight (a simulator's may run 20 times faster), the one
-here times silence. Nothing known outlives a silence: whoever waits, waits for new news. News is
-taken one by one, so that what is concluded follows from its order and not from when this program
-happened to run; nothing is commanded before all of it is taken.
+Two clocks: the vehicle's own times the flight (a simulator's may run 20 times faster), wall-clock time
+detects a lost link. Reports are processed one by one, so that conclusions follow from their order and
+not from when this program happened to run; no request is sent before all of them are processed.
 """
 
 from __future__ import annotations
@@ -11,232 +10,232 @@ from __future__ import annotations
 from collections import deque
 from functools import singledispatchmethod
 
-from flight_replay.events import Listener, StatusText, VehicleState, WaypointReached
+from flight_replay.events import Listener, Severity, StatusText, VehicleState, WaypointReached
 from flight_replay.mission.items import FIRST_SEQ
-from flight_replay.supervisor import interruptions
+from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_plan import Deadlines
-from flight_replay.supervisor.link_monitor import Silence
-from flight_replay.supervisor.mode_monitor import Modes
-from flight_replay.supervisor.request_tracker import Requests
+from flight_replay.supervisor.link_monitor import LinkMonitor
+from flight_replay.supervisor.mode_monitor import ModeMonitor
+from flight_replay.supervisor.request_tracker import RequestTracker
 from flight_replay.supervisor.vehicle_interface import (
-    Answer,
     Clock,
     Heartbeat,
-    ItemReached,
-    MissionAt,
-    News,
-    Readiness,
+    MissionCurrent,
+    MissionItemReached,
+    PrearmStatus,
     Rebooted,
+    Report,
     Request,
-    Unanswered,
+    RequestAck,
+    RequestLost,
     Vehicle,
 )
 
-_STEP_S = 0.1  # Longest nap by the clock here; news ends it.
-_WARNING = 4  # MAV_SEVERITY_WARNING: texts from here up are reasons, the rest is chatter.
-_GAP_S = 1.0  # Between two position reports farther apart than this the vehicle was not heard.
-_FAILSAFE_WORDS = ("failsafe", "breach", "crash")
-_NEW_MISSION_WORDS = "flight plan received"  # Of ArduCopter 3.3 and later, when a mission was uploaded.
-_WORDS_HOLD_S = 10.0  # Older words than this, by the vehicle's clock, are not the reason of a new mode.
+_STEP_WALL_S = 0.1  # The longest wait for a report in one step.
+_LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
+_FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
+_NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
+_REASON_VALID_S = 10.0  # An older status text (vehicle time) does not explain a new mode.
 
 
-class Watch:
-    """What is known of the vehicle, and when it was learnt."""
+class VehicleMonitor:
+    """What is known of the vehicle, and when it was reported."""
 
     def __init__(self, vehicle: Vehicle, clock: Clock, listener: Listener, deadlines: Deadlines) -> None:
         self.vehicle = vehicle
         self.emit = listener
         self.deadlines = deadlines
         self._clock = clock
-        self._silence = Silence(clock, deadlines)
-        self._backlog: deque[News] = deque()
+        self._link = LinkMonitor(clock, deadlines)
+        self._backlog: deque[Report] = deque()
         self._state_wall_s = 0.0
-        self.modes = Modes()
+        self.modes = ModeMonitor()
         self.armed: bool | None = None
         self.state: VehicleState | None = None
-        self.readiness: Readiness | None = None
-        self.mission = MissionAt(0)
+        self.prearm: PrearmStatus | None = None
+        self.mission = MissionCurrent(0)
         self.mission_replaced = False
-        """Whether the vehicle said that it was given a mission, since what is on board was verified last."""
+        """Whether a mission was uploaded since the one on board was last verified."""
         self.reached: dict[int, float] = {}
         self.flown: list[VehicleState] = []
-        self.attended_s = 0.0
-        """Seconds of the vehicle's clock that went by while it was heard: what waits may count."""
+        self.link_up_s = 0.0
+        """Seconds of vehicle time that passed while the link was up: the time that deadlines count."""
         self.auto_start_s: float | None = None
         self._recording = False
-        self.requests = Requests()
-        self.arm_asked = self.was_armed = False
+        self.requests = RequestTracker()
+        self.arm_requested = self.was_armed = False
         self.reason = ""
-        self._failsafe, self._failsafe_s = "", 0.0
+        self._failsafe_text, self._failsafe_s = "", 0.0
 
     @property
     def mode(self) -> str | None:
-        """The mode that the newest heartbeat shows."""
+        """The flight mode of the latest heartbeat."""
         return self.modes.mode
 
     @property
     def wall_s(self) -> float:
-        """Seconds by the clock here."""
+        """Seconds of wall-clock time."""
         return self._clock.monotonic_s()
 
     @property
     def time_s(self) -> float:
-        """Seconds by the vehicle's clock, 0 before it told."""
+        """Seconds of vehicle time, 0 before the first position."""
         return self.state.time_s if self.state else 0.0
 
     @property
     def altitude_m(self) -> float:
-        """Metres above home, 0 before the vehicle told."""
+        """Metres above home, 0 before the first position."""
         return self.state.alt_m if self.state else 0.0
 
     @property
     def silence(self) -> str:
-        """How long nothing was heard, in words, if the link is lost."""
-        return self._silence.words
+        """How long no data has come, as a phrase; empty while the link is up."""
+        return self._link.silence
 
     @property
     def may_be_armed(self) -> bool:
-        """Whether motors that we asked to run do, or may yet: an arming under way takes 3 s to show."""
-        if not self.arm_asked or self.was_armed:
-            return self.arm_asked and bool(self.armed)
-        answer = self.requests.answers.get(Request.ARM)
-        return answer is None or answer.accepted
+        """Whether the vehicle is armed at our request, or may be soon: ArduCopter takes 3 s to show it."""
+        if not self.arm_requested or self.was_armed:
+            return self.arm_requested and bool(self.armed)
+        ack = self.requests.acks.get(Request.ARM)
+        return ack is None or ack.accepted
 
     @property
-    def surely_disarmed(self) -> bool:
-        """Whether the vehicle says again and again that its motors do not run, and did not just reboot."""
-        return self.modes.surely_disarmed(self.wall_s)
+    def certainly_disarmed(self) -> bool:
+        """Whether the vehicle is disarmed, and did not just reboot."""
+        return self.modes.certainly_disarmed(self.wall_s)
 
     @property
-    def mode_in_doubt(self) -> bool:
-        """Whether the newest heartbeat shows a mode that is not ours."""
-        return self.modes.strange.beats > 0
+    def unexpected_mode(self) -> bool:
+        """Whether the latest heartbeat shows a mode that is not expected."""
+        return self.modes.unexpected.count > 0
 
     @property
     def caught_up(self) -> bool:
-        """Whether all that was reported is taken in, so that what is known may be acted on."""
+        """Whether all reports are processed, so that requests may follow from what is known."""
         return not self._backlog
 
     def begin_arming(self) -> None:
-        """The motors may start from now on."""
-        self.arm_asked, self.was_armed = True, False
+        """Arming is requested now: the vehicle may be armed from now on."""
+        self.arm_requested, self.was_armed = True, False
 
-    def forget_reason(self) -> None:
-        """What comes from now on explains the step that begins now."""
+    def begin_phase(self) -> None:
+        """Forget status texts and acks of the phase before."""
         self.reason = ""
-        self.requests.forget()
+        self.requests.clear()
 
     def record_auto(self) -> None:
-        """From the moment that the vehicle takes up AUTO, keep where it flies and what it reaches."""
+        """Record positions and items reached from the moment that the vehicle enters AUTO."""
         self._recording = True
-        self.mission = MissionAt(0)
+        self.mission = MissionCurrent(0)
         self.reached.clear()
 
-    def _in_auto(self) -> None:
+    def _auto_entered(self) -> None:
         if self._recording and self.auto_start_s is None:
             self.auto_start_s = self.time_s
 
-    def step(self, timeout_s: float = _STEP_S) -> None:
-        """Take in the next thing that the vehicle reports, waiting briefly for it.
+    def step(self, timeout_s: float = _STEP_WALL_S) -> None:
+        """Process the next report, waiting for it up to the timeout.
 
         Raises:
-            Interrupted: The link stays lost, or the vehicle left the expected mode or rebooted.
+            FlightEnded: The link stays lost, or the vehicle left the expected mode or rebooted.
         """
         if not self._backlog:
             self._fetch(timeout_s)
         if self._backlog:
-            self._take_next()
-        if not self._backlog and self._silence.check(self.emit):
-            raise interruptions.link_lost(self.silence)
+            self._process_next()
+        if not self._backlog and self._link.check(self.emit):
+            raise flight_ended.link_lost(self.silence)
 
     def catch_up(self) -> None:
-        """Take in all that was reported up to now.
+        """Process all reports that have arrived.
 
         Raises:
-            Interrupted: As ``step``.
+            FlightEnded: As ``step``.
         """
         self._fetch(0.0)
         while len(self._backlog) > 1:
-            self._take_next()
+            self._process_next()
         self.step(0.0)
 
     def _fetch(self, timeout_s: float) -> None:
-        news = self.vehicle.news(timeout_s)
-        if news:
-            self._silence.heard(self.emit)
-        self._backlog.extend(news)
+        reports = self.vehicle.reports(timeout_s)
+        if reports:
+            self._link.received(self.emit)
+        self._backlog.extend(reports)
 
-    def _take_next(self) -> None:
-        self._take(self._backlog.popleft())
-        words = self._failsafe if self.time_s - self._failsafe_s <= _WORDS_HOLD_S else ""
-        if self.modes.is_strange(self.wall_s, explained=bool(words)):
-            own = self.modes.is_own
-            raise interruptions.failsafe(self.mode, words) if own else interruptions.taken_over(self.mode)
+    def _process_next(self) -> None:
+        self._process(self._backlog.popleft())
+        reason = self._failsafe_text if self.time_s - self._failsafe_s <= _REASON_VALID_S else ""
+        if self.modes.taken_over(self.wall_s, explained=bool(reason)):
+            if self.modes.is_failsafe:
+                raise flight_ended.failsafe(self.mode, reason)
+            raise flight_ended.pilot(self.mode)
 
     @singledispatchmethod
-    def _take(self, news: object) -> None:
-        raise TypeError(f"no such news: {news!r}")
+    def _process(self, report: object) -> None:
+        raise TypeError(f"unknown report: {report!r}")
 
-    @_take.register
-    def _(self, beat: Heartbeat) -> None:
-        self.armed = beat.armed
-        self.was_armed = self.was_armed or (self.arm_asked and beat.armed)
-        self.modes.beat(beat.mode, beat.armed, self.wall_s)
-        self.requests.beat()
-        if beat.mode == "AUTO":
-            self._in_auto()
+    @_process.register
+    def _(self, heartbeat: Heartbeat) -> None:
+        self.armed = heartbeat.armed
+        self.was_armed = self.was_armed or (self.arm_requested and heartbeat.armed)
+        self.modes.heartbeat(heartbeat.mode, heartbeat.armed, self.wall_s)
+        self.requests.heartbeat()
+        if heartbeat.mode == "AUTO":
+            self._auto_entered()
 
-    @_take.register
+    @_process.register
     def _(self, state: VehicleState) -> None:
-        if self.state is not None and self.wall_s - self._state_wall_s < _GAP_S:
-            self.attended_s += max(state.time_s - self.state.time_s, 0.0)
+        if self.state is not None and self.wall_s - self._state_wall_s < _LINK_GAP_WALL_S:
+            self.link_up_s += max(state.time_s - self.state.time_s, 0.0)
         self.state, self._state_wall_s = state, self.wall_s
-        self.modes.clock_goes_on(state.time_s, self.wall_s)
+        self.modes.clock(state.time_s, self.wall_s)
         if self.auto_start_s is not None:
             self.flown.append(state)
         self.emit(state)
 
-    @_take.register
+    @_process.register
     def _(self, text: StatusText) -> None:
-        if text.severity <= _WARNING:
+        if text.severity <= Severity.WARNING:
             self.reason = text.text
-        words = text.text.lower()
-        if any(word in words for word in _FAILSAFE_WORDS):
-            self._failsafe, self._failsafe_s = text.text, self.time_s
-        self.mission_replaced = self.mission_replaced or _NEW_MISSION_WORDS in words
+        lower = text.text.lower()
+        if any(word in lower for word in _FAILSAFE_TEXTS):
+            self._failsafe_text, self._failsafe_s = text.text, self.time_s
+        self.mission_replaced = self.mission_replaced or _NEW_MISSION_TEXT in lower
         self.emit(text)
 
-    @_take.register
-    def _(self, answer: Answer) -> None:
-        self.requests.answer(answer)
-        if answer.request is Request.MODE and answer.accepted:
-            self._in_auto()
+    @_process.register
+    def _(self, ack: RequestAck) -> None:
+        self.requests.acked(ack)
+        if ack.request is Request.MODE and ack.accepted:
+            self._auto_entered()
 
-    @_take.register
-    def _(self, unanswered: Unanswered) -> None:
-        self.requests.unanswered(unanswered.request)
+    @_process.register
+    def _(self, lost: RequestLost) -> None:
+        self.requests.lost(lost.request)
 
-    @_take.register
-    def _(self, at: MissionAt) -> None:
-        self.mission = at
+    @_process.register
+    def _(self, current: MissionCurrent) -> None:
+        self.mission = current
         if self.auto_start_s is not None:
-            self._reach_up_to(at.seq if at.complete else at.seq - 1)
+            self._reached_up_to(current.seq if current.complete else current.seq - 1)
 
-    @_take.register
-    def _(self, item: ItemReached) -> None:
-        self._reach_up_to(item.seq)
+    @_process.register
+    def _(self, item: MissionItemReached) -> None:
+        self._reached_up_to(item.seq)
 
-    @_take.register
-    def _(self, readiness: Readiness) -> None:
-        self.readiness = readiness
+    @_process.register
+    def _(self, prearm: PrearmStatus) -> None:
+        self.prearm = prearm
 
-    @_take.register
+    @_process.register
     def _(self, rebooted: Rebooted) -> None:
-        self.readiness = None
-        raise interruptions.rebooted()
+        self.prearm = None
+        raise flight_ended.rebooted()
 
-    def _reach_up_to(self, last_seq: int) -> None:
-        """Note an item and all before it: of a waypoint and the command behind it, one word is sent."""
+    def _reached_up_to(self, last_seq: int) -> None:
+        """Note an item and all before it as reached: a waypoint with a command behind it is reported once."""
         for seq in range(FIRST_SEQ, last_seq + 1):
             if seq not in self.reached:
                 self.reached[seq] = self.time_s

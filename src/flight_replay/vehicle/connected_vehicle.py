@@ -21,7 +21,7 @@ from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mission.fence import Area, areas_of, kinds_on
 from flight_replay.mission.items import Mission
-from flight_replay.supervisor.vehicle_interface import News
+from flight_replay.supervisor.vehicle_interface import Report
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
 from flight_replay.vehicle.link.connection_string import opened
@@ -68,25 +68,25 @@ class ConnectedVehicle:
         self.identity: Identity = identify(self._port, sighting)
         self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int)
 
-    def news(self, timeout_s: float) -> Sequence[News]:
+    def reports(self, timeout_s: float) -> Sequence[Report]:
         """Everything reported since the last call, in order; waits for the first until the timeout."""
         self._streams.keep(self.link.speedup)
         self._commands.keep()
         return self._telemetry.take(timeout_s)
 
-    def ask_mode(self, mode: str) -> None:
+    def request_mode(self, mode: str) -> None:
         """Ask for a flight mode by ArduCopter's name of it."""
         self._commands.set_mode(mode_number(mode))
 
-    def ask_arm(self) -> None:
+    def request_arm(self) -> None:
         """Ask to arm, with all of the vehicle's own checks."""
         self._commands.arm()
 
-    def ask_takeoff(self, altitude_m: float) -> None:
+    def request_takeoff(self, altitude_m: float) -> None:
         """Ask to climb to ``altitude_m`` above home."""
         self._commands.take_off(altitude_m)
 
-    def ask_prearm_report(self) -> None:
+    def request_prearm_checks(self) -> None:
         """Ask for the reasons against arming."""
         self._commands.report_prearm()
 
@@ -111,15 +111,16 @@ class ConnectedVehicle:
         with self.parameters_set(slowed):
             yield
 
-    def mission_verified(self, attend: Callable[[], None] = lambda: None) -> bool:
+    def mission_verified(self, while_waiting: Callable[[], None] = lambda: None) -> bool:
         """Whether the mission on board is, item for item, the one that was uploaded.
 
-        Reading it can take long: ``attend`` is called now and then, and what it raises ends the reading.
+        The download can take long: ``while_waiting`` is called repeatedly meanwhile, and an exception
+        that it raises ends the download.
 
         Raises:
             VehicleError: The vehicle does not tell.
         """
-        return self._on_board.verified(attend)
+        return self._on_board.verified(while_waiting)
 
     def mission_on_board(self) -> Mission:
         """The mission that is on board now, under the vehicle's home.
@@ -151,7 +152,7 @@ class ConnectedVehicle:
         now_s = self._port.now_s
         end_s, tell_s, heard_s = now_s() + limit_s, now_s(), now_s()
         while now_s() < end_s:
-            told = self.news(0.1)
+            told = self.reports(0.1)
             heard_s = now_s() if told else heard_s
             states = [news for news in told if isinstance(news, VehicleState)]
             if states:

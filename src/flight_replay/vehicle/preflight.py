@@ -123,7 +123,7 @@ def _check_vehicle(identity: Identity, at: VehicleState) -> None:
         raise VehicleError(f"{identity.name} is not a multicopter flown by ArduPilot; connect one")
     if at.armed:
         raise VehicleError(
-            f"the vehicle is armed already, in mode {at.mode}; land and disarm it, then start again"
+            f"the vehicle is already armed, in mode {at.mode}; land and disarm it, then start again"
         )
 
 

@@ -54,7 +54,7 @@ def test_a_station_watches_the_whole_replay_and_may_take_over(tmp_path: Path) ->
             replay.kill()
             station.close()
     assert replay.returncode == 1
-    assert "the mode was changed to LOITER by somebody else" in errors
+    assert "the mode was changed to LOITER by the pilot" in errors
     (recorded,) = tmp_path.rglob("*.tlog")
     log = read_log(recorded)
     assert log.track.alt_m.max() > 25

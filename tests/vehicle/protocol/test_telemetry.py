@@ -11,14 +11,14 @@ import pytest
 from flight_replay.events import StatusText, VehicleState
 from flight_replay.mavlink import dialect
 from flight_replay.supervisor.vehicle_interface import (
-    Answer,
     Heartbeat,
-    ItemReached,
-    MissionAt,
-    Readiness,
+    MissionCurrent,
+    MissionItemReached,
+    PrearmStatus,
     Rebooted,
     Request,
-    Unanswered,
+    RequestAck,
+    RequestLost,
 )
 from flight_replay.vehicle.protocol import telemetry as module
 from flight_replay.vehicle.protocol.commands import Commands
@@ -136,9 +136,9 @@ def test_mission_progress_is_told() -> None:
     unknown = dialect.MAVLink_mission_current_message(3, 65535, 0)
     reached = dialect.MAVLink_mission_item_reached_message(2)
     assert news_of(sent(current), sent(unknown), sent(reached)) == [
-        MissionAt(3, 20, True),
-        MissionAt(3, None, False),
-        ItemReached(2),
+        MissionCurrent(3, 20, True),
+        MissionCurrent(3, None, False),
+        MissionItemReached(2),
     ]
 
 
@@ -168,14 +168,14 @@ def test_readiness_needs_position_and_the_autopilots_checks(
 ) -> None:
     """What is missing is told where the autopilot's own words have not come yet."""
     (readiness,) = news_of(system_status(PREARM, health), drone=drone)
-    assert isinstance(readiness, Readiness)
+    assert isinstance(readiness, PrearmStatus)
     assert readiness.ready is ready
     assert words in readiness.reason
 
 
 def test_firmware_without_prearm_bit_is_ready_with_its_position() -> None:
     """ArduCopter 3.3 does not tell its checks: position and estimator have to do."""
-    assert news_of(system_status(0, 0)) == [Readiness(True)]
+    assert news_of(system_status(0, 0)) == [PrearmStatus(True)]
 
 
 def ack(command: int, result: int) -> Any:
@@ -185,8 +185,8 @@ def ack(command: int, result: int) -> Any:
 def test_answers_name_the_request() -> None:
     """Accepted and refused commands come as answers; progress and other commands do not."""
     assert news_of(ack(400, 0), ack(22, 4), ack(400, 5), ack(511, 0)) == [
-        Answer(Request.ARM, True),
-        Answer(Request.TAKEOFF, False, "failed"),
+        RequestAck(Request.ARM, True),
+        RequestAck(Request.TAKEOFF, False, "failed"),
     ]
 
 
@@ -229,7 +229,7 @@ def test_a_request_that_is_not_answered_before_an_echo_got_lost() -> None:
     commands.arm()
     ping = port.sent[-1]
     assert commands.echoed(echo_of(ping, vehicle_ns=0)) is None, "a question, not an echo"
-    assert commands.echoed(echo_of(ping)) == Unanswered(Request.ARM)
+    assert commands.echoed(echo_of(ping)) == RequestLost(Request.ARM)
     assert commands.echoed(echo_of(ping)) is None
     port.pass_time(0.1)
     commands.set_mode(3)
@@ -250,7 +250,7 @@ def test_a_lost_echo_is_asked_for_again_but_not_for_ever() -> None:
         commands.keep()
     pings = [m for m in port.sent if m.get_type() == "TIMESYNC"]
     assert 10 < len(pings) < 30
-    assert commands.echoed(echo_of(pings[3])) == Unanswered(Request.MODE)
+    assert commands.echoed(echo_of(pings[3])) == RequestLost(Request.MODE)
 
 
 def test_a_message_that_a_link_doubles_counts_once() -> None:

@@ -10,7 +10,7 @@ that request or answer got lost, and not only late. ArduCopter 3.3 sends none.
 from __future__ import annotations
 
 from flight_replay.mavlink import RESULTS, Message, dialect
-from flight_replay.supervisor.vehicle_interface import Answer, Request, Unanswered
+from flight_replay.supervisor.vehicle_interface import Request, RequestAck, RequestLost
 from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.port import Port, is_for_us
 
@@ -67,13 +67,13 @@ class Commands:
         if wanted and self._port.now_s() - self._echo_asked_s >= self._port.trip.again_s:
             self._ask_echo()
 
-    def echoed(self, message: Message) -> Unanswered | None:
+    def echoed(self, message: Message) -> RequestLost | None:
         """The news in a TIMESYNC: what was asked before it was not answered."""
         request = self._pending
         if request is None or message.tc1 == 0 or message.ts1 not in self._echoes:
             return None
         self._pending = None
-        return Unanswered(request)
+        return RequestLost(request)
 
     def _send_set_mode(self) -> None:
         self._port.send(dialect.MAVLink_set_mode_message(self._port.system, _CUSTOM_MODE, self._mode))
@@ -90,7 +90,7 @@ class Commands:
         """Ask for the reasons against arming; firmware that does not know this tells them now and then."""
         self._port.send(command(self._port, _RUN_PREARM_CHECKS))
 
-    def answer(self, message: Message) -> Answer | None:
+    def answer(self, message: Message) -> RequestAck | None:
         """The news in a COMMAND_ACK; none where it is to somebody else, or not the last word."""
         if not is_for_us(message):
             return None
@@ -106,4 +106,6 @@ class Commands:
         if request is None or message.result == dialect.MAV_RESULT_IN_PROGRESS:
             return None
         accepted = message.result == dialect.MAV_RESULT_ACCEPTED
-        return Answer(request, accepted, "" if accepted else RESULTS.get(message.result, str(message.result)))
+        return RequestAck(
+            request, accepted, "" if accepted else RESULTS.get(message.result, str(message.result))
+        )

@@ -21,7 +21,7 @@ FENCE = int(dialect.MAV_MISSION_TYPE_FENCE)
 class Reader:
     """One reading of the list that ``mission_type`` names; a mission includes home's slot, number 0.
 
-    ``attend`` is called again and again meanwhile, for whoever has other things to watch.
+    ``while_waiting`` is called again and again meanwhile, for whoever has other things to watch.
     """
 
     def __init__(
@@ -30,9 +30,9 @@ class Reader:
         *,
         as_int: bool,
         mission_type: int = MISSION,
-        attend: Callable[[], None] = lambda: None,
+        while_waiting: Callable[[], None] = lambda: None,
     ) -> None:
-        self._type, self._attend = mission_type, attend
+        self._type, self._attend = mission_type, while_waiting
         self._port, self._trip, self._as_int = port, port.trip, as_int
         self._found: dict[int, MissionItem] = {}
         self._asked_s: dict[int, float] = {}

@@ -23,13 +23,13 @@ class OnBoard:
         self._port, self._as_int, self._limits = port, as_int, limits
         self._sent: tuple[MissionItem, ...] | None = None
 
-    def read(self, attend: Callable[[], None] = lambda: None) -> Mission:
-        """What is on board now; ``attend`` is called now and then.
+    def read(self, while_waiting: Callable[[], None] = lambda: None) -> Mission:
+        """What is on board now; ``while_waiting`` is called now and then.
 
         Raises:
             VehicleError: The vehicle does not tell.
         """
-        items = Reader(self._port, as_int=self._as_int, attend=attend).read()
+        items = Reader(self._port, as_int=self._as_int, while_waiting=while_waiting).read()
         if not items:
             return Mission(())
         home = Home(items[0].lat_deg, items[0].lon_deg, items[0].alt_m)
@@ -55,11 +55,11 @@ class OnBoard:
                 return
         raise VehicleError(f"the mission on board is not the one sent: {unlike}; try again on a better link")
 
-    def verified(self, attend: Callable[[], None] = lambda: None) -> bool:
-        """Whether what is on board still is what was put there; ``attend`` is called now and then."""
+    def verified(self, while_waiting: Callable[[], None] = lambda: None) -> bool:
+        """Whether what is on board still is what was put there; ``while_waiting`` is called now and then."""
         if self._sent is None:
             return False
-        return _first_difference(self._sent, self.read(attend).items, as_int=self._as_int) is None
+        return _first_difference(self._sent, self.read(while_waiting).items, as_int=self._as_int) is None
 
     def _rewind(self) -> None:
         """Start at the first item, wherever a mission before this one was left; told by MISSION_CURRENT."""

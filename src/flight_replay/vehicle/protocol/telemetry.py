@@ -17,15 +17,15 @@ from flight_replay.flight_modes import mode_name
 from flight_replay.mavlink import Message, dialect
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
-    ItemReached,
-    MissionAt,
-    News,
-    Readiness,
+    MissionCurrent,
+    MissionItemReached,
+    PrearmStatus,
     Rebooted,
+    Report,
 )
 from flight_replay.vehicle.protocol.commands import Commands
 
-_KEPT = 50_000  # News that nobody takes: minutes of a fast simulator.
+_KEPT = 50_000  # Report that nobody takes: minutes of a fast simulator.
 _LATE_REPORTS = 5  # So many reports in a row from before the newest one ...
 _LATE_WALL_S = 0.5  # ... and nothing newer for this time here: a reboot, not packets out of order.
 _COPIES_WITHIN = 64  # Messages; packets are numbered up to 255, so one sent anew is not taken for a copy ...
@@ -47,7 +47,7 @@ class Telemetry:
         self._source = (system, component)
         self._drone = drone
         self._commands = commands
-        self._news: deque[News] = deque(maxlen=_KEPT)
+        self._news: deque[Report] = deque(maxlen=_KEPT)
         self._arrived = threading.Condition()
         self._mode, self._armed = "", False
         self._newest_s = self._newer_s = self._position_s = float("-inf")
@@ -56,14 +56,14 @@ class Telemetry:
         self.heard_s: dict[str, float] = {}  # When a message of each kind came last, by the clock here.
         self._prearm_known = self._prearm_good = False
         self._text: dict[int, list[str]] = {}
-        self._handlers: dict[str, Callable[[Message], News | None]] = {
+        self._handlers: dict[str, Callable[[Message], Report | None]] = {
             "HEARTBEAT": self._heartbeat,
             "GLOBAL_POSITION_INT": self._position,
             "STATUSTEXT": self._status_text,
             "COMMAND_ACK": commands.answer,
             "TIMESYNC": commands.echoed,
             "MISSION_CURRENT": self._mission_current,
-            "MISSION_ITEM_REACHED": lambda message: ItemReached(message.seq),
+            "MISSION_ITEM_REACHED": lambda message: MissionItemReached(message.seq),
             "SYS_STATUS": self._system_status,
             "EKF_STATUS_REPORT": lambda message: self._readiness(),
         }
@@ -89,7 +89,7 @@ class Telemetry:
         self._frames.append((frame, now_s))
         return False
 
-    def take(self, timeout_s: float) -> Sequence[News]:
+    def take(self, timeout_s: float) -> Sequence[Report]:
         """All news since the last call, waiting for the first until the timeout."""
         with self._arrived:
             if not self._news:
@@ -98,7 +98,7 @@ class Telemetry:
             self._news.clear()
         return news
 
-    def _reboot(self, message: Message) -> News | None:
+    def _reboot(self, message: Message) -> Report | None:
         """Whether the vehicle's clock, which many messages tell, has begun anew."""
         time_ms = getattr(message, "time_boot_ms", None)
         if time_ms is None:
@@ -114,12 +114,12 @@ class Telemetry:
         self._newest_s, self._newer_s, self._late = time_ms / 1e3, now_s, 0
         return None
 
-    def _heartbeat(self, message: Message) -> News:
+    def _heartbeat(self, message: Message) -> Report:
         self._mode = mode_name(message.custom_mode)
         self._armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
         return Heartbeat(self._mode, self._armed)
 
-    def _position(self, message: Message) -> News | None:
+    def _position(self, message: Message) -> Report | None:
         time_s = message.time_boot_ms / 1e3
         if time_s < self._position_s or not self._mode or (message.lat == 0 and message.lon == 0):
             return None  # Overtaken on the way, before the first heartbeat, or no position yet.
@@ -138,7 +138,7 @@ class Telemetry:
             battery_percent=battery.level if battery and (battery.level or 0) >= 0 else None,
         )
 
-    def _status_text(self, message: Message) -> News | None:
+    def _status_text(self, message: Message) -> Report | None:
         """A text; MAVLink 2 sends long ones in pieces of 50 with a common ``id``."""
         text_id = getattr(message, "id", 0)
         if text_id == 0:
@@ -152,24 +152,24 @@ class Telemetry:
         del self._text[text_id]
         return StatusText(message.severity, _readable("".join(pieces)))
 
-    def _mission_current(self, message: Message) -> News:
+    def _mission_current(self, message: Message) -> Report:
         total = getattr(message, "total", 0)
         complete = getattr(message, "mission_state", 0) == dialect.MISSION_STATE_COMPLETE
-        return MissionAt(message.seq, None if total in _NO_TOTAL else total, complete)
+        return MissionCurrent(message.seq, None if total in _NO_TOTAL else total, complete)
 
-    def _system_status(self, message: Message) -> News:
+    def _system_status(self, message: Message) -> Report:
         self._prearm_known = bool(message.onboard_control_sensors_enabled & _PREARM)
         self._prearm_good = bool(message.onboard_control_sensors_health & _PREARM)
         return self._readiness()
 
-    def _readiness(self) -> Readiness:
+    def _readiness(self) -> PrearmStatus:
         """Position and estimator as DroneKit sees them, and the autopilot's own checks since 4.0."""
         gps = self._drone.gps_0
         if not self._drone.is_armable:
             fix = gps.fix_type or 0
-            return Readiness(
+            return PrearmStatus(
                 False, "no GPS fix yet" if fix < dialect.GPS_FIX_TYPE_3D_FIX else "no position estimate yet"
             )
         if self._prearm_known and not self._prearm_good:
-            return Readiness(False, "its checks before arming do not pass yet")
-        return Readiness(True)
+            return PrearmStatus(False, "its checks before arming do not pass yet")
+        return PrearmStatus(True)

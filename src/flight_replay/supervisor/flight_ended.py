@@ -1,0 +1,43 @@
+"""The exception that ends a flight early, and the message for each cause."""
+
+from __future__ import annotations
+
+
+class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AUTO
+    """The flight cannot go on as planned: ``ended`` and ``problem`` as in ``FlightRecord``."""
+
+    def __init__(self, ended: str, problem: str) -> None:
+        super().__init__(problem)
+        self.ended = ended
+        self.problem = problem
+
+
+def link_lost(silence: str) -> FlightEnded:
+    """No data came from the vehicle until the deadline; ``silence`` says for how long."""
+    return FlightEnded(
+        "link lost",
+        f"link to the vehicle lost: {silence}; its own failsafe takes over: watch it, and check the link",
+    )
+
+
+def pilot(mode: str | None) -> FlightEnded:
+    """The pilot, or another ground station, changed the mode."""
+    return FlightEnded(
+        "pilot",
+        f"the mode was changed to {mode} by the pilot or another ground station; "
+        "flight-replay sends no more commands",
+    )
+
+
+def failsafe(mode: str | None, reason: str) -> FlightEnded:
+    """The vehicle changed its mode by itself; ``reason`` is its status text, or empty."""
+    why = f"by itself: {reason}" if reason else "for no reason that it reported"
+    return FlightEnded(
+        "failsafe",
+        f"the vehicle changed to {mode} {why}; flight-replay sends no more commands: watch the vehicle",
+    )
+
+
+def rebooted() -> FlightEnded:
+    """The autopilot rebooted."""
+    return FlightEnded("reboot", "the autopilot rebooted; find out why before flying again")
