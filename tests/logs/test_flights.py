@@ -13,7 +13,7 @@ from flight_replay.logs.track import Armed, Track, track_from_columns
 from tests.helpers.paths import other_log
 
 
-def made(armed: list[int], speed_m_s: list[float] | None = None, section: list[int] | None = None) -> Track:
+def made(armed: list[int], speed_m_s: list[float] | None = None, boot: list[int] | None = None) -> Track:
     """A track at 2 Hz, 3 m east from fix to fix, that begins at 100 s."""
     n = len(armed)
     lat_deg, lon_deg = LocalFrame(47.0, 8.0).to_degrees(np.stack([np.zeros(n), 3.0 * np.arange(n)], axis=1))
@@ -24,7 +24,7 @@ def made(armed: list[int], speed_m_s: list[float] | None = None, section: list[i
         lon_deg,
         np.zeros(n),
         velocity_m_s=np.stack([speed, np.zeros(n), np.zeros(n)], axis=1),
-        section=np.zeros(n, np.int32) if section is None else np.array(section, np.int32),
+        boot=np.zeros(n, np.int32) if boot is None else np.array(boot, np.int32),
         armed=np.array(armed, np.int8),
     )
 
@@ -42,7 +42,7 @@ def test_armed_stretches_are_flights_with_their_times_fixes_and_lengths() -> Non
 
 def test_a_reboot_ends_a_flight() -> None:
     """Armed before and after a reboot are two flights."""
-    assert [each.fixes for each in find_flights(made([1] * 6, section=[0, 0, 1, 1, 1, 1]))] == [2, 4]
+    assert [each.fixes for each in find_flights(made([1] * 6, boot=[0, 0, 1, 1, 1, 1]))] == [2, 4]
 
 
 def test_a_log_that_tells_of_disarmed_motors_only_holds_no_flight() -> None:

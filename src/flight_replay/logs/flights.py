@@ -89,11 +89,11 @@ def _there_are(count: int) -> str:
 
 
 def _stretches(track: Track, flown: Flags) -> list[tuple[int, int]]:
-    """First and last index of each run of flown fixes within one section."""
+    """First and last index of each run of flown fixes within one boot."""
     index = np.flatnonzero(flown)
     if not len(index):
         return []
-    breaks = np.flatnonzero((np.diff(index) > 1) | (np.diff(track.section[index]) != 0))
+    breaks = np.flatnonzero((np.diff(index) > 1) | (np.diff(track.boot[index]) != 0))
     firsts = index[np.concatenate([[0], breaks + 1])]
     lasts = index[np.append(breaks, len(index) - 1)]
     return list(zip(firsts.tolist(), lasts.tolist(), strict=True))
@@ -106,7 +106,7 @@ def _moving(track: Track) -> Flags:
     index = np.flatnonzero(np.nan_to_num(speed) > _MOVING_M_S)
     if not len(index):
         return flown
-    pauses = (np.diff(track.time_s[index]) > _PAUSE_S) | (np.diff(track.section[index]) != 0)
+    pauses = (np.diff(track.time_s[index]) > _PAUSE_S) | (np.diff(track.boot[index]) != 0)
     breaks = np.flatnonzero(pauses)
     for begin, end in zip(np.r_[0, breaks + 1], np.r_[breaks, len(index) - 1], strict=True):
         if track.time_s[index[end]] - track.time_s[index[begin]] >= _SHORTEST_MOVE_S:

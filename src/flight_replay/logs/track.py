@@ -26,7 +26,7 @@ class Track:
 
     ``time_s`` is the vehicle's own clock (``time_boot_ms``; log stamps where that stands still),
     carried on over reboots, so that it never falls within a track; ``alt_m`` is height above home,
-    ``amsl_m`` above mean sea level; velocities are m/s; ``section`` numbers the boots from 0;
+    ``amsl_m`` above mean sea level; velocities are m/s; ``boot`` numbers the boots from 0;
     ``armed`` holds ``Armed`` values.
     """
 
@@ -38,7 +38,7 @@ class Track:
     north_m_s: Floats
     east_m_s: Floats
     up_m_s: Floats
-    section: NDArray[np.int32]
+    boot: NDArray[np.int32]
     armed: NDArray[np.int8]
 
     def __len__(self) -> int:
@@ -72,7 +72,7 @@ def track_from_columns(  # noqa: PLR0913
     *,
     amsl_m: Floats | None = None,
     velocity_m_s: Floats | None = None,
-    section: NDArray[np.int32] | None = None,
+    boot: NDArray[np.int32] | None = None,
     armed: NDArray[np.int8] | None = None,
 ) -> Track:
     """A track from what is known: missing heights are ``alt_m``, missing velocities (n, 3) not a number."""
@@ -87,6 +87,6 @@ def track_from_columns(  # noqa: PLR0913
         north_m_s=velocity[:, 0],
         east_m_s=velocity[:, 1],
         up_m_s=velocity[:, 2],
-        section=np.zeros(n, np.int32) if section is None else section,
+        boot=np.zeros(n, np.int32) if boot is None else boot,
         armed=np.full(n, Armed.UNKNOWN, np.int8) if armed is None else armed,
     )

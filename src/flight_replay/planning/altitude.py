@@ -34,8 +34,8 @@ def believable_heights_m(track: Track) -> Floats:
     """
     home_m = track.amsl_m - track.alt_m
     good = np.isfinite(track.alt_m) & np.isfinite(home_m)
-    for section in np.unique(track.section):
-        here = track.section == section
+    for boot in np.unique(track.boot):
+        here = track.boot == boot
         if (good & here).any():
             good &= ~here | (np.abs(home_m - np.median(home_m[good & here])) <= _HOME_SHIFT_M)
     if not good.any():

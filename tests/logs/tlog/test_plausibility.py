@@ -134,7 +134,7 @@ def test_a_jump_over_a_reboot_is_believed(tmp_path: Path) -> None:
     assert (len(log.track), log.rejected) == (40, {})
 
 
-def test_a_jump_within_a_later_section_rejects_nothing_elsewhere(tmp_path: Path) -> None:
+def test_a_jump_within_a_later_boot_rejects_nothing_elsewhere(tmp_path: Path) -> None:
     """Each boot is judged for itself."""
     flight = Flight().along(5, start_m=9_000.0)
     flight.time_ms = 5_000
@@ -220,4 +220,4 @@ def test_the_wild_logs_false_positions_are_rejected() -> None:
     assert (teleport.track.north_east_m().max(axis=0) < 2_000).all()
     boots = read_log(other_log("wild/three-boots.tlog"))
     steps_m = np.linalg.norm(np.diff(boots.track.north_east_m(), axis=0), axis=1)
-    assert steps_m[np.diff(boots.track.section) == 0].max() < 15
+    assert steps_m[np.diff(boots.track.boot) == 0].max() < 15

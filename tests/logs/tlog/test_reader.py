@@ -74,7 +74,7 @@ def test_the_dronekit_log_is_read_whole() -> None:
     assert (log.vehicle.system, log.vehicle.component, log.vehicle.fixes) == (1, 1, 2684)
     assert log.bytes == 2_723_840
     assert log.rejected == {}
-    assert np.flatnonzero(np.diff(log.track.section)).tolist() == [490]
+    assert np.flatnonzero(np.diff(log.track.boot)).tolist() == [490]
     assert (np.diff(log.track.time_s) >= 0).all()
 
 
@@ -164,7 +164,7 @@ def test_the_fix_at_which_disarming_is_seen_belongs_to_the_flight(tmp_path: Path
     log.position(500).position(750).heartbeat(True).position(60_000).heartbeat(False).position(1_000)
     track = read_log(write(tmp_path, log)).track
     assert track.armed.tolist() == [0, 1, 1, 0, 1, 0]
-    assert track.section.tolist() == [0, 0, 0, 0, 0, 1]
+    assert track.boot.tolist() == [0, 0, 0, 0, 0, 1]
 
 
 def test_a_vehicle_that_booted_in_flight_is_not_flying(tmp_path: Path) -> None:
@@ -173,7 +173,7 @@ def test_a_vehicle_that_booted_in_flight_is_not_flying(tmp_path: Path) -> None:
     log.position(4_000).position(4_250).heartbeat(False).position(4_500).heartbeat(True).position(4_750)
     track = read_log(write(tmp_path, log)).track
     assert track.armed.tolist() == [1, 1, -1, -1, 0, 1]
-    assert track.section.tolist() == [0, 0, 1, 1, 1, 1]
+    assert track.boot.tolist() == [0, 0, 1, 1, 1, 1]
     log.position(3_000).position(3_250)
     assert read_log(write(tmp_path, log)).track.armed.tolist() == [1, 1, -1, -1, 0, 1, -1, -1]
     log.heartbeat(True).position(3_500)
@@ -217,12 +217,12 @@ def test_long_runs_of_empty_positions_are_counted_but_not_kept(tmp_path: Path) -
 
 
 def test_boots_without_a_position_leave_no_mark_on_the_track(tmp_path: Path) -> None:
-    """Time begins with the first fix's own clock, and sections with its boot."""
+    """Time begins with the clock of the first fix, and boots are counted from its boot."""
     log = flight(LogWriter().empty(90_000).empty(90_250).empty(500), 4, 2_000)
     log.stamp_us = START_US + 70_000_000
     track = read_log(write(tmp_path, flight(log, 4, 1_000))).track
     assert track.time_s.tolist() == pytest.approx([2.0, 2.25, 2.5, 2.75, 72.75, 73.0, 73.25, 73.5])
-    assert track.section.tolist() == [0] * 4 + [1] * 4
+    assert track.boot.tolist() == [0] * 4 + [1] * 4
 
 
 def _opened(data: bytes) -> Any:
@@ -447,5 +447,5 @@ def test_stamps_may_be_missing_or_wrong(tmp_path: Path) -> None:
         log = flight(flight(LogWriter(stamp_us=stamp_us), 5, 20_000), 5, 1_000)
         tracks.append(read_log(write(tmp_path, log)).track)
     for track in tracks:
-        assert track.section.tolist() == [0] * 5 + [1] * 5
+        assert track.boot.tolist() == [0] * 5 + [1] * 5
         assert np.array_equal(track.time_s, tracks[0].time_s)

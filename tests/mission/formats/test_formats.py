@@ -41,7 +41,7 @@ def track() -> Track:
         np.array([8.5455, 8.5456, 8.5457, 8.5458]),
         np.array([0.0, 1.0, 2.0, -0.0]),
         amsl_m=np.array([488.0, 489.0, np.nan, 488.0]),
-        section=np.array([0, 0, 1, 1], np.int32),
+        boot=np.array([0, 0, 1, 1], np.int32),
     )
 
 

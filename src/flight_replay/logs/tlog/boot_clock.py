@@ -1,6 +1,6 @@
 """The vehicle's clock: ``time_boot_ms`` carried on over wraps and reboots, so that time never falls.
 
-A falling clock is a reboot and begins a new section, but for two kinds of falls: the 32-bit
+A falling clock is a reboot, but for two kinds of falls: the 32-bit
 counter wraps after 49.7 days, and datagrams arrive out of order. Log stamps, which are often
 wrong, only say how long a reboot took, or how time went on for a vehicle whose clock stands
 still, and only if they can be right.
@@ -26,13 +26,13 @@ _LONGEST_REBOOT_US = 86_400_000_000  # beyond a day, stamps of two boots say not
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clock:
-    """Time and section of records in the order of the log, and the ``order`` of time, all (n,).
+    """Time and boot of records in the order of the log, and the ``order`` of time, all (n,).
 
     ``order`` is None where it is that of the log.
     """
 
     time_s: Floats
-    section: NDArray[np.int32]
+    boot: NDArray[np.int32]
     order: Indices | None
 
     def in_order(self, keep: Flags) -> Indices:
@@ -46,15 +46,15 @@ def read_clock(positions: Positions) -> Clock:
     falls = np.flatnonzero(clock_ms[1:] < clock_ms[:-1]) + 1
     reboots = falls[~_is_late(clock_ms, falls)]
     bounds = np.concatenate([[0], reboots, [len(clock_ms)]])
-    section = np.repeat(np.arange(len(reboots) + 1, dtype=np.int32), np.diff(bounds))
-    order = np.lexsort((clock_ms, section)) if len(falls) > len(reboots) else None
+    boot = np.repeat(np.arange(len(reboots) + 1, dtype=np.int32), np.diff(bounds))
+    order = np.lexsort((clock_ms, boot)) if len(falls) > len(reboots) else None
     firsts, lasts = bounds[:-1], bounds[1:] - 1
     first_us, last_us = (clock_ms[ends if order is None else order[ends]] * 1000 for ends in (firsts, lasts))
     gap_us = _stamp_gaps_us(positions.stamp_us[reboots - 1], positions.stamp_us[reboots])
     shift_us = np.concatenate([[0], np.cumsum(last_us[:-1] + gap_us - first_us[1:])])
     clock_ms *= 1000
-    clock_ms += shift_us[section]
-    return Clock(clock_ms / 1e6, section, order)
+    clock_ms += shift_us[boot]
+    return Clock(clock_ms / 1e6, boot, order)
 
 
 def _running_ms(positions: Positions) -> NDArray[np.int64]:

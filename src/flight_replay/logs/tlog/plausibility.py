@@ -90,18 +90,18 @@ def _without_fix(positions: Positions, fixes: Fixes, clock: Clock) -> Flags:
 def _wrong_side_of_jumps(positions: Positions, clock: Clock, left: Indices) -> Flags:
     """Which of the positions ``left`` (m,), in order of time, lie on the wrong side of an impossible jump.
 
-    Jumps cut each section into runs. Of all chains of runs that can follow each other, the one with
+    Jumps cut each boot into runs. Of all chains of runs that can follow each other, the one with
     most positions is believed: an outlier is left out, and so is a false start before a jump.
     """
     wrong = np.zeros(len(left), np.bool_)
-    section = clock.section[left]
-    is_far = section[1:] == section[:-1]
+    boot = clock.boot[left]
+    is_far = boot[1:] == boot[:-1]
     is_far &= _is_step(positions.lat_e7[left]) | _is_step(positions.lon_e7[left])
     moves = _Moves(positions, clock.time_s, left)
     far = np.flatnonzero(is_far)
     cuts = far[~moves.possible(far, far + 1)] + 1
-    for jumped in np.flatnonzero(np.bincount(section[cuts])):
-        begin, end = np.searchsorted(section, [jumped, jumped + 1])
+    for jumped in np.flatnonzero(np.bincount(boot[cuts])):
+        begin, end = np.searchsorted(boot, [jumped, jumped + 1])
         firsts = np.concatenate([[begin], cuts[(cuts > begin) & (cuts < end)]])
         lasts = np.append(firsts[1:], end) - 1
         for run in _disbelieved(moves, firsts, lasts):

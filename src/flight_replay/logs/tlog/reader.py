@@ -141,9 +141,9 @@ def _track(records: Records, found: _Found) -> Track:
     """A vehicle's fixes in SI units."""
     positions, at = found.positions, found.usable
     # The first fix keeps its vehicle's clock, and its boot is the first, whatever was before without one.
-    time_s, section = found.clock.time_s[at], found.clock.section[at]
+    time_s, boot = found.clock.time_s[at], found.clock.boot[at]
     time_s += positions.time_ms[at[0]] / 1e3 - time_s[0]
-    section -= section[0]
+    boot -= boot[0]
     return Track(
         time_s=time_s,
         lat_deg=positions.lat_e7[at] / 1e7,
@@ -153,6 +153,6 @@ def _track(records: Records, found: _Found) -> Track:
         north_m_s=positions.north_cm_s[at] / 1e2,
         east_m_s=positions.east_cm_s[at] / 1e2,
         up_m_s=positions.down_cm_s[at] / -1e2,
-        section=section,
-        armed=armed_at(positions.offset[at], section, _of(records.heartbeats, found.key)),
+        boot=boot,
+        armed=armed_at(positions.offset[at], boot, _of(records.heartbeats, found.key)),
     )

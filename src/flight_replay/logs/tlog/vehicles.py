@@ -63,7 +63,7 @@ def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:
 
 
 def armed_at(
-    offset: NDArray[np.int64], section: NDArray[np.int32], heartbeats: Heartbeats
+    offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Heartbeats
 ) -> NDArray[np.int8]:
     """Whether the motors were armed at any time since the fix before, shape (n,), by the heartbeats.
 
@@ -75,13 +75,13 @@ def armed_at(
     timely = np.minimum.accumulate(offset[::-1])[::-1]
     firsts = np.searchsorted(timely, heartbeats.offset)  # far fewer than fixes, so this way round
     armed = np.repeat(told, np.diff(firsts, prepend=0, append=len(offset)))
-    _forget_boots_before(armed, section, told, firsts)
-    armed[1:] = np.where(section[1:] == section[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
+    _forget_boots_before(armed, boot, told, firsts)
+    armed[1:] = np.where(boot[1:] == boot[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
     return np.asarray(armed)
 
 
 def _forget_boots_before(
-    armed: NDArray[np.int8], section: NDArray[np.int32], told: NDArray[np.int8], firsts: Indices
+    armed: NDArray[np.int8], boot: NDArray[np.int32], told: NDArray[np.int8], firsts: Indices
 ) -> None:
     """Take back the word "armed" of the boot before from the fixes (n,) ahead of a boot's own first word.
 
@@ -90,11 +90,11 @@ def _forget_boots_before(
 
     Args:
         armed: What is told at each fix (n,), changed in place.
-        section: The boot of each fix (n,).
+        boot: The boot of each fix (n,).
         told: "unknown" and the words (m + 1,).
         firsts: The first fix after each word (m,).
     """
-    starts = np.flatnonzero(np.diff(section)) + 1
+    starts = np.flatnonzero(np.diff(boot)) + 1
     last = np.searchsorted(firsts, starts, "right")
     following = np.append(told[1:], np.int8(Armed.UNKNOWN))[last]
     ends = np.append(firsts, len(armed))[last]

@@ -15,7 +15,7 @@ from flight_replay.mission.items import FIRST_SEQ, HOME_SEQ, Mission
 
 _ITEM = ("kind", "seq", "command", "command_name", "frame", "param1", "param2", "param3", "param4")
 _PLACE = ("lat_deg", "lon_deg", "alt_m", "amsl_m")
-_FIX = ("time_s", "north_m_s", "east_m_s", "up_m_s", "section", "armed")
+_FIX = ("time_s", "north_m_s", "east_m_s", "up_m_s", "boot", "armed")
 COLUMNS = _ITEM + _PLACE + _FIX
 
 
@@ -58,7 +58,7 @@ def _track_rows(track: Track) -> list[dict[str, object]]:
             "north_m_s": _number(float(track.north_m_s[n]), 3),
             "east_m_s": _number(float(track.east_m_s[n]), 3),
             "up_m_s": _number(float(track.up_m_s[n]), 3),
-            "section": int(track.section[n]),
+            "boot": int(track.boot[n]),
             "armed": int(track.armed[n]),
         }
         for n in range(len(track))

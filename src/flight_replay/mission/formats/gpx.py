@@ -54,9 +54,9 @@ def _add_route(root: Xml.Element, mission: Mission) -> None:
 def _add_track(root: Xml.Element, track: Track) -> None:
     element = Xml.SubElement(root, "trk")
     _child(element, "name", "Recorded track")
-    for boot in np.unique(track.section):
+    for boot in np.unique(track.boot):
         segment = Xml.SubElement(element, "trkseg")
-        part = track.select(track.section == boot)
+        part = track.select(track.boot == boot)
         for lat_deg, lon_deg, amsl in zip(part.lat_deg, part.lon_deg, part.amsl_m, strict=True):
             _point(segment, "trkpt", lat_deg, lon_deg, amsl)
 
