@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import subprocess
@@ -21,7 +22,7 @@ from tests.helpers.sim_station import START
 SPEEDUP = 20
 
 
-def wait(condition: Callable[[], object], wall_s: float = 20.0) -> None:
+def wait(condition: Callable[[], object], wall_s: float = 60.0) -> None:
     """Wait for something that must happen."""
     deadline = time.monotonic() + wall_s
     while not condition():
@@ -106,18 +107,26 @@ class Console:
         self._process.stdin.write(command + "\n")
         self._process.stdin.flush()
 
-    def expect(self, text: str) -> None:
+    def expect(self, text: str, limit_s: float = 60.0) -> None:
         """Wait for a line with a text, and forget what came before it."""
 
         def find() -> bool:
             return any(text in line for line in self._lines)
 
         try:
-            wait(find)
+            wait(find, limit_s)
         except AssertionError:
             raise AssertionError(f"no '{text}' in {self._lines}") from None
         index = next(i for i, line in enumerate(self._lines) if text in line)
         del self._lines[: index + 1]
+
+    def insist(self, command: str, text: str) -> None:
+        """Type a line every two seconds until a text comes: the copter may not be ready at first."""
+        for _ in range(30):
+            self.say(command)
+            with contextlib.suppress(AssertionError):
+                return self.expect(text, 2.0)
+        raise AssertionError(f"no '{text}' after '{command}' in {self._lines}")
 
     def close(self) -> None:
         """End MAVProxy."""
@@ -138,14 +147,12 @@ def test_mavproxy_flies_a_mission(tmp_path: Path) -> None:
     with run(START, speedup=10) as running:
         console = Console(running.connection, tmp_path)
         try:
-            console.expect("EKF3 IMU0 is using GPS")
             console.expect("Received 1340 parameters")
             console.say("wp load mission.waypoints")
             console.expect("Flight plan received")
             console.say("mode guided")
             console.expect("Mode GUIDED")
-            console.say("arm throttle")
-            console.expect("ARMED")
+            console.insist("arm throttle", "ARMED")
             console.say("takeoff 15")
             console.expect("NAV_TAKEOFF: ACCEPTED")
             console.say("mode auto")
