@@ -11,7 +11,7 @@ from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.autopilot.model_flight import STEP_S
 from flight_replay.simulator.autopilot.parameter_table import Parameters
-from flight_replay.simulator.protocol.channel import LinkChannel
+from flight_replay.simulator.protocol.ground_link import GroundLink
 
 START = Start(47.397742, 8.545594, 488.0, 90.0)
 READY_S = 10.0
@@ -25,24 +25,23 @@ Item = tuple[int, int, tuple[float, float, float, float], int, int, float]
 def sim(faults: Faults | None = None, start: Start = START, **parameters: float) -> tuple[Autopilot, Station]:
     """A copter and a station 255/190 at it."""
     autopilot = Autopilot(start, parameters=Parameters(parameters) if parameters else None, faults=faults)
-    return autopilot, Station(autopilot)
+    return autopilot, Station(GroundLink(autopilot))
 
 
 class Station:
     """Sends messages to the copter as bytes, and keeps what comes back."""
 
     def __init__(
-        self, autopilot: Autopilot, system: int = 255, component: int = 190, *, old: bool = False
+        self, link: GroundLink, system: int = 255, component: int = 190, *, old: bool = False
     ) -> None:
-        self.autopilot = autopilot
+        self.link, self.autopilot = link, link.autopilot
         self.heard: list[Any] = []
         self._decoder = dialect.MAVLink(None)
         self._decoder.robust_parsing = True
         self.mav = dialect.MAVLink(None, system, component)
         self._old = old
-        self.channel = LinkChannel(autopilot, self._hear)
         self.raw: list[bytes] = []
-        autopilot.channels.append(self.channel)
+        self.channel = link.open_channel(self._hear)
 
     def _hear(self, data: bytes) -> None:
         self.raw.append(data)
@@ -51,16 +50,14 @@ class Station:
     def send(self, message: Any) -> None:
         """Send a message; the copter answers at once."""
         for received, sender in self.channel.receive(message.pack(self.mav, force_mavlink1=self._old)):
-            self.autopilot.handle(received, sender)
+            self.link.handle(received, sender)
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Let vehicle time pass, at most so much; whether the condition was met."""
         for _ in range(round(seconds / STEP_S)):
             if until():
                 return True
-            self.autopilot.step()
-            for channel in self.autopilot.channels:
-                channel.step()  # type: ignore[attr-defined]
+            self.link.step()
         return until()
 
     # what was heard
@@ -76,7 +73,7 @@ class Station:
     @property
     def texts(self) -> list[str]:
         """Status texts, long ones put together again; those just spoken come with the next step."""
-        self.autopilot.step()
+        self.link.step()
         whole: list[str] = []
         for message in self.of("STATUSTEXT"):
             if message.chunk_seq:

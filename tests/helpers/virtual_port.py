@@ -16,7 +16,7 @@ from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.autopilot.model_flight import STEP_S
 from flight_replay.simulator.autopilot.parameter_table import Parameters
-from flight_replay.simulator.protocol.channel import LinkChannel
+from flight_replay.simulator.protocol.ground_link import GroundLink
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.port import is_for_us
 from flight_replay.vehicle.link.round_trip import RoundTrip
@@ -69,8 +69,8 @@ class VirtualPort:
         self.autopilot = Autopilot(
             start, parameters=Parameters(parameters) if parameters else None, faults=faults
         )
-        self.channel = LinkChannel(self.autopilot, self._to_us)
-        self.autopilot.channels.append(self.channel)
+        self.ground_link = GroundLink(self.autopilot)
+        self.channel = self.ground_link.open_channel(self._to_us)
         self.trip = RoundTrip()
         self.trip.took(2 * self.weather.delay_s + self.weather.jitter_s + 0.005)
         self.sent: list[Any] = []
@@ -120,8 +120,7 @@ class VirtualPort:
         self._now_s = min(end_s, arrives_s, self._step_s)
         if self._now_s >= self._step_s:
             self._step_s += STEP_S / self.speedup
-            self.autopilot.step()
-            self.channel.step()
+            self.ground_link.step()
         while self._flying and self._flying[0][0] <= self._now_s:
             _, _, outward, frame = heapq.heappop(self._flying)
             self._deliver(outward, frame)
@@ -129,7 +128,7 @@ class VirtualPort:
     def _deliver(self, outward: bool, frame: bytes) -> None:
         if outward:
             for message, sender in self.channel.receive(frame):
-                self.autopilot.handle(message, sender)
+                self.ground_link.handle(message, sender)
             return
         for message in self._decoder.parse_buffer(frame) or []:
             self.heard.append(message)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.modes import Mode
 from tests.helpers.sim_station import (
     ARM,
     AUTO,
@@ -96,7 +96,7 @@ def test_force_skips_the_checks() -> None:
     assert station.command(ARM, 1, 2989) == ACCEPTED
 
 
-@pytest.mark.parametrize("mode", [RTL, LAND, AUTO, Mode.BRAKE])
+@pytest.mark.parametrize("mode", [RTL, LAND, AUTO, CopterMode.BRAKE])
 def test_some_modes_are_not_armable(mode: int) -> None:
     """Disarmed, any mode may be chosen; armed it may not be in these."""
     _, station = sim()
@@ -107,7 +107,7 @@ def test_some_modes_are_not_armable(mode: int) -> None:
         assert station.texts[-1] == "Arm: Mode requires mission"
     station.upload([takeoff(10)])
     assert station.command(ARM, 1) == FAILED
-    assert station.texts[-1] == f"Arm: {Mode(mode).name} mode not armable"
+    assert station.texts[-1] == f"Arm: {CopterMode(mode).name} mode not armable"
 
 
 def test_an_idle_copter_disarms_after_ten_seconds() -> None:

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.modes import Mode
 from tests.helpers.sim_station import (
     ARM,
     AUTO,
@@ -53,7 +53,7 @@ def test_takeoff_takes_about_as_long_as_arducopters() -> None:
     assert 13 < autopilot.time_s - began_s < 18
     station.run(10)
     assert autopilot.above_home_m == pytest.approx(30, abs=0.2)
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
 
 
 def test_a_takeoff_that_does_not_climb_stays_armed_on_the_ground() -> None:
@@ -75,9 +75,9 @@ def test_modes_change_by_command_and_by_message() -> None:
     assert station.mode(LOITER) == ACCEPTED
     assert station.last("HEARTBEAT").custom_mode == LOITER
     station.send(dialect.MAVLink_set_mode_message(1, 1, GUIDED))
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
     station.send(dialect.MAVLink_set_mode_message(1, 0, LOITER))
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
     assert station.mode(99) == FAILED
     assert station.texts[-1] == "No such mode 99"
     assert station.command(176, 0, LOITER) == DENIED
@@ -106,8 +106,11 @@ def test_modes_that_need_a_position_are_refused_in_flight_without_one() -> None:
     assert station.mode(LOITER) == ACCEPTED
 
 
-@pytest.mark.parametrize("mode", [Mode.LOITER, Mode.BRAKE, Mode.ALT_HOLD, Mode.POSHOLD, Mode.STABILIZE])
-def test_the_other_modes_hold_the_place(mode: Mode) -> None:
+@pytest.mark.parametrize(
+    "mode",
+    [CopterMode.LOITER, CopterMode.BRAKE, CopterMode.ALT_HOLD, CopterMode.POSHOLD, CopterMode.STABILIZE],
+)
+def test_the_other_modes_hold_the_place(mode: CopterMode) -> None:
     """Without a pilot's sticks, a copter that flew along comes to rest and stays."""
     autopilot, station = sim()
     station.fly()

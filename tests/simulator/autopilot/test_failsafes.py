@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.battery import Battery, Level
-from flight_replay.simulator.autopilot.modes import Mode
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, Station, place, sim
 
@@ -18,16 +18,16 @@ def gcs_heartbeat(station: Station) -> None:
 @pytest.mark.parametrize(
     ("enable", "options", "mode", "text"),
     [
-        (0, 0, Mode.GUIDED, None),
-        (1, 0, Mode.RTL, "GCS Failsafe"),
-        (3, 0, Mode.RTL, "GCS Failsafe"),
-        (5, 0, Mode.LAND, "GCS Failsafe"),
-        (7, 0, Mode.BRAKE, "GCS Failsafe"),
-        (1, 1 << 4, Mode.RTL, "GCS Failsafe"),
+        (0, 0, CopterMode.GUIDED, None),
+        (1, 0, CopterMode.RTL, "GCS Failsafe"),
+        (3, 0, CopterMode.RTL, "GCS Failsafe"),
+        (5, 0, CopterMode.LAND, "GCS Failsafe"),
+        (7, 0, CopterMode.BRAKE, "GCS Failsafe"),
+        (1, 1 << 4, CopterMode.RTL, "GCS Failsafe"),
     ],
 )
 def test_a_silent_ground_station_trips_the_failsafe(
-    enable: int, options: int, mode: Mode, text: str | None
+    enable: int, options: int, mode: CopterMode, text: str | None
 ) -> None:
     """Five seconds of vehicle time after the last heartbeat, as FS_GCS_ENABLE says; 0 is off."""
     autopilot, station = sim(FS_GCS_ENABLE=enable, FS_OPTIONS=options)
@@ -37,7 +37,7 @@ def test_a_silent_ground_station_trips_the_failsafe(
     gcs_heartbeat(station)
     autopilot.parameters.assign("FS_GCS_TIMEOUT", 5)
     station.run(4.8)
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
     station.run(0.5)
     assert autopilot.mode == mode
     assert (text in station.texts) == (text is not None)
@@ -51,7 +51,7 @@ def test_a_station_that_was_never_heard_is_not_missed() -> None:
     autopilot, station = sim(FS_GCS_ENABLE=1)
     station.fly()
     station.run(20)
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
 
 
 def test_missions_and_pilots_may_go_on_without_a_station() -> None:
@@ -69,24 +69,26 @@ def test_missions_and_pilots_may_go_on_without_a_station() -> None:
     station.upload([place(500, 0)])
     station.mode(AUTO)
     station.run(40)
-    assert autopilot.mode == Mode.AUTO
+    assert autopilot.mode == CopterMode.AUTO
     assert "GCS Failsafe - Continuing Auto Mode" in station.texts
     assert station.last("HEARTBEAT").system_status == dialect.MAV_STATE_CRITICAL
     gcs_heartbeat(station)
     station.run(1)
-    station.mode(Mode.LOITER)
+    station.mode(CopterMode.LOITER)
     station.run(40)
     assert "GCS Failsafe - Continuing Pilot Control" in station.texts
 
 
-@pytest.mark.parametrize(("action", "mode"), [(0, Mode.GUIDED), (1, Mode.LAND), (2, Mode.RTL)])
-def test_a_low_battery_does_what_its_parameter_says(action: int, mode: Mode) -> None:
+@pytest.mark.parametrize(
+    ("action", "mode"), [(0, CopterMode.GUIDED), (1, CopterMode.LAND), (2, CopterMode.RTL)]
+)
+def test_a_low_battery_does_what_its_parameter_says(action: int, mode: CopterMode) -> None:
     """Ten seconds below BATT_LOW_VOLT, BATT_FS_LOW_ACT is carried out, with volts and mAh in the text."""
     autopilot, station = sim(BATT_FS_LOW_ACT=action)
     station.fly()
     autopilot.parameters.assign("SIM_BATT_VOLTAGE", 10.2)
     station.run(9)
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
     station.run(2)
     assert autopilot.mode == mode
     assert any(text.startswith("Battery 1 is low 10.20V used") for text in station.texts)
@@ -98,8 +100,8 @@ def test_a_critical_battery_goes_beyond_a_low_one() -> None:
     """Charge counts at once; critical acts after low has; on the ground the motors stop."""
     autopilot, station = sim(BATT_LOW_MAH=3200, BATT_FS_LOW_ACT=2, BATT_CRT_MAH=3150, BATT_FS_CRT_ACT=1)
     station.fly(10)
-    assert station.run(60, lambda: autopilot.mode == Mode.RTL)
-    assert station.run(60, lambda: autopilot.mode == Mode.LAND)
+    assert station.run(60, lambda: autopilot.mode == CopterMode.RTL)
+    assert station.run(60, lambda: autopilot.mode == CopterMode.LAND)
     station.run(60, lambda: not autopilot.armed)
     assert station.command(ARM, 1) == 4
     autopilot, station = sim(BATT_LOW_VOLT=0, BATT_FS_LOW_ACT=2)
@@ -116,10 +118,10 @@ def test_a_landing_goes_on_through_a_failsafe_and_a_termination_stops_the_motors
     """FS_OPTIONS bit 3 lets LAND continue; action 5 disarms in the air."""
     autopilot, station = sim(BATT_FS_LOW_ACT=2, FS_OPTIONS=8)
     station.fly(30)
-    station.mode(Mode.LAND)
+    station.mode(CopterMode.LAND)
     autopilot.parameters.assign("BATT_LOW_MAH", 4000)
     station.run(1)
-    assert autopilot.mode == Mode.LAND
+    assert autopilot.mode == CopterMode.LAND
     autopilot, station = sim(BATT_FS_LOW_ACT=5)
     station.fly(30)
     autopilot.parameters.assign("BATT_LOW_MAH", 4000)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import (
     ADSB_RECEIVER,
@@ -20,20 +21,19 @@ from flight_replay.simulator.autopilot.faults import (
     SetParameter,
     old_copter,
 )
-from flight_replay.simulator.autopilot.modes import Mode
 from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, SET_MODE, TAKEOFF, place, sim
 
 
 def test_the_pilot_takes_over() -> None:
     """A mode change by the pilot comes at its moment, and only once."""
-    autopilot, station = sim(Faults(happenings=(Happening("AUTO", 5, PilotMode(Mode.LOITER)),)))
+    autopilot, station = sim(Faults(happenings=(Happening("AUTO", 5, PilotMode(CopterMode.LOITER)),)))
     station.fly()
     station.upload([place(500, 0)])
     station.mode(AUTO)
     station.run(4.9)
     assert autopilot.mode.name == "AUTO"
     station.run(0.3)
-    assert autopilot.mode == Mode.LOITER
+    assert autopilot.mode == CopterMode.LOITER
     station.mode(AUTO)
     station.run(10)
     assert autopilot.mode.value == AUTO
@@ -43,12 +43,12 @@ def test_the_vehicle_decides_for_itself() -> None:
     """A failsafe of the vehicle's own changes the mode and is announced; parameters can change too."""
     happenings = (
         Happening("takeoff", 3, SetParameter("SIM_BATT_VOLTAGE", 11.0)),
-        Happening("armed", 20, FailsafeMode(Mode.LAND, "EKF Failsafe: changed to LAND Mode")),
+        Happening("armed", 20, FailsafeMode(CopterMode.LAND, "EKF Failsafe: changed to LAND Mode")),
     )
     autopilot, station = sim(Faults(happenings=happenings))
     station.fly(10)
     station.run(20)
-    assert autopilot.mode == Mode.LAND
+    assert autopilot.mode == CopterMode.LAND
     assert "EKF Failsafe: changed to LAND Mode" in station.texts
     assert autopilot.battery.voltage_v == 11.0
 
@@ -62,7 +62,7 @@ def test_a_reboot_forgets_the_flight() -> None:
     station.mode(AUTO)
     station.run(6)
     assert autopilot.time_s < 2
-    assert (autopilot.mode, autopilot.armed, autopilot.flight.landed) == (Mode.STABILIZE, False, True)
+    assert (autopilot.mode, autopilot.armed, autopilot.flight.landed) == (CopterMode.STABILIZE, False, True)
     assert len(autopilot.store) == 2
     station.forget()
     station.run(3)
@@ -120,7 +120,7 @@ def test_an_old_copter_knows_less() -> None:
     assert station.command(512, 30) == 3
     station.send(dialect.MAVLink_set_mode_message(1, 1, GUIDED))
     assert (station.last("COMMAND_ACK").command, station.last("COMMAND_ACK").result) == (11, 0)
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
     assert station.command(ARM, 1) == 0
     for _ in range(4):
         station.run(1)

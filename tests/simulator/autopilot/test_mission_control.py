@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
-from flight_replay.simulator.autopilot.modes import Mode
 from tests.helpers.sim_station import (
     ARM,
     AUTO,
@@ -48,7 +48,7 @@ def test_auto_in_the_air_needs_a_mission() -> None:
     autopilot, station = sim()
     station.fly()
     assert station.mode(AUTO) == FAILED
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
 
 
 def test_a_whole_mission_from_takeoff_to_landing() -> None:

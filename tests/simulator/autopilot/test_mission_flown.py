@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
-from flight_replay.simulator.autopilot.modes import Mode
 from tests.helpers.sim_station import (
     AUTO,
     LOITER,
@@ -49,7 +49,7 @@ def test_a_mission_is_flown_item_by_item() -> None:
     station.channel.request(dialect.MAVLINK_MSG_ID_MISSION_CURRENT)
     current = station.last("MISSION_CURRENT")
     assert (current.seq, current.total, current.mission_state, current.mission_mode) == (3, 3, 5, 1)
-    assert autopilot.mode == Mode.AUTO
+    assert autopilot.mode == CopterMode.AUTO
     north_m, east_m, up_m = autopilot.flight.position_m
     assert math.dist((north_m, east_m, up_m), (0, 40, 20)) < 1
 
@@ -179,4 +179,4 @@ def test_what_is_not_simulated_is_refused_by_name(item: Item, text: str) -> None
     station.upload([place(20, 0), item, place(0, 0)])
     assert station.mode(AUTO) == FAILED
     assert text in station.texts
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED

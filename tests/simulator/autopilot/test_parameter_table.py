@@ -8,7 +8,7 @@ from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import COPTER_4_7, Faults
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.sim_station import sim
+from tests.helpers.sim_station import Station, sim
 
 
 def test_defaults_are_arducopters() -> None:
@@ -82,7 +82,7 @@ def test_one_parameter_is_read_by_name_and_by_index() -> None:
 def test_setting_is_heard_by_every_station() -> None:
     """A PARAM_SET is answered on all links with what is kept; unknown names and NaN are ignored."""
     autopilot, station = sim()
-    other = type(station)(autopilot, 254)
+    other = Station(station.link, 254)
     station.send(dialect.MAVLink_param_set_message(1, 1, b"RTL_ALT", 2000.4, 6))
     assert station.last("PARAM_VALUE").param_value == other.last("PARAM_VALUE").param_value == 2000
     station.forget()

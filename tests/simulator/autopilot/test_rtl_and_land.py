@@ -6,9 +6,9 @@ import math
 
 import pytest
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.location import Start
-from flight_replay.simulator.autopilot.modes import Mode
 from tests.helpers.sim_station import (
     AUTO,
     LAND,
@@ -42,7 +42,7 @@ def test_rtl_climbs_returns_waits_and_lands() -> None:
         assert autopilot.time_s < 200
     assert highest == pytest.approx(25, abs=0.5)
     assert math.dist(autopilot.flight.position_m, (0, 0, 0)) < 0.5
-    assert autopilot.mode == Mode.RTL
+    assert autopilot.mode == CopterMode.RTL
 
 
 def test_land_comes_down_here() -> None:

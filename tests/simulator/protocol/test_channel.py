@@ -19,16 +19,16 @@ def counts(station: Station) -> Counter[str]:
 
 def test_mavlink_2_is_spoken_from_the_start() -> None:
     """As ArduPilot does with SERIAL0_PROTOCOL 2, even to a station that speaks MAVLink 1."""
-    autopilot, _ = sim()
-    old = Station(autopilot, 254, old=True)
+    _, station = sim()
+    old = Station(station.link, 254, old=True)
     old.send(dialect.MAVLink_param_request_read_message(1, 1, b"RTL_ALT", -1))
     assert {raw[0] for raw in old.raw} == {dialect.PROTOCOL_MARKER_V2}
 
 
 def test_mavlink_1_is_spoken_when_set_until_mavlink_2_comes_in() -> None:
     """SERIAL0_PROTOCOL 1 begins in MAVLink 1, without extension fields and messages above 255."""
-    autopilot, _ = sim(SERIAL0_PROTOCOL=1)
-    station = Station(autopilot, 254, old=True)
+    _, first = sim(SERIAL0_PROTOCOL=1)
+    station = Station(first.link, 254, old=True)
     station.send(dialect.MAVLink_request_data_stream_message(1, 1, ALL, 4, 1))
     station.run(3)
     assert {raw[0] for raw in station.raw} == {dialect.PROTOCOL_MARKER_V1}
@@ -39,12 +39,12 @@ def test_mavlink_1_is_spoken_when_set_until_mavlink_2_comes_in() -> None:
     assert station.texts[-1] == "GPS 1: detected u-blox"
     station.channel.send(dialect.MAVLink_relay_status_message(0, 0, 0))
     assert station.of("RELAY_STATUS") == []
-    Station(autopilot, 1).send(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
+    Station(station.link, 1).send(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
     assert station.channel.mavlink1
     for message, sender in station.channel.receive(
         dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3).pack(station.mav)
     ):
-        autopilot.handle(message, sender)
+        station.link.handle(message, sender)
     assert not station.channel.mavlink1
 
 
@@ -56,7 +56,7 @@ def test_damaged_bytes_are_dropped() -> None:
     bad[-1] ^= 0xFF
     for data in (b"\x00\x17noise", bytes(bad), good[:5], good[5:]):
         for message, sender in station.channel.receive(data):
-            autopilot.handle(message, sender)
+            station.link.handle(message, sender)
     assert autopilot.mode.value == GUIDED
 
 

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
-from flight_replay.simulator.autopilot.modes import Mode
 from tests.helpers.sim_station import GUIDED, LOITER, START, Station, place, sim
 
 POSITION_ONLY, VELOCITY_ONLY = 0b0000110111111000, 0b0000110111000111
@@ -165,7 +165,7 @@ def test_reposition_flies_there_and_may_enter_guided() -> None:
     assert station.command_int(REPOSITION, 6, [-1, 0, 0, 0], (x, y, 20.0)) == 2
     assert station.command_int(REPOSITION, 6, [-1, 1, 0, 0], (950000000, y, 20.0)) == 2
     assert station.command_int(REPOSITION, 6, [-1, 1, 0, 0], (x, y, 20.0)) == 0
-    assert autopilot.mode == Mode.GUIDED
+    assert autopilot.mode == CopterMode.GUIDED
     station.run(20)
     assert math.dist(autopilot.flight.position_m, (20, 0, 20)) < 1.0
 

@@ -113,8 +113,8 @@ def test_a_jump_must_lead_into_the_mission(target: int, result: int) -> None:
 
 def test_another_station_is_denied_while_one_uploads() -> None:
     """Counts, items, reads and clears of others are refused; one's own new count begins anew."""
-    autopilot, station = sim()
-    other = Station(autopilot, 200, 1)
+    _, station = sim()
+    other = Station(station.link, 200, 1)
     count(station, 2)
     count(other, 5)
     assert ack(other)[0] == dialect.MAV_MISSION_DENIED

@@ -151,7 +151,7 @@ def test_another_stations_upload_is_waited_for() -> None:
     other = dialect.MAVLink(None, 255, 190)
     frame = dialect.MAVLink_mission_count_message(1, 1, 5).pack(other)
     for message, sender in port.channel.receive(frame):
-        port.autopilot.handle(message, sender)
+        port.ground_link.handle(message, sender)
     assert put(port, route(3)).verified()
     assert port.now_s() > 5
 
@@ -175,7 +175,7 @@ def test_a_change_by_another_station_is_noticed() -> None:
     other = dialect.MAVLink(None, 255, 190)
     frame = dialect.MAVLink_mission_clear_all_message(1, 1).pack(other)
     for message, sender in port.channel.receive(frame):
-        port.autopilot.handle(message, sender)
+        port.ground_link.handle(message, sender)
     assert not on_board.verified()
 
 

@@ -1,36 +1,32 @@
 """The autopilot: modes, arming, home, and what it says; no I/O, and no clock but the vehicle's.
 
-Messages come in decoded (``handle``), go out to the channels that the endpoint attached, and time
-passes only in ``step``. The behaviour is ArduCopter 4.6's; the flight model is ``flight.py``'s.
+Time passes only in ``step``; what happens on board is reported to ``observers``. The behaviour is
+ArduCopter 4.6's; the flight itself is ``model_flight``'s.
 """
 
 from __future__ import annotations
 
 import math
 
-from flight_replay.mavlink import Message, dialect
+from flight_replay.events import Severity
+from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot.arming import Arming
 from flight_replay.simulator.autopilot.battery import Battery
+from flight_replay.simulator.autopilot.context import AutopilotObserver
 from flight_replay.simulator.autopilot.ekf_frame import LocalMap
 from flight_replay.simulator.autopilot.failsafes import Failsafes
-from flight_replay.simulator.autopilot.fault_script import Happenings
+from flight_replay.simulator.autopilot.fault_script import FaultScript
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import HomePlace, Metres, Place, Start
 from flight_replay.simulator.autopilot.mission_control import MissionControl
 from flight_replay.simulator.autopilot.mode_switch import ModeSwitch
 from flight_replay.simulator.autopilot.model_flight import STEP_S, ModelFlight
-from flight_replay.simulator.autopilot.modes import Mode
 from flight_replay.simulator.autopilot.parameter_table import Parameter, Parameters
 from flight_replay.simulator.autopilot.prearm import Prearm
 from flight_replay.simulator.autopilot.sensors import Sensors
-from flight_replay.simulator.autopilot.station import Channel, Sender
 from flight_replay.simulator.mission.store import MissionStore
-from flight_replay.simulator.protocol import telemetry
-from flight_replay.simulator.protocol.dispatch import HANDLERS
-from flight_replay.simulator.protocol.mission_protocol import MissionProtocol
 
-CRITICAL, WARNING, INFO = 2, 4, 6
-_TEXT_LENGTH = 50
+_HAS_TARGET = frozenset({CopterMode.AUTO, CopterMode.GUIDED, CopterMode.RTL})
 
 
 class Autopilot:
@@ -46,10 +42,8 @@ class Autopilot:
     ) -> None:
         self.faults = faults or Faults()
         self.parameters = parameters or self.faults.personality.table()
-        self.channels: list[Channel] = []
+        self.observers: list[AutopilotObserver] = []
         self._unix_s = unix_s
-        self._long_texts = 0
-        self._texts: list[Message] = []
         for name, value in (
             ("SIM_OPOS_LAT", start.lat_deg),
             ("SIM_OPOS_LNG", start.lon_deg),
@@ -59,50 +53,45 @@ class Autopilot:
             self.parameters.assign(name, value)
         self.parameters.changed.append(self._parameter_changed)
         self.store = MissionStore(lambda: self.local.home_item, self._mission_counted)
-        self.happenings = Happenings(self)
+        self._script = FaultScript(self)
         self.boot(start)
 
     def boot(self, at: Start) -> None:
         """Start anew at a place: everything is forgotten but the parameters and the mission."""
         self._steps = 0
         self.local = LocalMap(at)
-        self.modes = ModeSwitch(self)
-        self.drifts_until_s = math.inf
+        self._velocity_ends_s = math.inf
         self.sensors = Sensors()
         self.battery = Battery(self.parameters)
-        self.flight = ModelFlight(self)
+        self.flight = ModelFlight(self.parameters, at, takeoff_climbs=self.faults.climbs)
         self.mission = MissionControl(self)
-        self.arming = Arming(self)
+        self.modes = ModeSwitch(self, self.mission)
         self.failsafes = Failsafes(self)
-        self.prearm = Prearm(self)
-        self.protocol = MissionProtocol(self.store, self, self.faults.mission)
-        self._warned: set[str] = set()
-        self.happenings.note("boot")
+        self.prearm = Prearm(self, self.failsafes)
+        self.arming = Arming(self, self.prearm, self.mission)
+        self.trigger("boot")
 
     def reboot(self) -> None:
         """Start anew where it is; what flies falls."""
         place, yaw_rad = self.place, self.flight.attitude_rad[2]
         ground_m = self.start.alt_amsl_m
         self.boot(Start(place.lat_e7 / 1e7, place.lon_e7 / 1e7, ground_m, math.degrees(yaw_rad)))
-        for channel in self.channels:
-            channel.restart()
+        for observer in self.observers:
+            observer.rebooted()
 
     # time
 
     def step(self) -> None:
         """Let STEP_S seconds of the vehicle's time pass."""
         self._steps += 1
-        for text in self._texts:
-            self.broadcast(text)
-        self._texts.clear()
         for text in self.sensors.advance(self.time_s):
-            self.say(INFO, text)
+            self.say(Severity.INFO, text)
         self.sensors.gps_disabled = bool(self.parameters["SIM_GPS_DISABLE"])
         if self.home is None and self.sensors.origin_set:
             self.set_home((0.0, 0.0, 0.0))
-            self.say(INFO, f"Field Elevation Set: {self.start.alt_amsl_m:.0f}m")
-        if self.mode == Mode.GUIDED and self.time_s > self.drifts_until_s:
-            self.drifts_until_s = math.inf
+            self.say(Severity.INFO, f"Field Elevation Set: {self.start.alt_amsl_m:.0f}m")
+        if self.mode == CopterMode.GUIDED and self.time_s > self._velocity_ends_s:
+            self._velocity_ends_s = math.inf
             self.flight.stop()
         self.flight.step()
         self.mission.update()
@@ -112,8 +101,7 @@ class Autopilot:
         )
         self.failsafes.update()
         self.prearm.update()
-        self.protocol.update()
-        self.happenings.update()
+        self._script.update()
 
     @property
     def time_s(self) -> float:
@@ -125,35 +113,29 @@ class Autopilot:
         """The time that GPS gives, µs since 1970."""
         return int((self._unix_s + self.time_s) * 1e6)
 
-    # talking
+    # reports
 
-    def say(self, severity: int, text: str) -> None:
-        """A STATUSTEXT to every station, behind the answers that are due now (GCS::service_statustext).
+    def say(self, severity: Severity, text: str) -> None:
+        """Send a status text to every station."""
+        for observer in self.observers:
+            observer.status_text(severity, text)
 
-        A long one comes in chunks under a common number.
-        """
-        data = text.encode()
-        if len(data) > _TEXT_LENGTH:
-            self._long_texts = self._long_texts % 65535 + 1
-        number = self._long_texts if len(data) > _TEXT_LENGTH else 0
-        for chunk, begin in enumerate(range(0, len(data), _TEXT_LENGTH)):
-            part = data[begin : begin + _TEXT_LENGTH]
-            self._texts.append(dialect.MAVLink_statustext_message(severity, part, number, chunk))
+    def mode_entered(self) -> None:
+        """Report that the mode has changed."""
+        for observer in self.observers:
+            observer.mode_changed()
+        self.trigger(self.mode.name)
 
-    def warn_once(self, text: str) -> None:
-        """A warning that is spoken once a boot."""
-        if text not in self._warned:
-            self._warned.add(text)
-            self.say(WARNING, text)
+    def item_reached(self, seq: int) -> None:
+        """Report a mission item as reached."""
+        for observer in self.observers:
+            observer.item_reached(seq)
 
-    def broadcast(self, message: Message) -> None:
-        """A message to every station."""
-        for channel in self.channels:
-            channel.send(message)
+    def trigger(self, name: str) -> None:
+        """Start what the fault script has for this trigger."""
+        self._script.trigger(name)
 
     def _parameter_changed(self, parameter: Parameter) -> None:
-        for channel in self.channels:
-            channel.send_parameter(parameter, 65535)
         self.flight.parameters_changed()
 
     def _mission_counted(self, count: int) -> None:
@@ -177,31 +159,25 @@ class Autopilot:
         return self.start.place_of(self.flight.position_m)
 
     @property
+    def target_m(self) -> Metres | None:
+        """Where the vehicle is heading, around the EKF's origin; None in modes without a target."""
+        return self.flight.target_m if self.armed and self.mode in _HAS_TARGET else None
+
+    @property
     def above_home_m(self) -> float:
         """Height above home."""
         return self.flight.position_m[2] - (self.home.position_m[2] if self.home else 0.0)
 
     def move_home(self, position_m: Metres) -> None:
         """Home, and the point that RTL flies to, become another place."""
-        self.flight.move_home(position_m)
+        self.flight.move_home(position_m, self.mode)
         self.set_home(position_m)
 
     def set_home(self, position_m: Metres) -> None:
         """Home is a place, and all stations hear of it."""
         self.local.set_home(position_m)
-        self.broadcast(telemetry.gps_global_origin(self))
-        self.broadcast(telemetry.home_position(self))
-
-    # mission
-
-    @property
-    def mission_seq(self) -> int:
-        """The item that is flown."""
-        return self.mission.seq
-
-    def clear_mission(self) -> bool:
-        """Forget where the mission was; False while it is flown."""
-        return self.mission.clear()
+        for observer in self.observers:
+            observer.home_changed()
 
     # modes and motors
 
@@ -211,7 +187,7 @@ class Autopilot:
         return self.arming.armed
 
     @property
-    def mode(self) -> Mode:
+    def mode(self) -> CopterMode:
         """The flight mode."""
         return self.modes.mode
 
@@ -219,7 +195,7 @@ class Autopilot:
         """A station asks for a mode by its number; whether it was entered."""
         return self.modes.request(number)
 
-    def set_mode(self, mode: Mode) -> bool:
+    def set_mode(self, mode: CopterMode) -> bool:
         """The pilot or the vehicle itself chooses a mode; whether it was entered."""
         return self.modes.enter(mode)
 
@@ -227,13 +203,7 @@ class Autopilot:
         """Stop the motors."""
         self.arming.disarm()
 
-    # messages
-
-    def handle(self, message: Message, sender: Sender) -> None:
-        """Act on a message addressed to this vehicle, or to everybody."""
-        handler = HANDLERS.get(message.get_type())
-        if handler is not None and handler(self, message, sender):
-            return
-        answer = self.protocol.handlers.get(message.get_type())
-        if answer is not None:
-            answer(message, sender)
+    def fly_velocity(self, velocity_m_s: Metres) -> None:
+        """Fly at a velocity, north, east and up, for GUID_TIMEOUT seconds unless it is asked for again."""
+        self.flight.drift(velocity_m_s)
+        self._velocity_ends_s = self.time_s + self.parameters["GUID_TIMEOUT"]

@@ -8,21 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import zip_longest
-from typing import TYPE_CHECKING
 
+from flight_replay.events import Severity
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import FIRST_SEQ, Command
-from flight_replay.simulator.autopilot.modes import Mode
+from flight_replay.simulator.autopilot.context import AutopilotContext
+from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.mission.item_names import SAYS_REACHED, name_of
 from flight_replay.simulator.mission.item_order import MissionWalk
 from flight_replay.simulator.mission.local_items import LocalItem, as_flown, is_navigation
 from flight_replay.simulator.mission.stored_items import StoredItem
 
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
-    from flight_replay.simulator.flight.auto import MissionRun
-
-_CRITICAL, _INFO = 2, 6
 _NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
 _ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLETE
 _ABSOLUTE, _ABOVE_TERRAIN = 0, 10
@@ -37,7 +34,7 @@ _TAKES_OFF_BY_ITSELF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottl
 class MissionControl:
     """``seq`` is the navigation item that is flown or was last, 0 before the first."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: AutopilotContext) -> None:
         self._autopilot = autopilot
         self.seq = 0
         self._state = _NOT_STARTED
@@ -60,22 +57,24 @@ class MissionControl:
 
     def may_begin(self) -> bool:
         """Whether AUTO may be entered; from the ground, armed, only with a take-off item first."""
-        vehicle = self._autopilot
+        autopilot = self._autopilot
         if not self._can_be_simulated(self._local_items()):
             return False
-        if not vehicle.armed:
+        if not autopilot.armed:
             return True
-        needs_takeoff = vehicle.flight.landed and vehicle.faults.personality.auto_needs_takeoff
-        if needs_takeoff and not vehicle.store.starts_with_takeoff(self._first()):
-            vehicle.say(_CRITICAL, "Auto: Missing Takeoff Cmd")
+        needs_takeoff = autopilot.flight.landed and autopilot.faults.personality.auto_needs_takeoff
+        if needs_takeoff and not autopilot.store.starts_with_takeoff(self._first()):
+            autopilot.say(Severity.CRITICAL, "Auto: Missing Takeoff Cmd")
             return False
-        return len(vehicle.store) > 1
+        return len(autopilot.store) > 1
 
     def _can_be_simulated(self, items: Sequence[LocalItem]) -> bool:
         """Whether the flight model does what every item asks for; says which it does not."""
         for item in items:
             if not item.is_simulated:
-                self._autopilot.say(_CRITICAL, f"Auto: {item.seq} {name_of(item.command)} is not simulated")
+                self._autopilot.say(
+                    Severity.CRITICAL, f"Auto: {item.seq} {name_of(item.command)} is not simulated"
+                )
         return all(item.is_simulated for item in items)
 
     def _first(self) -> int:
@@ -131,27 +130,27 @@ class MissionControl:
 
     def update(self) -> None:
         """Start when AUTO waits for it, follow the flight, and speak of what has happened."""
-        vehicle = self._autopilot
-        if vehicle.mode != Mode.AUTO:
+        autopilot = self._autopilot
+        if autopilot.mode != CopterMode.AUTO:
             return
-        if self._waiting and vehicle.sensors.origin_set:
+        if self._waiting and autopilot.sensors.origin_set:
             self._waiting = False
             self._start_at(self._first())
         elif self._state == _ACTIVE and (self.seq == 0 or self._is_stale()):
             self._start_at(FIRST_SEQ)
         if self._run is None and self._state == _ACTIVE and self._can_fly():
-            self._run = vehicle.flight.fly_mission(self._items, self._begun_at)
+            self._run = autopilot.flight.fly_mission(self._items, self._begun_at)
         if self._run is not None:
             self._follow(self._run)
 
     def _is_stale(self) -> bool:
         """Whether a mission that waits on the ground was written anew."""
         store = self._autopilot.store
-        return self._run is None and self._changes != store.changes and not self._autopilot.protocol.receiving
+        return self._run is None and self._changes != store.changes and not self._autopilot.store.receiving
 
     def _can_fly(self) -> bool:
-        vehicle = self._autopilot
-        return vehicle.armed and (not vehicle.flight.landed or self._may_lift)
+        autopilot = self._autopilot
+        return autopilot.armed and (not autopilot.flight.landed or self._may_lift)
 
     def _start_at(self, seq: int) -> None:
         """The mission runs from an item on; it is flown as soon as the vehicle may leave the ground."""
@@ -163,8 +162,8 @@ class MissionControl:
         self._state = _ACTIVE if self._tell_started() else _COMPLETE
 
     def _follow(self, run: MissionRun) -> None:
-        vehicle = self._autopilot
-        if self._changes != vehicle.store.changes and not vehicle.protocol.receiving:
+        autopilot = self._autopilot
+        if self._changes != autopilot.store.changes and not autopilot.store.receiving:
             self._take_over_changes()
             return
         reached = [seq for seq, _ in run.reached[self._told :]]
@@ -172,15 +171,15 @@ class MissionControl:
         for seq in reached:
             item = self._items[seq - FIRST_SEQ]
             if item.command in SAYS_REACHED:
-                vehicle.say(_INFO, f"Reached command #{seq}")
+                autopilot.say(Severity.INFO, f"Reached command #{seq}")
             if item.is_navigation:
                 self._tell_started()
         self._report(reached)
         if run.completed and not self._completed_told:
             self._completed_told = True
             self._state = _COMPLETE
-            if vehicle.flight.landed:
-                vehicle.disarm()
+            if autopilot.flight.landed:
+                autopilot.disarm()
 
     def _report(self, reached: Sequence[int]) -> None:
         """MISSION_ITEM_REACHED, but of DO items only those that are the vehicle's (ModeAuto::verify_command).
@@ -191,17 +190,17 @@ class MissionControl:
         told = [seq for seq in reached if flown[seq] or self._items[seq - FIRST_SEQ].command in _REPORTED]
         for seq, after in zip_longest(told, told[1:]):
             if after is None or not flown[seq]:
-                self._autopilot.broadcast(dialect.MAVLink_mission_item_reached_message(seq))
+                self._autopilot.item_reached(seq)
 
     def _tell_started(self) -> bool:
         """Speak of the next item to fly, if there is one, and of those that are done on the way to it."""
         passed, item = self._walk.advance(self._next_seq)
         for each in [*passed, item] if item else passed:
-            self._autopilot.say(_INFO, f"Mission: {each.seq} {name_of(each.command)}")
+            self._autopilot.say(Severity.INFO, f"Mission: {each.seq} {name_of(each.command)}")
         if item:
             self.seq, self._next_seq = item.seq, item.seq + 1
             if item.command == Command.DELAY:
-                self._autopilot.say(_INFO, f"Delaying {item.params[0]:.0f} sec")
+                self._autopilot.say(Severity.INFO, f"Delaying {item.params[0]:.0f} sec")
         return item is not None
 
     def _take_over_changes(self) -> None:
@@ -215,7 +214,7 @@ class MissionControl:
             before[:] = now
         else:
             self._start_at(seq if 0 < seq <= len(now) else FIRST_SEQ)
-            self._autopilot.say(_CRITICAL, "Auto mission changed, restarted command")
+            self._autopilot.say(Severity.CRITICAL, "Auto mission changed, restarted command")
 
     # places
 
@@ -229,10 +228,10 @@ class MissionControl:
         ]
 
     def _local(self, item: StoredItem) -> tuple[tuple[float, float] | None, float | None]:
-        vehicle = self._autopilot
+        autopilot = self._autopilot
         place: tuple[float, float] | None = None
         if item.lat_e7 or item.lon_e7:
-            place = vehicle.local.metres_from_home(item.lat_e7, item.lon_e7)
-        home_m = vehicle.home.alt_cm / 100 if vehicle.home else 0.0
+            place = autopilot.local.metres_from_home(item.lat_e7, item.lon_e7)
+        home_m = autopilot.home.alt_cm / 100 if autopilot.home else 0.0
         up_m = item.alt_m - home_m if item.frame == _ABSOLUTE else item.alt_m
         return place, None if item.alt_cm == 0 and is_navigation(item.command) else up_m

@@ -7,48 +7,47 @@ and ``_shift_m`` lies between the two.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import pi, radians
-from typing import TYPE_CHECKING
 
-from flight_replay.simulator.autopilot.location import Metres
+from flight_replay.flight_modes import CopterMode
+from flight_replay.simulator.autopilot.location import Metres, Start
 from flight_replay.simulator.autopilot.model_parameters import limits_of, wind_m_s
-from flight_replay.simulator.autopilot.modes import Mode
+from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import STEP_S, Copter
 from flight_replay.simulator.flight.takeoff import TakeOff
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
-    from flight_replay.simulator.flight.auto import MissionRun
-    from flight_replay.simulator.mission.local_items import LocalItem
+from flight_replay.simulator.mission.local_items import LocalItem
 
 __all__ = ["STEP_S", "ModelFlight"]
-
-_HAS_TARGET = frozenset({Mode.AUTO, Mode.GUIDED, Mode.RTL})
 
 
 class ModelFlight:
     """The simulated copter as the autopilot sees it."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
-        self._autopilot = autopilot
+    def __init__(self, parameters: Mapping[str, float], start: Start, *, takeoff_climbs: bool = True) -> None:
+        """On the ground.
+
+        Args:
+            parameters: the autopilot's table, read at every use.
+            start: where the copter is.
+            takeoff_climbs: whether a take-off leaves the ground.
+        """
+        self._parameters, self._start, self._takeoff_climbs = parameters, start, takeoff_climbs
         self._shift_m: Metres = (0.0, 0.0, 0.0)
         self._new_limits = False
-        self._copter = self._made((0.0, 0.0, 0.0), radians(autopilot.start.heading_deg))
+        self._copter = self._made((0.0, 0.0, 0.0), radians(start.heading_deg))
         self._attitude_before = self._copter.attitude_rad
         self._goal_m: Metres | None = None
         self._is_stuck = False
 
     def _made(self, position_m: Metres, yaw_rad: float, velocity_m_s: Metres = (0.0, 0.0, 0.0)) -> Copter:
-        parameters = self._autopilot.parameters
         return Copter(
-            limits_of(parameters),
+            limits_of(self._parameters),
             position_m=position_m,
             yaw_rad=yaw_rad,
             velocity_m_s=velocity_m_s,
-            wind_m_s=wind_m_s(parameters, position_m[2] + self._shift_m[2]),
-            home_amsl_m=self._autopilot.start.alt_amsl_m,
+            wind_m_s=wind_m_s(self._parameters, position_m[2] + self._shift_m[2]),
+            home_amsl_m=self._start.alt_amsl_m,
         )
 
     # state
@@ -110,10 +109,8 @@ class ModelFlight:
         return self._is_stuck or (isinstance(phase, TakeOff) and not phase.done)
 
     @property
-    def target_m(self) -> Metres | None:
-        """Where the vehicle is heading, around the EKF's origin; None in modes without a target."""
-        if self._autopilot.mode not in _HAS_TARGET or not self._autopilot.armed:
-            return None
+    def target_m(self) -> Metres:
+        """Where the vehicle is heading, around the EKF's origin."""
         run = self._copter.mission
         goal_m = run.destination_m if run is not None else self._goal_m
         return self._from_home(goal_m if goal_m is not None else self._copter.target_m)
@@ -129,8 +126,8 @@ class ModelFlight:
         """Move STEP_S on."""
         if self._new_limits:
             self._new_limits = False
-            self._copter.change_limits(limits_of(self._autopilot.parameters))
-        self._copter.change_wind(wind_m_s(self._autopilot.parameters, self.position_m[2]))
+            self._copter.change_limits(limits_of(self._parameters))
+        self._copter.change_wind(wind_m_s(self._parameters, self.position_m[2]))
         self._attitude_before = self._copter.attitude_rad
         self._copter.step()
 
@@ -154,8 +151,8 @@ class ModelFlight:
         self._copter.disarm()
         self._is_stuck = False
 
-    def move_home(self, position_m: Metres) -> None:
-        """Home is another place, level with the ground; what was under way begins anew."""
+    def move_home(self, position_m: Metres, mode: CopterMode) -> None:
+        """Home is another place, level with the ground; what the mode does begins anew."""
         now_m, yaw_rad = self.position_m, self._copter.attitude_rad[2]
         velocity_m_s, motors = self._copter.velocity_m_s, self._copter.motors
         self._shift_m = (position_m[0], position_m[1], self._shift_m[2])
@@ -163,17 +160,17 @@ class ModelFlight:
         if motors and self._copter.landed:
             self._copter.arm()
         elif motors:
-            self.enter_mode(self._autopilot.mode)
+            self.enter_mode(mode)
 
-    def enter_mode(self, mode: Mode) -> None:
+    def enter_mode(self, mode: CopterMode) -> None:
         """Begin what a mode does; nothing leaves the ground by it."""
         self._goal_m = None
         if not self._copter.motors or self._copter.landed:
             return
-        if mode == Mode.RTL:
+        if mode == CopterMode.RTL:
             self._goal_m = (0.0, 0.0, self._copter.position_m[2])
             self._copter.return_home()
-        elif mode == Mode.LAND:
+        elif mode == CopterMode.LAND:
             self._copter.land()
         else:
             self._copter.hold()
@@ -182,7 +179,7 @@ class ModelFlight:
         """Climb straight up, to a height above home."""
         north_m, east_m, _ = self._copter.position_m
         self._goal_m = (north_m, east_m, up_m)
-        if self._autopilot.faults.climbs:
+        if self._takeoff_climbs:
             self._copter.takeoff(up_m)
         else:
             self._is_stuck = True

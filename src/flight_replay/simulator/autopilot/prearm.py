@@ -6,24 +6,22 @@ refused arm command as "Arm: ...".
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from flight_replay.simulator.autopilot.modes import MANUAL_THROTTLE, NEEDS_POSITION, NO_ARMING, Mode
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.events import Severity
+from flight_replay.flight_modes import CopterMode
+from flight_replay.simulator.autopilot.context import AutopilotContext
+from flight_replay.simulator.autopilot.failsafes import Failsafes
+from flight_replay.simulator.autopilot.modes import MANUAL_THROTTLE, NEEDS_POSITION, NO_ARMING
 
 _EVERY_S = 1.0
 _SAY_EVERY_S = 30.0
-_CRITICAL = 2
 _AUTO_ALLOWS_ARMING = 1
 
 
 class Prearm:
     """Whether the vehicle could be armed now, and if not, why."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
-        self._autopilot = autopilot
+    def __init__(self, autopilot: AutopilotContext, failsafes: Failsafes) -> None:
+        self._autopilot, self._failsafes = autopilot, failsafes
         self._checked_s = 0.0
         self._said_s = 0.0
         self.passed = False
@@ -43,21 +41,21 @@ class Prearm:
         """Speak every failed check."""
         self._said_s = self._autopilot.time_s
         for problem in self.problems():
-            self._autopilot.say(_CRITICAL, f"PreArm: {problem}")
+            self._autopilot.say(Severity.CRITICAL, f"PreArm: {problem}")
 
     def problems(self) -> list[str]:
         """The failed checks; with ARMING_CHECK 0 only the mandatory ones count."""
-        vehicle = self._autopilot
+        autopilot = self._autopilot
         found = self._position_problems()
-        if vehicle.mode not in MANUAL_THROTTLE and not vehicle.sensors.attitude_ok:
+        if autopilot.mode not in MANUAL_THROTTLE and not autopilot.sensors.attitude_ok:
             found.append("Need Alt Estimate")
-        if vehicle.faults.never_armable:
-            found.append(vehicle.faults.never_armable)
-        if vehicle.parameters["ARMING_CHECK"] == 0:
+        if autopilot.faults.never_armable:
+            found.append(autopilot.faults.never_armable)
+        if autopilot.parameters["ARMING_CHECK"] == 0:
             return found
-        if not vehicle.sensors.attitude_ok:
+        if not autopilot.sensors.attitude_ok:
             found.append("EKF attitude is bad")
-        if vehicle.mode == Mode.AUTO and len(vehicle.store) < 2:
+        if autopilot.mode == CopterMode.AUTO and len(autopilot.store) < 2:
             found.append("Mode requires mission")
         return found + self._parameter_problems() + self._failsafe_problems()
 
@@ -82,12 +80,12 @@ class Prearm:
         return [text for text, is_so in table.items() if is_so]
 
     def _failsafe_problems(self) -> list[str]:
-        vehicle = self._autopilot
-        battery = vehicle.battery.problem()
+        autopilot = self._autopilot
+        battery = autopilot.battery.problem()
         found = [f"Battery 1 {battery}"] if battery else []
-        if vehicle.battery.level:
+        if autopilot.battery.level:
             found.append("Battery failsafe")
-        if vehicle.failsafes.gcs_lost:
+        if self._failsafes.gcs_lost:
             found.append("GCS failsafe on")
         return found
 
@@ -99,10 +97,10 @@ class Prearm:
 
     def _last_problems(self) -> list[str]:
         """What is checked at the arm command only, up to the first failure (AP_Arming_Copter::arm_checks)."""
-        vehicle = self._autopilot
-        auto_may = int(vehicle.parameters["AUTO_OPTIONS"]) & _AUTO_ALLOWS_ARMING
-        if not vehicle.sensors.attitude_ok:
+        autopilot = self._autopilot
+        auto_may = int(autopilot.parameters["AUTO_OPTIONS"]) & _AUTO_ALLOWS_ARMING
+        if not autopilot.sensors.attitude_ok:
             return ["AHRS not healthy"]
-        if vehicle.mode in NO_ARMING or (vehicle.mode == Mode.AUTO and not auto_may):
-            return [f"{vehicle.mode.name} mode not armable"]
-        return [vehicle.faults.refuses_arming] if vehicle.faults.refuses_arming else []
+        if autopilot.mode in NO_ARMING or (autopilot.mode == CopterMode.AUTO and not auto_may):
+            return [f"{autopilot.mode.name} mode not armable"]
+        return [autopilot.faults.refuses_arming] if autopilot.faults.refuses_arming else []

@@ -16,13 +16,17 @@ _LOOK_AHEAD = 16
 
 
 class MissionStore:
-    """Items by sequence number; ``on_count`` hears every new number of items, home included."""
+    """Items by sequence number; ``on_count`` hears every new number of items, home included.
+
+    ``changes`` counts writes, and ``receiving`` says whether an upload is under way.
+    """
 
     def __init__(self, home: Callable[[], StoredItem], on_count: Callable[[int], None]) -> None:
         self._home = home
         self._on_count = on_count
         self._items: list[StoredItem] = []
         self.changes = 0
+        self.receiving = False
 
     def __len__(self) -> int:
         return len(self._items)

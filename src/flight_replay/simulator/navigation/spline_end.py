@@ -10,16 +10,14 @@ the next leg starts seconds late. The roundings are those of AP_Math/SplineCurve
 from __future__ import annotations
 
 from math import hypot, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.navigation.hermite import Ends
 from flight_replay.simulator.navigation.path_limits import PathLimits
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.navigation.hermite import Ends
 
 _CM = 100.0
 _LONGEST_TANGENTS = np.float32(4.0)

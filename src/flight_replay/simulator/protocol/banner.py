@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from flight_replay.events import Severity
 from flight_replay.mavlink import dialect
-from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.protocol.channel import Sender
 
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
-
-_INFO = 6
 # FRAME_CLASS and FRAME_TYPE.
 _CLASSES = {1: "QUAD", 2: "HEXA", 3: "OCTA", 4: "OCTAQUAD", 7: "TRI"}
 _TYPES = {0: "PLUS", 1: "X", 2: "V", 3: "H"}
@@ -25,4 +21,4 @@ def send(autopilot: Autopilot, sender: Sender) -> None:
         "flight-replay's built-in copter, not ArduPilot",
         f"Frame: {frame_class}/{frame_type}",
     ):
-        sender.channel.send(dialect.MAVLink_statustext_message(_INFO, text.encode()))
+        sender.channel.send(dialect.MAVLink_statustext_message(Severity.INFO, text.encode()))

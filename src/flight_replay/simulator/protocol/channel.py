@@ -7,17 +7,13 @@ Like ArduPilot, a channel speaks MAVLink 2 from the start, or MAVLink 1 if SERIA
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.model_flight import STEP_S
-from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.autopilot.parameter_table import Parameter
 from flight_replay.simulator.protocol.stream_rates import GROUPS, StreamRates
 from flight_replay.simulator.protocol.telemetry import BUILDERS
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
-    from flight_replay.simulator.autopilot.parameter_table import Parameter
 
 # A list of parameters goes out at this pace of wall time, so that a station's buffers keep up with it.
 _PARAMETERS_PER_S = 2000
@@ -30,7 +26,7 @@ _COMPONENT = 1
 
 
 class LinkChannel:
-    """A ``Channel``: ``transmit`` takes bytes, ``has_room`` says whether it would take more now."""
+    """A link to stations: ``transmit`` takes bytes, ``has_room`` says whether it would take more now."""
 
     def __init__(
         self,
@@ -173,6 +169,19 @@ class LinkChannel:
         if message is not None and (message_id != _RC_CHANNELS_RAW or self.mavlink1):
             self.send(message)
         return True
+
+
+class Sender:
+    """Where a message came from, and the way back."""
+
+    __slots__ = ("channel", "component", "system")
+
+    def __init__(self, channel: LinkChannel, system: int, component: int) -> None:
+        self.channel, self.system, self.component = channel, system, component
+
+    def is_same_station(self, other: Sender) -> bool:
+        """Whether both are one component of one system."""
+        return (self.system, self.component) == (other.system, other.component)
 
 
 _RC_CHANNELS_RAW = dialect.MAVLINK_MSG_ID_RC_CHANNELS_RAW

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from flight_replay.events import Severity
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.ekf_frame import HIGHEST_M
-from flight_replay.simulator.autopilot.modes import USER_TAKEOFF, Mode
-from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.autopilot.modes import USER_TAKEOFF
 from flight_replay.simulator.protocol import banner, telemetry
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
-    from flight_replay.simulator.protocol.command import Command
+from flight_replay.simulator.protocol.channel import Sender
+from flight_replay.simulator.protocol.command import Command
 
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
-_INFO = 6
 _FORCED_ARM, _FORCED_DISARM = 2989.0, 21196.0
 _CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 
@@ -60,16 +58,18 @@ def takeoff(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     above_home_m = autopilot.above_home_m
     if not autopilot.armed or not autopilot.flight.landed or not above_home_m < command.z < HIGHEST_M:
         return FAILED
-    if autopilot.mode not in USER_TAKEOFF or (autopilot.mode == Mode.ALT_HOLD and command.params[2] == 0):
+    if autopilot.mode not in USER_TAKEOFF or (
+        autopilot.mode == CopterMode.ALT_HOLD and command.params[2] == 0
+    ):
         return FAILED
     autopilot.flight.takeoff(command.z)
-    autopilot.happenings.note("takeoff")
+    autopilot.trigger("takeoff")
     return ACCEPTED
 
 
 def mission_start(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """Enter AUTO and let the mission leave the ground."""
-    if not autopilot.request_mode(Mode.AUTO):
+    if not autopilot.request_mode(CopterMode.AUTO):
         return FAILED
     autopilot.mission.lift()
     return ACCEPTED
@@ -77,23 +77,23 @@ def mission_start(autopilot: Autopilot, command: Command, sender: Sender) -> int
 
 def loiter(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """Enter LOITER."""
-    return _done(autopilot.request_mode(Mode.LOITER))
+    return _done(autopilot.request_mode(CopterMode.LOITER))
 
 
 def return_to_launch(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """Enter RTL."""
-    return _done(autopilot.request_mode(Mode.RTL))
+    return _done(autopilot.request_mode(CopterMode.RTL))
 
 
 def land(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """Enter LAND."""
-    return _done(autopilot.request_mode(Mode.LAND))
+    return _done(autopilot.request_mode(CopterMode.LAND))
 
 
 def change_speed(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """Another level, climb or descent speed, where the mode takes one."""
     kind, speed_m_s, *_ = command.params
-    if autopilot.mode not in (Mode.AUTO, Mode.GUIDED, Mode.RTL) or speed_m_s <= 0:
+    if autopilot.mode not in (CopterMode.AUTO, CopterMode.GUIDED, CopterMode.RTL) or speed_m_s <= 0:
         return FAILED
     autopilot.flight.change_speed(max(int(kind + 0.1), 1), speed_m_s)
     return ACCEPTED
@@ -179,7 +179,7 @@ def set_message_interval(autopilot: Autopilot, command: Command, sender: Sender)
     number = int(command.params[0])
     if sender.channel.set_interval(number, int(command.params[1])):
         return ACCEPTED
-    autopilot.say(_INFO, f"No ap_message for mavlink id ({number})")
+    autopilot.say(Severity.INFO, f"No ap_message for mavlink id ({number})")
     return DENIED
 
 

@@ -7,16 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from flight_replay.mavlink import Message, dialect
-from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.stored_items import float32
 from flight_replay.simulator.protocol import command_handlers, guided_targets
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
-
+from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command import Command
 
 _PLACED = frozenset({dialect.MAV_CMD_DO_SET_HOME, dialect.MAV_CMD_DO_REPOSITION, dialect.MAV_CMD_DO_SET_ROI})

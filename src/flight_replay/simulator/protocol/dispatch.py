@@ -7,15 +7,12 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from flight_replay.mavlink import Message, dialect
-from flight_replay.simulator.autopilot.station import Sender
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.protocol import banner, guided_targets, telemetry
+from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.commands import command_int, command_long
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
 
 Handler = Callable[["Autopilot", Message, Sender], bool]
 

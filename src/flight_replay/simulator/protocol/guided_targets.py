@@ -7,17 +7,14 @@ mode_auto.cpp (do_guided). Yaw and acceleration targets are ignored.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.location import Metres
-from flight_replay.simulator.autopilot.modes import Mode
-from flight_replay.simulator.autopilot.station import Sender
 from flight_replay.simulator.mission.stored_items import ItemRefused, stored
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
-    from flight_replay.simulator.protocol.command import Command
+from flight_replay.simulator.protocol.channel import Sender
+from flight_replay.simulator.protocol.command import Command
 
 _IGNORES_PLACE, _IGNORES_VELOCITY, _IGNORES_ACCELERATION = 0b111, 0b111 << 3, 0b111 << 6
 _LOCAL, _LOCAL_OFFSET, _BODY, _BODY_OFFSET = 1, 7, 8, 9
@@ -36,11 +33,15 @@ def item(autopilot: Autopilot, message: Message) -> int:
         return refused.result
     place_m = autopilot.local.metres_of_frame(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
     if message.current == 3:
-        if autopilot.mode == Mode.GUIDED and place_m is not None and not autopilot.flight.landed:
+        if autopilot.mode == CopterMode.GUIDED and place_m is not None and not autopilot.flight.landed:
             north_m, east_m, _ = autopilot.flight.position_m
             _fly_to(autopilot, (north_m, east_m, place_m[2]))
         return int(dialect.MAV_MISSION_ACCEPTED)
-    if autopilot.mode != Mode.GUIDED or target.command != dialect.MAV_CMD_NAV_WAYPOINT or place_m is None:
+    if (
+        autopilot.mode != CopterMode.GUIDED
+        or target.command != dialect.MAV_CMD_NAV_WAYPOINT
+        or place_m is None
+    ):
         return int(dialect.MAV_MISSION_ERROR)
     _fly_to(autopilot, place_m)
     return int(dialect.MAV_MISSION_ACCEPTED)
@@ -55,12 +56,12 @@ def _fly_to(autopilot: Autopilot, place_m: Metres) -> None:
 def reposition(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     """DO_REPOSITION: fly to a place, entering GUIDED if asked to."""
     changes = int(command.params[1]) & _CHANGES_MODE
-    if autopilot.mode != Mode.GUIDED and not changes:
+    if autopilot.mode != CopterMode.GUIDED and not changes:
         return _DENIED
     place_m = autopilot.local.metres_of_frame(command.x, command.y, command.z, command.frame)
     if place_m is None or (command.x == 0 and command.y == 0):
         return _DENIED
-    if not autopilot.request_mode(Mode.GUIDED):
+    if not autopilot.request_mode(CopterMode.GUIDED):
         return _FAILED
     _fly_to(autopilot, place_m)
     return _ACCEPTED
@@ -68,7 +69,7 @@ def reposition(autopilot: Autopilot, command: Command, sender: Sender) -> int:
 
 def local_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     """SET_POSITION_TARGET_LOCAL_NED."""
-    if autopilot.mode != Mode.GUIDED or autopilot.flight.landed:
+    if autopilot.mode != CopterMode.GUIDED or autopilot.flight.landed:
         return True
     frame = message.coordinate_frame
     if frame not in {_LOCAL, *_OFFSET}:
@@ -98,7 +99,7 @@ def _turned(autopilot: Autopilot, vector: Metres) -> Metres:
 
 def global_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     """SET_POSITION_TARGET_GLOBAL_INT."""
-    if autopilot.mode != Mode.GUIDED or autopilot.flight.landed:
+    if autopilot.mode != CopterMode.GUIDED or autopilot.flight.landed:
         return True
     place_m = autopilot.local.metres_of_frame(
         message.lat_int, message.lon_int, message.alt, message.coordinate_frame
@@ -116,8 +117,7 @@ def _follow(autopilot: Autopilot, mask: int, place_m: Metres, velocity_m_s: Metr
     if not mask & _IGNORES_PLACE and all(math.isfinite(part) for part in place_m):
         autopilot.flight.goto(place_m)
     elif mask & _IGNORES_PLACE and not mask & _IGNORES_VELOCITY and _is_sane(velocity_m_s):
-        autopilot.flight.drift(velocity_m_s)
-        autopilot.drifts_until_s = autopilot.time_s + autopilot.parameters["GUID_TIMEOUT"]
+        autopilot.fly_velocity(velocity_m_s)
     else:
         autopilot.flight.stop()
 

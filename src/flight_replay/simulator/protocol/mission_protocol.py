@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from flight_replay.events import Severity
 from flight_replay.mavlink import Message, dialect
-from flight_replay.simulator.autopilot.faults import MissionFaults
-from flight_replay.simulator.autopilot.station import Sender
-from flight_replay.simulator.mission.store import MissionStore
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.stored_items import item_float, item_int
-from flight_replay.simulator.protocol.mission_upload import MissionUpload, Vehicle
+from flight_replay.simulator.protocol.channel import Sender
+from flight_replay.simulator.protocol.mission_upload import MissionUpload
 
 _MISSION = dialect.MAV_MISSION_TYPE_MISSION
 _ALWAYS_EMPTY = frozenset({dialect.MAV_MISSION_TYPE_FENCE, dialect.MAV_MISSION_TYPE_RALLY})
@@ -33,9 +33,11 @@ def acknowledge(sender: Sender, result: int, mission_type: int = 0) -> None:
 class MissionProtocol:
     """Answers mission messages, by name in ``handlers``."""
 
-    def __init__(self, store: MissionStore, vehicle: Vehicle, faults: MissionFaults) -> None:
-        self._store, self._vehicle, self._faults = store, vehicle, faults
-        self._upload = upload = MissionUpload(store, vehicle, faults, acknowledge)
+    def __init__(self, autopilot: Autopilot) -> None:
+        self._autopilot, self._store = autopilot, autopilot.store
+        self._knows_item_int = autopilot.faults.mission.knows_item_int
+        self._upload = upload = MissionUpload(autopilot, acknowledge)
+        self._warned = False
         self.handlers: dict[str, Handler] = {
             "MISSION_COUNT": self._about_mission(upload.count, self._count_elsewhere),
             "MISSION_ITEM": self._about_mission(upload.item, _ERROR),
@@ -44,19 +46,9 @@ class MissionProtocol:
             "MISSION_REQUEST": self._about_mission(self._request, _ERROR),
             "MISSION_CLEAR_ALL": self._about_mission(self._clear_all, _ACCEPTED),
         }
-        if faults.knows_item_int:
+        if self._knows_item_int:
             self.handlers["MISSION_ITEM_INT"] = self.handlers["MISSION_ITEM"]
             self.handlers["MISSION_REQUEST_INT"] = self.handlers["MISSION_REQUEST"]
-
-    @property
-    def receiving(self) -> bool:
-        """Whether an upload is under way."""
-        return self._upload.under_way
-
-    @property
-    def uploads(self) -> int:
-        """Missions that came in whole."""
-        return self._upload.completed
 
     def update(self) -> None:
         """Ask again, or give up, by the vehicle's clock."""
@@ -83,9 +75,9 @@ class MissionProtocol:
 
     def _is_busy(self, sender: Sender) -> bool:
         """While somebody uploads, nobody reads."""
-        if self.receiving:
+        if self._store.receiving:
             acknowledge(sender, _DENIED)
-        return self.receiving
+        return self._store.receiving
 
     def _request_list(self, message: Message, sender: Sender) -> None:
         if message.mission_type in _ALWAYS_EMPTY:
@@ -110,17 +102,18 @@ class MissionProtocol:
             acknowledge(sender, _ERROR)
             return
         as_float = message.get_type() == "MISSION_REQUEST"
-        if as_float and self._faults.knows_item_int:
-            self._vehicle.warn_once("got MISSION_REQUEST; use MISSION_REQUEST_INT!")
+        if as_float and self._knows_item_int and not self._warned:
+            self._warned = True
+            self._autopilot.say(Severity.WARNING, "got MISSION_REQUEST; use MISSION_REQUEST_INT!")
         answer = item_float if as_float else item_int
         # ArduPilot compares the command, not the place, with the current place (get_item).
-        current = item.command == self._vehicle.mission_seq
+        current = item.command == self._autopilot.mission.seq
         sender.channel.send(
             answer(item, message.seq, current=current, system=sender.system, component=sender.component)
         )
 
     def _clear_all(self, message: Message, sender: Sender) -> None:
-        cleared = not self.receiving and self._vehicle.clear_mission()
+        cleared = not self._store.receiving and self._autopilot.mission.clear()
         if cleared:
             self._store.truncate(0)
         acknowledge(sender, _ACCEPTED if cleared else _ERROR)

@@ -8,40 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
+from flight_replay.events import Severity
 from flight_replay.mavlink import Message, dialect
-from flight_replay.simulator.autopilot.faults import MissionFaults
-from flight_replay.simulator.autopilot.station import Sender
-from flight_replay.simulator.mission.store import CAPACITY, MissionStore
+from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.mission.store import CAPACITY
 from flight_replay.simulator.mission.stored_items import ItemRefused, StoredItem, stored
+from flight_replay.simulator.protocol.channel import Sender
 
 REQUEST_AGAIN_S = 1.0
 CANCEL_S = 8.0
-_WARNING, _INFO = 4, 6
 _DO_JUMP = 177
 _ACCEPTED, _ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
-
-
-class Vehicle(Protocol):
-    """What the mission protocol needs of the autopilot."""
-
-    @property
-    def time_s(self) -> float:
-        """The vehicle's clock."""
-
-    @property
-    def mission_seq(self) -> int:
-        """The current item."""
-
-    def say(self, severity: int, text: str) -> None:
-        """A status text to all stations."""
-
-    def warn_once(self, text: str) -> None:
-        """A warning that is not repeated."""
-
-    def clear_mission(self) -> bool:
-        """Forget where the mission was; False if it must not be cleared now."""
 
 
 @dataclass(slots=True)
@@ -56,33 +34,27 @@ class _Transfer:
 
 
 class MissionUpload:
-    """At most one upload at a time into ``store``; ``completed`` counts those that ended well."""
+    """At most one upload at a time into the autopilot's mission store."""
 
-    def __init__(
-        self,
-        store: MissionStore,
-        vehicle: Vehicle,
-        faults: MissionFaults,
-        acknowledge: Callable[[Sender, int], None],
-    ) -> None:
-        self._store, self._vehicle, self._faults, self._ack = store, vehicle, faults, acknowledge
-        self._capacity = min(CAPACITY, faults.capacity)
+    def __init__(self, autopilot: Autopilot, acknowledge: Callable[[Sender, int], None]) -> None:
+        self._autopilot, self._store, self._ack = autopilot, autopilot.store, acknowledge
+        self._faults = autopilot.faults.mission
+        self._capacity = min(CAPACITY, self._faults.capacity)
+        self._warned = False
+        self._end()
+
+    def _end(self) -> None:
         self._transfer: _Transfer | None = None
-        self.completed = 0
-
-    @property
-    def under_way(self) -> bool:
-        """Whether items are awaited."""
-        return self._transfer is not None
+        self._store.receiving = False
 
     def update(self) -> None:
         """Ask again, or give up."""
-        transfer, now_s = self._transfer, self._vehicle.time_s
+        transfer, now_s = self._transfer, self._autopilot.time_s
         if transfer is None:
             return
         if now_s - transfer.received_s > CANCEL_S:
-            self._transfer = None
-            self._vehicle.say(_WARNING, "Mission upload timeout")
+            self._end()
+            self._autopilot.say(Severity.WARNING, "Mission upload timeout")
             self._ack(transfer.sender, dialect.MAV_MISSION_OPERATION_CANCELLED)
         elif now_s - transfer.requested_s > REQUEST_AGAIN_S:
             self._ask(transfer)
@@ -93,7 +65,7 @@ class MissionUpload:
             self._ack(sender, dialect.MAV_MISSION_DENIED)
         elif message.count > self._capacity:
             self._ack(sender, dialect.MAV_MISSION_NO_SPACE)
-            self._vehicle.say(_WARNING, f"Only {self._capacity} items are supported")
+            self._autopilot.say(Severity.WARNING, f"Only {self._capacity} items are supported")
         else:
             self._store.truncate(message.count)
             self._begin(sender, 0, message.count - 1)
@@ -103,25 +75,26 @@ class MissionUpload:
         if 0 <= message.start_index <= message.end_index <= len(self._store):
             self._begin(sender, message.start_index, message.end_index)
         else:
-            self._vehicle.say(_WARNING, "Flight plan update rejected")
+            self._autopilot.say(Severity.WARNING, "Flight plan update rejected")
             self._ack(sender, _ERROR)
 
     def _begin(self, sender: Sender, first_seq: int, last_seq: int) -> None:
-        now_s = self._vehicle.time_s
+        now_s = self._autopilot.time_s
         self._transfer = _Transfer(sender, first_seq, last_seq, now_s, now_s)
+        self._store.receiving = True
         self._ask_or_complete(self._transfer)
 
     def _ask_or_complete(self, transfer: _Transfer) -> None:
         if transfer.next_seq <= transfer.last_seq:
             self._ask(transfer)
             return
-        self._transfer = None
-        self.completed += 1
-        self._vehicle.say(_INFO, "Flight plan received")
+        self._end()
+        self._autopilot.trigger("upload")
+        self._autopilot.say(Severity.INFO, "Flight plan received")
         self._ack(transfer.sender, self._faults.result_of_upload)
 
     def _ask(self, transfer: _Transfer) -> None:
-        transfer.requested_s = self._vehicle.time_s
+        transfer.requested_s = self._autopilot.time_s
         sender = transfer.sender
         sender.channel.send(
             dialect.MAVLink_mission_request_message(sender.system, sender.component, transfer.next_seq)
@@ -129,8 +102,9 @@ class MissionUpload:
 
     def item(self, message: Message, sender: Sender) -> None:
         """MISSION_ITEM or MISSION_ITEM_INT: kept if it is the one that was asked for."""
-        if message.get_type() == "MISSION_ITEM" and self._faults.knows_item_int:
-            self._vehicle.warn_once("got MISSION_ITEM; GCS should send MISSION_ITEM_INT")
+        if message.get_type() == "MISSION_ITEM" and self._faults.knows_item_int and not self._warned:
+            self._warned = True
+            self._autopilot.say(Severity.WARNING, "got MISSION_ITEM; GCS should send MISSION_ITEM_INT")
         transfer = self._transfer
         if transfer is None:
             self._ack(sender, _ERROR)
@@ -145,10 +119,10 @@ class MissionUpload:
         """Store an item and go on; one that is refused ends the upload."""
         result = self._kept(message, transfer)
         if result != _ACCEPTED:
-            self._transfer = None
+            self._end()
             self._ack(transfer.sender, result)
             return
-        transfer.received_s = self._vehicle.time_s
+        transfer.received_s = self._autopilot.time_s
         transfer.next_seq += 1
         self._ask_or_complete(transfer)
 

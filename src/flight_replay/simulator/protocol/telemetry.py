@@ -7,15 +7,13 @@ EKF has a position, say. Flags and constants are those of an ArduCopter 4.6 SITL
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import Message, dialect
-from flight_replay.simulator.autopilot.modes import GUIDED_FLAG, MANUAL_THROTTLE, NEEDS_POSITION, Mode
+from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.autopilot.modes import GUIDED_FLAG, MANUAL_THROTTLE, NEEDS_POSITION
 from flight_replay.simulator.protocol.telemetry_motion import MOTION
 from flight_replay.simulator.protocol.telemetry_sensors import SENSORS
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
 
 Builder = Callable[["Autopilot"], "Message | None"]
 
@@ -56,7 +54,9 @@ def _sys_status(autopilot: Autopilot) -> Message:
         enabled, healthy = enabled | _AHRS, healthy | _AHRS
     if autopilot.armed:
         control = 0 if autopilot.mode in MANUAL_THROTTLE else _HEIGHT_CONTROL
-        control |= _PLACE_CONTROL if autopilot.mode in NEEDS_POSITION or autopilot.mode == Mode.LAND else 0
+        control |= (
+            _PLACE_CONTROL if autopilot.mode in NEEDS_POSITION or autopilot.mode == CopterMode.LAND else 0
+        )
         enabled, healthy = enabled | _LOGGING | control, healthy | control
     if autopilot.armed or autopilot.prearm.passed:
         healthy |= _PREARM
@@ -92,7 +92,7 @@ def _mission_current(autopilot: Autopilot) -> Message:
 def mission_current(autopilot: Autopilot, seq: int) -> Message:
     """MISSION_CURRENT with the number given, which a station takes as the answer to its request."""
     total = max(len(autopilot.store) - 1, 0)
-    in_auto = int(autopilot.mode == Mode.AUTO)
+    in_auto = int(autopilot.mode == CopterMode.AUTO)
     return dialect.MAVLink_mission_current_message(seq, total, autopilot.mission.state, in_auto)
 
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flight_replay.mavlink import Message, dialect
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 
 # Everything but the position is to be ignored, and the reserved bits are set, as ArduCopter sends it.
 _POSITION_ONLY = 65016
@@ -85,7 +83,7 @@ def _vfr_hud(autopilot: Autopilot) -> Message:
 def _nav_controller_output(autopilot: Autopilot) -> Message:
     roll, pitch, yaw = (math.degrees(angle) for angle in autopilot.flight.attitude_rad)
     bearing_deg, distance_m = 0, 0.0
-    target = autopilot.flight.target_m
+    target = autopilot.target_m
     if target is not None:
         north, east, _ = (a - b for a, b in zip(target, autopilot.flight.position_m, strict=True))
         distance_m = math.hypot(north, east)
@@ -98,7 +96,7 @@ def _nav_controller_output(autopilot: Autopilot) -> Message:
 
 
 def _position_target_global_int(autopilot: Autopilot) -> Message | None:
-    target = autopilot.flight.target_m
+    target = autopilot.target_m
     if target is None:
         return None
     place = autopilot.start.place_of(target)
@@ -109,7 +107,7 @@ def _position_target_global_int(autopilot: Autopilot) -> Message | None:
 
 
 def _position_target_local_ned(autopilot: Autopilot) -> Message | None:
-    target = autopilot.flight.target_m
+    target = autopilot.target_m
     if target is None:
         return None
     north_m, east_m, up_m = target

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flight_replay.mavlink import Message, dialect
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.model_parameters import wind_m_s
-
-if TYPE_CHECKING:
-    from flight_replay.simulator.autopilot.autopilot import Autopilot
 
 _UNKNOWN_DOP = 65535
 _SATELLITES = 10

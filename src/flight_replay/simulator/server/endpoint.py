@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from flight_replay.mavlink import Message
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.model_flight import STEP_S
-from flight_replay.simulator.autopilot.station import Sender
-from flight_replay.simulator.protocol.channel import LinkChannel
+from flight_replay.simulator.protocol.channel import LinkChannel, Sender
+from flight_replay.simulator.protocol.ground_link import GroundLink
 from flight_replay.simulator.server.addresses import Address
 from flight_replay.simulator.server.links import Connection, Listener
 
@@ -34,6 +34,7 @@ class Endpoint:
             SimulatorError: if one cannot be opened; those that were are closed again.
         """
         self.autopilot = autopilot
+        self._link = GroundLink(autopilot)
         self._selector = selectors.DefaultSelector()
         self._listeners: list[Listener] = []
         self._stations: dict[LinkChannel, Connection] = {}
@@ -66,19 +67,15 @@ class Endpoint:
         connection = listener.accept()
         if connection is None:
             return
-        channel = LinkChannel(
-            self.autopilot,
-            connection.write,
-            lambda: connection.has_room,
-            number=self._listeners.index(listener),
+        channel = self._link.open_channel(
+            connection.write, lambda: connection.has_room, number=self._listeners.index(listener)
         )
         self._stations[channel] = connection
-        self.autopilot.channels.append(channel)
         self._selector.register(connection.socket, selectors.EVENT_READ, channel)
 
     def _dismiss(self, channel: LinkChannel) -> None:
         connection = self._stations.pop(channel)
-        self.autopilot.channels.remove(channel)
+        self._link.close_channel(channel)
         self._selector.unregister(connection.socket)
         connection.close()
 
@@ -95,9 +92,7 @@ class Endpoint:
 
     def step(self) -> None:
         """Let a step of vehicle time pass, and send what is due."""
-        self.autopilot.step()
-        for channel in list(self._stations):
-            channel.step()
+        self._link.step()
         self._flush()
 
     def exchange(self, timeout_s: float) -> None:
@@ -126,7 +121,7 @@ class Endpoint:
         system = getattr(message, "target_system", 0)
         component = getattr(message, "target_component", 0)
         if system == 0 or (system == own and component in _OWN_COMPONENTS):
-            self.autopilot.handle(message, sender)
+            self._link.handle(message, sender)
         if system == own:
             return
         for channel in self._stations:
