@@ -16,7 +16,12 @@ from pathlib import Path
 import numpy as np
 from reducers import reducers
 
-from flight_replay.geometry.distances import Spread, in_order_distances, in_time, spread
+from flight_replay.geometry.distances import (
+    ErrorStatistics,
+    error_statistics,
+    path_errors_m,
+    position_errors_m,
+)
 from flight_replay.logs.flights import select
 from flight_replay.logs.tlog import read_log
 from flight_replay.planning.altitude import RECORDED
@@ -32,7 +37,7 @@ ALTITUDE_M = 30.0
 STEP_S = 0.05
 
 
-def numbers(distances: Spread | None) -> str:
+def numbers(distances: ErrorStatistics | None) -> str:
     return "-" if distances is None else f"{distances.mean:.2f} / {distances.p95:.2f} / {distances.max:.2f}"
 
 
@@ -47,12 +52,12 @@ def reduced(name: str, recording: Recording, kept: np.ndarray, cpu_s: float) -> 
     covered = fixes[: kept[-1] + 1]
     air = flown(draft, Limits(), STEP_S)
     there = air.place_m[:, :2]
-    late = in_time(recording.time_s[: kept[-1] + 1], covered, air.time_s, there)
+    late = position_errors_m(recording.time_s[: kept[-1] + 1], covered, air.time_s, there)
     row(
         name + ("" if len(covered) == len(fixes) else f", covers {100 * len(covered) // len(fixes)} %"),
         len(kept),
-        numbers(spread(in_order_distances(covered, draft.path(0.001).north_east_m))),
-        numbers(spread(in_order_distances(covered, there))),
+        numbers(error_statistics(path_errors_m(covered, draft.path(0.001).north_east_m))),
+        numbers(error_statistics(path_errors_m(covered, there))),
         f"{late.mean():.1f}",
         f"{air.passed_s[-1]:.0f}",
         f"{cpu_s:.1f}",
@@ -85,10 +90,10 @@ def main() -> None:
         found = fit(part, max_points=options.max_points, altitude_m=ALTITUDE_M, speed_m_s=speed)
         row(
             name,
-            len(found.mission.places),
-            numbers(found.planned),
-            numbers(found.predicted_space),
-            f"{found.predicted_time.mean:.1f}",
+            len(found.mission.waypoints),
+            numbers(found.planned_error),
+            numbers(found.path_error),
+            f"{found.position_error.mean:.1f}",
             f"{found.predicted_duration_s:.0f}",
             f"{time.process_time() - begin:.1f}",
         )

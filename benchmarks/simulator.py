@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import in_order_distances, in_time
+from flight_replay.geometry.distances import path_errors_m, position_errors_m
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Home, Mission, waypoint
 from flight_replay.simulator.dynamics.limits import Limits
@@ -92,8 +92,8 @@ def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
     rtl_begin = returning[0] if len(returning) else float("nan")
     after = rtl_begin - truth.last_s
     return Result(
-        in_order_distances(theirs, ours[own_auto]),
-        in_time(late, theirs, own[own_auto], ours[own_auto]),
+        path_errors_m(theirs, ours[own_auto]),
+        position_errors_m(late, theirs, own[own_auto], ours[own_auto]),
         (truth.last_s - truth.auto_s, flown.auto_s[1] - flown.auto_s[0]),
         (truth.auto_s - truth.time_s[0], flown.auto_s[0]),
         (truth.disarmed_s - rtl_begin, flown.time_s[-1] - flown.auto_s[1] - after),

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight_replay.geometry.distances import in_order_distances, in_time, spread
+from flight_replay.geometry.distances import error_statistics, path_errors_m, position_errors_m
 from flight_replay.logs.sample import sample_log
 from flight_replay.logs.tlog import read_log
 
@@ -23,8 +23,10 @@ else:
 
 frame = first.frame
 first_m, second_m = first.north_east_m(frame), second.north_east_m(frame)
-space = spread(in_order_distances(second_m, first_m))
-late = spread(in_time(second.time_s - second.time_s[0], second_m, first.time_s - first.time_s[0], first_m))
+space = error_statistics(path_errors_m(second_m, first_m))
+late = error_statistics(
+    position_errors_m(second.time_s - second.time_s[0], second_m, first.time_s - first.time_s[0], first_m)
+)
 for name, distances in (("in space", space), ("in time", late)):
     if distances is not None:
         print(f"{name}: mean {distances.mean:.2f} m, p95 {distances.p95:.2f} m, max {distances.max:.2f} m")

@@ -14,8 +14,8 @@ log = read_log(Path(sys.argv[1]) if len(sys.argv) > 1 else default_log())
 for budget in (25, 50, 100):
     found = fit(log.track, max_points=budget, speed_m_s="recorded")
     print(
-        f"{len(found.mission.places):4} waypoints: planned {found.planned.mean:.2f} m off, "
-        f"flown {found.predicted_space.mean:.2f} m in space and {found.predicted_time.mean:.1f} m in time, "
+        f"{len(found.mission.waypoints):4} waypoints: planned {found.planned_error.mean:.2f} m off, "
+        f"flown {found.path_error.mean:.2f} m in space and {found.position_error.mean:.1f} m in time, "
         f"in {found.predicted_duration_s:.0f} s"
     )
 for note in found.notes:

@@ -22,7 +22,7 @@ def plan(path: str) -> tuple[str, str]:
         route = spaced_route(read_log(path).track)
     except FlightReplayError as error:
         return Path(path).name, str(error)
-    return Path(path).name, f"{len(route.mission.places)} waypoints, {route.path.length_m:.0f} m"
+    return Path(path).name, f"{len(route.mission.waypoints)} waypoints, {route.path.length_m:.0f} m"
 
 
 if __name__ == "__main__":

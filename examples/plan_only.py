@@ -16,7 +16,7 @@ for flight in find_flights(log.track):
     print(f"flight {flight.number}: {flight.fixes} fixes, {flight.length_m:.0f} m")
 
 route = spaced_route(log.track, altitude_m=20.0)
-print(f"{len(route.mission.places)} waypoints, {route.path.length_m:.0f} m")
+print(f"{len(route.mission.waypoints)} waypoints, {route.path.length_m:.0f} m")
 print(f"at most {route.planned_error.max:.2f} m from the recorded fixes that they cover")
 
 formats.save(sys.argv[2] if len(sys.argv) > 2 else "mission.waypoints", route.mission, route.covered)

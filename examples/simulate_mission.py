@@ -29,7 +29,7 @@ limits = Limits.from_parameters({name: float(value) for name, value in parameter
 
 flown = simulate(mission, limits)
 frame = home_frame(mission)
-for seq, item in mission.places:
+for seq, item in mission.waypoints:
     place = frame.to_metres(item.lat_deg, item.lon_deg)
     nearest = np.linalg.norm(flown.north_east_m - place, axis=1).min()
     print(f"item {seq} reached after {flown.reached_s[seq]:6.2f} s, passed at {nearest:.2f} m")

@@ -26,8 +26,8 @@ def test_plan_only_saves_a_mission(tmp_path: Path) -> None:
     """The sample flight becomes 100 waypoints 20 m above home in a file that loads."""
     assert "100 waypoints" in run("plan_only.py", tmp_path)
     mission = formats.load_mission(tmp_path / "mission.waypoints")
-    assert len(mission.places) == 100
-    assert {item.alt_m for _, item in mission.places} == {20.0}
+    assert len(mission.waypoints) == 100
+    assert {item.alt_m for _, item in mission.waypoints} == {20.0}
 
 
 def test_replay_builtin_flies(tmp_path: Path) -> None:

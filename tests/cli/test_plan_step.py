@@ -23,10 +23,10 @@ def test_a_fit_tells_its_progress_and_what_it_expects() -> None:
     """--route fit covers what was flown, predicts it, and says how far the work is."""
     route, heard = planned("--route", "fit", "--speed", "recorded", "--max-points", "20")
     assert route.method == "fit"
-    assert len(route.mission.places) <= 20
+    assert len(route.mission.waypoints) <= 20
     assert route.mission.home is not None
     assert route.predicted is not None
-    assert route.predicted.in_space.mean < 2
+    assert route.predicted.path_error.mean < 2
     assert any(isinstance(event, Progress) and event.what == "fit" for event in heard)
     assert any(isinstance(event, Notice) and "left out" in event.text for event in heard)
 
@@ -34,8 +34,8 @@ def test_a_fit_tells_its_progress_and_what_it_expects() -> None:
 def test_recorded_limits_are_planned_with() -> None:
     """--limits recorded raises what the recording needs, and nothing is raised without it."""
     raised, _ = planned("--limits", "recorded")
-    assert raised.raised
-    assert not planned()[0].raised
+    assert raised.required_limits
+    assert not planned()[0].required_limits
 
 
 def test_several_vehicles_are_told_of(tmp_path: Path) -> None:

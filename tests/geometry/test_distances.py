@@ -8,8 +8,8 @@ from hypothesis.extra.numpy import arrays
 
 from flight_replay.geometry import matching
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import in_order_distances, in_time, spread
-from flight_replay.geometry.matching import in_order
+from flight_replay.geometry.distances import error_statistics, path_errors_m, position_errors_m
+from flight_replay.geometry.matching import match_in_order
 
 PLACES = st.floats(-20, 20, allow_nan=False, width=32)
 
@@ -40,14 +40,14 @@ def smallest_sum(fixes: Floats, path: Floats, step_m: float = 0.004) -> float:
 
 def test_a_fix_beside_a_line_is_as_far_as_the_line() -> None:
     """Distances are from the lines, not from their corners."""
-    distances = in_order_distances([[5, 2], [8, -1], [12, 0]], [[0, 0], [10, 0]])
+    distances = path_errors_m([[5, 2], [8, -1], [12, 0]], [[0, 0], [10, 0]])
     assert distances == pytest.approx([2, 1, 2])
 
 
 def test_matching_never_goes_back() -> None:
     """A path that returns over itself does not lend its way out to fixes of its way back."""
     path = [[0, 0], [100, 0], [100, 3], [0, 3]]
-    match = in_order([[50.0, 0.0], [100.0, 1.0], [50.0, 0.0], [10.0, 0.0]], path)
+    match = match_in_order([[50.0, 0.0], [100.0, 1.0], [50.0, 0.0], [10.0, 0.0]], path)
     assert match.distance_m == pytest.approx([0, 0, 3, 3])
     assert match.along_m == pytest.approx([50, 101, 153, 193])
     assert match.piece.tolist() == [0, 1, 2, 2]
@@ -55,9 +55,7 @@ def test_matching_never_goes_back() -> None:
 
 def test_fixes_that_step_back_on_one_line_share_a_place() -> None:
     """Going back 2 m along a line costs 2 m, because the match may only stand still."""
-    assert in_order_distances([[5, 0], [3, 0], [6, 0]], [[0, 0], [10, 0]]).sum() == pytest.approx(
-        2, abs=0.002
-    )
+    assert path_errors_m([[5, 0], [3, 0], [6, 0]], [[0, 0], [10, 0]]).sum() == pytest.approx(2, abs=0.002)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -65,16 +63,16 @@ def test_the_matching_has_the_smallest_sum(seed: int) -> None:
     """On wandering paths the sum is the best one of a search at 4 mm, to 1 mm per fix."""
     path = wander(seed, 30, 1.5)
     fixes = scattered(path, 50, 0.8, seed)
-    assert in_order_distances(fixes, path).sum() == pytest.approx(smallest_sum(fixes, path), abs=0.05)
+    assert path_errors_m(fixes, path).sum() == pytest.approx(smallest_sum(fixes, path), abs=0.05)
 
 
 @settings(max_examples=30, deadline=None)
 @given(arrays(float, (7, 2), elements=PLACES), arrays(float, (4, 2), elements=PLACES))
 def test_any_matching_is_in_order_and_no_nearer_than_the_path(fixes: Floats, path: Floats) -> None:
     """Along never falls, and no fix is nearer than the nearest place of the whole path."""
-    match = in_order(fixes, path)
+    match = match_in_order(fixes, path)
     assert (np.diff(match.along_m) >= -1e-9).all()
-    alone = [in_order_distances([fix], path)[0] for fix in fixes]
+    alone = [path_errors_m([fix], path)[0] for fix in fixes]
     assert (match.distance_m >= np.array(alone) - 1e-9).all()
     assert match.distance_m.sum() <= smallest_sum(fixes, path, 0.02) + 0.01 * len(fixes)
 
@@ -84,49 +82,49 @@ def test_the_two_step_search_finds_what_the_whole_search_finds(monkeypatch: pyte
     turn = np.linspace(0, 20 * np.pi, 1200)
     eight = np.stack([50 * np.sin(turn), 25 * np.sin(2 * turn)], axis=1)
     fixes = scattered(eight, 700, 0.3)
-    whole = in_order(fixes, eight)
+    whole = match_in_order(fixes, eight)
     monkeypatch.setattr(matching, "WHOLE_CELLS", 1000)
-    assert np.allclose(in_order(fixes, eight).along_m, whole.along_m)
+    assert np.allclose(match_in_order(fixes, eight).along_m, whole.along_m)
 
 
 def test_a_band_too_narrow_is_widened(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the answer touches the band's edge the band grows, until the answer is the whole search's."""
     path = wander(3, 300, 2.0)
     fixes = scattered(path, 200, 3.0)
-    whole = in_order(fixes, path)
+    whole = match_in_order(fixes, path)
     for name, value in (("WHOLE_CELLS", 1000), ("BAND_M", 0.5), ("COARSE_FIXES", 8), ("COARSE_PIECES", 12)):
         monkeypatch.setattr(matching, name, value)
-    assert in_order(fixes, path).distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=0.02)
+    assert match_in_order(fixes, path).distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=0.02)
 
 
 def test_fixes_farther_apart_than_the_band_are_matched(monkeypatch: pytest.MonkeyPatch) -> None:
     """A fix every 100 m on a straight path is matched where it lies."""
     monkeypatch.setattr(matching, "WHOLE_CELLS", 1000)
     north = np.arange(0.0, 20_001.0, 100.0)
-    match = in_order(np.column_stack([north, np.ones(len(north))]), [[0, 0], [20_000, 0]])
+    match = match_in_order(np.column_stack([north, np.ones(len(north))]), [[0, 0], [20_000, 0]])
     assert match.along_m == pytest.approx(north)
     assert match.distance_m == pytest.approx(np.ones(len(north)))
 
 
 def test_one_point_is_a_path() -> None:
     """A path of one point takes every fix; none at all is refused, and no fixes give no distances."""
-    assert in_order_distances([[3, 4], [0, 1]], [[0, 0]]) == pytest.approx([5, 1])
-    assert in_order_distances(np.zeros((0, 2)), [[0, 0]]).shape == (0,)
+    assert path_errors_m([[3, 4], [0, 1]], [[0, 0]]) == pytest.approx([5, 1])
+    assert path_errors_m(np.zeros((0, 2)), [[0, 0]]).shape == (0,)
     with pytest.raises(ValueError, match="at least one point"):
-        in_order([[0, 0]], np.zeros((0, 2)))
+        match_in_order([[0, 0]], np.zeros((0, 2)))
 
 
 def test_distance_in_time_is_at_equal_times() -> None:
     """Each recorded fix stands against the flown position at its time, over the part both have."""
     recorded_s, recorded = [0.0, 1.0, 2.0, 3.0], [[0, 0], [1, 0], [2, 0], [3, 0]]
-    apart = in_time(recorded_s, recorded, [-1.0, 0.0, 2.5], [[0, 5], [0, 0], [5, 0]])
+    apart = position_errors_m(recorded_s, recorded, [-1.0, 0.0, 2.5], [[0, 5], [0, 0], [5, 0]])
     assert apart == pytest.approx([0, 1, 2])
-    assert in_time(recorded_s, recorded, [], np.zeros((0, 2))).shape == (0,)
+    assert position_errors_m(recorded_s, recorded, [], np.zeros((0, 2))).shape == (0,)
 
 
 def test_a_spread_has_mean_p95_and_max() -> None:
     """Distances come down to three numbers, and to none when there are none."""
-    found = spread(np.arange(101.0))
+    found = error_statistics(np.arange(101.0))
     assert found is not None
     assert (found.mean, found.p95, found.max) == (50, 95, 100)
-    assert spread([]) is None
+    assert error_statistics([]) is None

@@ -32,14 +32,14 @@ def replay() -> tuple[Route, FlightRecord, Outcome]:
     route = spaced_route(eight(), spacing_m=6.0, max_points=60)
     flown = eight(aside_m=1.0, begin_s=1000.0, slower=1.1)
     record = FlightRecord(
-        waypoints_reached=len(route.mission.places) - 1,
+        waypoints_reached=len(route.mission.waypoints) - 1,
         ended="duration",
         problem=None,
         auto_start_s=999.0,
         auto_s=60.0,
         rtl_confirmed=True,
         landed=False,
-        reached=tuple((seq, 1000.0 + 2.0 * seq) for seq, _ in route.mission.places[:-1]),
+        reached=tuple((seq, 1000.0 + 2.0 * seq) for seq, _ in route.mission.waypoints[:-1]),
         flown=flown,
     )
     return route, record, compare_flight(route, record)

@@ -151,7 +151,7 @@ class SitlFlight:
         self._until(self._ready, "readiness to arm", 180.0, self._ask)
         self._upload(mission)
         self._set_mode(GUIDED)
-        up = next(item.alt_m for item in mission.items if item.is_place)
+        up = next(item.alt_m for item in mission.items if item.is_waypoint)
         self._recording = True
         self._until(
             self._armed, "arming", 20.0, lambda: self._command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
@@ -163,7 +163,7 @@ class SitlFlight:
         self.flown.high_s = self.time_s
         self._set_mode(AUTO)
         self.flown.auto_s = self._mode_s
-        last = max(seq for seq, _ in mission.places)
+        last = max(seq for seq, _ in mission.waypoints)
         self._until(lambda: last in self.flown.reached_s, "end of the mission", 1800.0)
         end_s = self.time_s + _STAY_S
         self._until(lambda: self.time_s >= end_s, "time", 10.0)

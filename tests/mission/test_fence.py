@@ -9,7 +9,7 @@ import pytest
 
 from flight_replay.errors import MissionError, VehicleError
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.mission.fence import Area, areas_of
+from flight_replay.mission.fence import FenceArea, areas_from_items
 from flight_replay.mission.items import Mission, MissionItem, waypoint
 from flight_replay.vehicle.preflight import check
 from tests.vehicle.test_preflight import COPTER, HERE
@@ -28,8 +28,8 @@ L_SHAPE = tuple(
 )
 
 
-def polygon(stay_inside: bool = True) -> Area:
-    return Area(L_SHAPE, None, stay_inside)
+def polygon(stay_inside: bool = True) -> FenceArea:
+    return FenceArea(L_SHAPE, None, stay_inside)
 
 
 PLACES = np.array([(0.0, 0.0), (90.0, 0.0), (0.0, 90.0), (90.0, 90.0), (-30.0, 0.0)])
@@ -43,7 +43,7 @@ def test_a_polygon_keeps_in_or_out() -> None:
 
 def test_a_circle_keeps_in_or_out() -> None:
     """By ground distance from its centre."""
-    circle = Area((corner(0, 0),), 50.0, True)
+    circle = FenceArea((corner(0, 0),), 50.0, True)
     assert circle.forbids(PLACES, FRAME).tolist() == [False, True, True, True, False]
     assert replace(circle, stay_inside=False).forbids(PLACES, FRAME).tolist() == [
         True,
@@ -66,7 +66,7 @@ def test_fence_items_become_areas() -> None:
         item(5004, 25.0, 40, 40),
         *(item(5002, 3, *place) for place in [(0, 0), (5, 0), (0, 5)]),
     ]
-    first, circle, last = areas_of(items)
+    first, circle, last = areas_from_items(items)
     assert (len(first.corners), first.radius_m, first.stay_inside) == (3, None, True)
     assert (len(circle.corners), circle.radius_m, circle.stay_inside) == (1, 25.0, False)
     assert (len(last.corners), last.stay_inside) == (3, False)
@@ -76,7 +76,7 @@ def test_fence_items_become_areas() -> None:
 def test_a_fence_that_makes_no_sense_is_told(count: int) -> None:
     """A polygon that is shorter than it says is not guessed at."""
     with pytest.raises(VehicleError, match="cannot be understood"):
-        areas_of([item(5001, count, 0, 0), item(5001, count, 1, 1)])
+        areas_from_items([item(5001, count, 0, 0), item(5001, count, 1, 1)])
 
 
 def test_a_leg_that_leaves_the_fence_is_refused() -> None:

@@ -7,7 +7,14 @@ import pytest
 
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import Command, Frame, Mission, MissionItem, change_speed, waypoint
-from flight_replay.mission.path import Stop, hermite, leg_tangents, path_through, planned_path, stops
+from flight_replay.mission.path import (
+    Destination,
+    destinations,
+    hermite,
+    leg_tangents,
+    path_through,
+    planned_path,
+)
 
 FRAME = LocalFrame(47.0, 8.0)
 
@@ -19,15 +26,15 @@ def at(north_m: float, east_m: float, alt_m: float = 30.0, **options: Any) -> Mi
 
 
 def vectors(
-    route: list[Stop], first: tuple[float, float, float] = (0, 0, 0)
+    route: list[Destination], first: tuple[float, float, float] = (0, 0, 0)
 ) -> list[tuple[list[float], list[float]]]:
     """Level tangents of every leg."""
     return [(a[:2].tolist(), b[:2].tolist()) for a, b in leg_tangents(route, np.array(first, float))]
 
 
-def stop(north_m: float, east_m: float, **options: Any) -> Stop:
+def stop(north_m: float, east_m: float, **options: Any) -> Destination:
     """A place of a route in metres."""
-    return Stop(1, np.array([north_m, east_m, 0.0]), **options)
+    return Destination(1, np.array([north_m, east_m, 0.0]), **options)
 
 
 def test_straight_legs_are_lines_through_the_places_and_carry_their_sequence_numbers() -> None:
@@ -110,14 +117,14 @@ def test_equal_places_make_a_leg_without_length() -> None:
 def test_zeros_mean_here() -> None:
     """Latitude and longitude 0 are the place before, and height 0 keeps the height."""
     items = (at(10, 20, 25.0), MissionItem(Command.WAYPOINT, Frame.RELATIVE, (0, 0, 0, 0), 0, 0, 0))
-    found = stops(items, FRAME)
-    assert np.allclose(found[0].place_m, found[1].place_m)
+    found = destinations(items, FRAME)
+    assert np.allclose(found[0].position_m, found[1].position_m)
 
 
 @pytest.mark.parametrize("command", [Command.RETURN_TO_LAUNCH, Command.LAND, Command.LOITER_TURNS])
 def test_the_vehicle_halts_before_commands_that_are_no_waypoint(command: Command) -> None:
     """Before a return, a landing and turns the waypoint is a halt, before a plain loiter it is not."""
     ending = MissionItem(command, Frame.RELATIVE, (0, 0, 0, 0), 0, 0, 0)
-    assert stops((at(0, 10), ending), FRAME)[0].halts
+    assert destinations((at(0, 10), ending), FRAME)[0].halts
     loiter = MissionItem(Command.LOITER_UNLIMITED, Frame.RELATIVE, (0, 0, 0, 0), 0, 0, 0)
-    assert [found.halts for found in stops((at(0, 10), loiter), FRAME)] == [False, True]
+    assert [found.halts for found in destinations((at(0, 10), loiter), FRAME)] == [False, True]

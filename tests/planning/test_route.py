@@ -5,7 +5,7 @@ import pytest
 
 from flight_replay.logs.track import track_from_columns
 from flight_replay.mission.items import Command
-from flight_replay.planning.altitude import FLOOR_M
+from flight_replay.planning.altitude import MIN_ALTITUDE_M
 from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_tracks import FRAME, dash
 
@@ -31,7 +31,7 @@ def test_recorded_heights_never_lead_into_the_ground() -> None:
     heights_m = [-1.0, 2.0, *np.linspace(6, 20, 49)]
     route = spaced_route(dash(heights_m=heights_m), altitude_m="recorded")
     flown_m = [item.alt_m for item in route.mission.items]
-    assert flown_m[:2] == [FLOOR_M, FLOOR_M]
+    assert flown_m[:2] == [MIN_ALTITUDE_M, MIN_ALTITUDE_M]
     assert flown_m[2:] == pytest.approx(heights_m[2:])
 
 

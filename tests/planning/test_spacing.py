@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.geodesy import LocalFrame, distance_m
 from flight_replay.logs.track import Track, track_from_columns
-from flight_replay.planning.spacing import spaced
+from flight_replay.planning.spacing import decimate
 
 
 def track_of(north_east_m: NDArray[np.float64], lat_deg: float = 47.0, lon_deg: float = 8.0) -> Track:
@@ -39,12 +39,12 @@ def line(steps_m: list[float]) -> NDArray[np.float64]:
 )
 def test_keeps_first_spaced_and_last(steps_m: list[float], kept: list[int]) -> None:
     """The first fix, every one more than 3 m from the last kept, and the last are kept."""
-    assert spaced(track_of(line(steps_m))).tolist() == kept
+    assert decimate(track_of(line(steps_m))).tolist() == kept
 
 
 def test_stops_at_the_most_points() -> None:
     """With the budget used up, the rest of the log is left."""
-    assert spaced(track_of(line([4.0] * 300)), max_points=100).tolist() == list(range(100))
+    assert decimate(track_of(line([4.0] * 300)), max_points=100).tolist() == list(range(100))
 
 
 @pytest.mark.parametrize(
@@ -52,8 +52,8 @@ def test_stops_at_the_most_points() -> None:
 )
 def test_metres_are_ground_metres_anywhere(lat_deg: float, lon_deg: float) -> None:
     """2.99 m east is not 3 m, 3.01 m is, at any latitude and across the antimeridian."""
-    assert spaced(track_of(line([2.99, 4.0]), lat_deg, lon_deg)).tolist() == [0, 2]
-    assert spaced(track_of(line([3.01, 4.0]), lat_deg, lon_deg)).tolist() == [0, 1, 2]
+    assert decimate(track_of(line([2.99, 4.0]), lat_deg, lon_deg)).tolist() == [0, 2]
+    assert decimate(track_of(line([3.01, 4.0]), lat_deg, lon_deg)).tolist() == [0, 1, 2]
 
 
 @given(
@@ -66,7 +66,7 @@ def test_rule_holds_for_any_track(
 ) -> None:
     """Order kept, budget kept, first fix kept, and no fix skipped that was far enough."""
     track = track_of(np.cumsum(np.array(steps), axis=0))
-    kept = spaced(track, spacing_m, max_points)
+    kept = decimate(track, spacing_m, max_points)
     assert kept[0] == 0
     assert len(kept) <= max_points
     assert (np.diff(kept) > 0).all()

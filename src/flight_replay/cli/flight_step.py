@@ -56,8 +56,8 @@ def fly(options: Options, route: Route, console: Console, listener: Listener) ->
         _check(options, route, connected, console, listener)
         if options.connect is not None:
             _keep_mission(connected, connection, options.baud, listener)
-        if route.raised:
-            stack.enter_context(_raised(connected, route.raised))
+        if route.required_limits:
+            stack.enter_context(_raised(connected, route.required_limits))
         connected.upload(route.mission, listener)
         record = supervise(connected, WallClock(), _plan(options, route), listener)
         identity = connected.identity

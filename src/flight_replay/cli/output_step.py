@@ -13,7 +13,7 @@ from flight_replay.output_files import check_suffix
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import Flown
-    from flight_replay.geometry.distances import Spread
+    from flight_replay.geometry.distances import ErrorStatistics
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
     from flight_replay.output.event_log import Entry
@@ -109,13 +109,14 @@ def words(result: Replay) -> list[str]:
     ]
     if route.predicted:
         lines.append(
-            f" Predicted: {route.predicted_duration_s:.0f} s; in space {_metres(route.predicted.in_space)}; "
-            f"in time {_metres(route.predicted.in_time)}"
+            f" Predicted: {route.predicted_duration_s:.0f} s; "
+            f"in space {_metres(route.predicted.path_error)}; "
+            f"in time {_metres(route.predicted.position_error)}"
         )
     if result.flown:
         record, outcome = result.flown.record, result.flown.outcome
         lines += [
-            f" Reached {record.waypoints_reached} of {len(route.mission.places)} waypoints "
+            f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
             f"in {record.auto_s:.1f} s of AUTO",
             f" Distance from the recorded flight in space: {_metres(outcome.in_space)}",
             f" Distance from the recorded flight in time: {_metres(outcome.in_time)}",
@@ -123,7 +124,7 @@ def words(result: Replay) -> list[str]:
     return lines
 
 
-def _metres(spread: Spread | None) -> str:
+def _metres(spread: ErrorStatistics | None) -> str:
     if spread is None:
         return "nothing to compare"
     return f"mean {spread.mean:.2f} m, p95 {spread.p95:.2f} m, max {spread.max:.2f} m"

@@ -11,7 +11,7 @@ from flight_replay.logs.sample import default_log
 from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
-from flight_replay.planning.route import Predicted, Route
+from flight_replay.planning.route import PredictedErrors, Route
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -42,10 +42,10 @@ def plan(options: Options, track: Track, listener: Listener) -> Route:
         route = _fitted(options, track, Limits(**raised), listener)
     else:
         route = _spaced(options, track)
-    listener(Notice(f" Generated {len(route.mission.places)} waypoints from tlog"))
+    listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from tlog"))
     for note in route.notes:
         listener(Notice(f" {note}"))
-    return replace(route, raised=raised)
+    return replace(route, required_limits=raised)
 
 
 def _raised(track: Track) -> dict[str, float]:
@@ -80,8 +80,8 @@ def _fitted(options: Options, track: Track, limits: Limits, listener: Listener) 
         mission=found.mission,
         covered=found.flown,
         path=planned_path(found.mission, found.frame),
-        planned_error=found.planned,
+        planned_error=found.planned_error,
         predicted_duration_s=found.predicted_duration_s,
-        predicted=Predicted(found.predicted_space, found.predicted_time),
+        predicted=PredictedErrors(found.path_error, found.position_error),
         notes=found.notes,
     )

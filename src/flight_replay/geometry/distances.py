@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.matching import in_order
+from flight_replay.geometry.matching import match_in_order
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class ErrorStatistics:
     """Mean, 95th percentile and largest of some distances, metres."""
 
     mean: float
@@ -25,22 +25,24 @@ class Spread:
     max: float
 
 
-def spread(distances_m: ArrayLike) -> Spread | None:
+def error_statistics(distances_m: ArrayLike) -> ErrorStatistics | None:
     """Summary of distances; None when there are none."""
     distances = np.asarray(distances_m, float)
     if not distances.size:
         return None
     # np.percentile would import numpy.ma, a tenth of a short run's time.
     p95 = np.interp(0.95 * (distances.size - 1), np.arange(distances.size), np.sort(distances))
-    return Spread(float(distances.mean()), float(p95), float(distances.max()))
+    return ErrorStatistics(float(distances.mean()), float(p95), float(distances.max()))
 
 
-def in_order_distances(fixes_m: ArrayLike, path_m: ArrayLike) -> Floats:
-    """Distances (n,) of fixes (n, 2) from a path (m, 2), matched forwards only; see ``in_order``."""
-    return in_order(fixes_m, path_m).distance_m
+def path_errors_m(fixes_m: ArrayLike, path_m: ArrayLike) -> Floats:
+    """Distances (n,) of fixes (n, 2) from a path (m, 2), matched forwards only; see ``match_in_order``."""
+    return match_in_order(fixes_m, path_m).distance_m
 
 
-def in_time(recorded_s: ArrayLike, recorded_m: ArrayLike, flown_s: ArrayLike, flown_m: ArrayLike) -> Floats:
+def position_errors_m(
+    recorded_s: ArrayLike, recorded_m: ArrayLike, flown_s: ArrayLike, flown_m: ArrayLike
+) -> Floats:
     """Distances at equal times of recorded (n, 2) and flown (k, 2) positions, over what both have.
 
     Each clock counts from its own zero: the section's start, and the first waypoint's reaching.

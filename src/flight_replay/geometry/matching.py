@@ -42,7 +42,7 @@ class Matching:
     piece: Indices
 
 
-def in_order(fixes_m: ArrayLike, path_m: ArrayLike, piece_m: float | None = None) -> Matching:
+def match_in_order(fixes_m: ArrayLike, path_m: ArrayLike, piece_m: float | None = None) -> Matching:
     """Match fixes (n, 2) to the lines through a path's points (m, 2), m >= 1, never going back.
 
     The sum of distances is the smallest there is to about 1 mm per fix. Time and memory grow with n

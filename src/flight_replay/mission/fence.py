@@ -19,7 +19,7 @@ _POLYGON_IN, _POLYGON_OUT, _CIRCLE_IN, _CIRCLE_OUT = 5001, 5002, 5003, 5004
 
 
 @dataclass(frozen=True, slots=True)
-class Area:
+class FenceArea:
     """A polygon of at least three corners (degrees), or a circle of ``radius_m`` around its one corner."""
 
     corners: tuple[tuple[float, float], ...]
@@ -47,7 +47,7 @@ def _inside(places: Floats, corners: Floats) -> NDArray[np.bool_]:
     return np.asarray((straddles & (x < crossing)).sum(axis=1) % 2 == 1)
 
 
-def kinds_on(parameters: Mapping[str, float]) -> int:
+def active_fence_types(parameters: Mapping[str, float]) -> int:
     """The bits of FENCE_TYPE of a fence that is on, or goes on by itself once the vehicle flies; else 0.
 
     Raises:
@@ -61,13 +61,13 @@ def kinds_on(parameters: Mapping[str, float]) -> int:
     return int(parameters.get("FENCE_TYPE", 0))
 
 
-def areas_of(items: Sequence[MissionItem]) -> tuple[Area, ...]:
+def areas_from_items(items: Sequence[MissionItem]) -> tuple[FenceArea, ...]:
     """The areas that fence items describe; a polygon is as many items as its first one says.
 
     Raises:
         VehicleError: A polygon is cut short.
     """
-    areas: list[Area] = []
+    areas: list[FenceArea] = []
     rest = [item for item in items if _POLYGON_IN <= item.command <= _CIRCLE_OUT]
     while rest:
         first = rest[0]
@@ -77,5 +77,5 @@ def areas_of(items: Sequence[MissionItem]) -> tuple[Area, ...]:
             raise VehicleError("the fence on board cannot be understood; check it with a ground station")
         radius_m = first.params[0] if first.command in (_CIRCLE_IN, _CIRCLE_OUT) else None
         places = tuple((corner.lat_deg, corner.lon_deg) for corner in corners)
-        areas.append(Area(places, radius_m, first.command in (_POLYGON_IN, _CIRCLE_IN)))
+        areas.append(FenceArea(places, radius_m, first.command in (_POLYGON_IN, _CIRCLE_IN)))
     return tuple(areas)

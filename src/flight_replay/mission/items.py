@@ -37,7 +37,7 @@ class Frame(IntEnum):
     TERRAIN = 10
 
 
-PLACES = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT})
+WAYPOINT_COMMANDS = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT})
 """Commands that routes fly to, and that count as waypoints."""
 
 
@@ -53,9 +53,9 @@ class MissionItem:
     alt_m: float
 
     @property
-    def is_place(self) -> bool:
+    def is_waypoint(self) -> bool:
         """Whether the vehicle flies to this item, straight or along a spline."""
-        return self.command in PLACES
+        return self.command in WAYPOINT_COMMANDS
 
     @property
     def is_spline(self) -> bool:
@@ -65,7 +65,7 @@ class MissionItem:
     @property
     def hold_s(self) -> float:
         """Seconds that the vehicle waits at this waypoint."""
-        return self.params[0] if self.is_place else 0.0
+        return self.params[0] if self.is_waypoint else 0.0
 
 
 def waypoint(
@@ -98,14 +98,14 @@ class Mission:
     home: Home | None = None
 
     @property
-    def places(self) -> tuple[tuple[int, MissionItem], ...]:
+    def waypoints(self) -> tuple[tuple[int, MissionItem], ...]:
         """(sequence number on board, item) of every waypoint, straight or spline."""
-        return tuple((seq, item) for seq, item in enumerate(self.items, FIRST_SEQ) if item.is_place)
+        return tuple((seq, item) for seq, item in enumerate(self.items, FIRST_SEQ) if item.is_waypoint)
 
     def with_home(self, home: Home) -> Mission:
         """The same items under another home."""
         return replace(self, home=home)
 
 
-ENOUGH_OF_TARGET = 0.95
+TAKEOFF_REACHED_SHARE = 0.95
 """Share of the take-off altitude at which DroneKit's example counts take-off as done."""

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.mission.items import FIRST_SEQ, PLACES, Command, Mission, MissionItem
+from flight_replay.mission.items import FIRST_SEQ, WAYPOINT_COMMANDS, Command, Mission, MissionItem
 
 TANGENT_PER_CHORD = 4.0
 """Longest sum of both tangents, in lengths of the leg (SPLINE_FACTOR)."""
@@ -31,7 +31,7 @@ TOLERANCE_M = 0.001
 """How far the lines that stand for a curve may lie from it."""
 # MAV_CMD numbers below this navigate; a mission goes through them one after the other.
 _FIRST_CONDITION = 95
-_FLOWN_INTO = PLACES | {Command.LOITER_UNLIMITED, Command.LOITER_TIME}
+_FLOWN_INTO = WAYPOINT_COMMANDS | {Command.LOITER_UNLIMITED, Command.LOITER_TIME}
 _HALTED_AT = frozenset({Command.LOITER_TURNS, Command.LAND})
 
 
@@ -55,14 +55,14 @@ class Path:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stop:
+class Destination:
     """A place to fly to, in local metres (north, east, up): what a leg ends at.
 
     ``halts`` says that the vehicle comes to rest there, be it to wait ``hold_s`` seconds.
     """
 
     seq: int
-    place_m: Floats
+    position_m: Floats
     spline: bool = False
     hold_s: float = 0.0
     halts: bool = False
@@ -77,15 +77,17 @@ def planned_path(
     """
     items = mission.items if isinstance(mission, Mission) else tuple(mission)
     start = None if start_m is None else np.asarray(start_m, float)
-    return path_through(stops(items, frame, start), start)
+    return path_through(destinations(items, frame, start), start)
 
 
-def stops(items: Sequence[MissionItem], frame: LocalFrame, start_m: Floats | None = None) -> list[Stop]:
+def destinations(
+    items: Sequence[MissionItem], frame: LocalFrame, start_m: Floats | None = None
+) -> list[Destination]:
     """The places of the items, with ArduCopter's reading of zeros: 0,0 is here, height 0 keeps the height.
 
     Before anything but a waypoint or a plain loiter, the vehicle halts (``ModeAuto::set_next_wp``).
     """
-    found: list[Stop] = []
+    found: list[Destination] = []
     here = np.zeros(3) if start_m is None else start_m
     for seq, item in enumerate(items, FIRST_SEQ):
         if item.command >= _FIRST_CONDITION:
@@ -94,7 +96,9 @@ def stops(items: Sequence[MissionItem], frame: LocalFrame, start_m: Floats | Non
             found[-1] = replace(found[-1], halts=True)
         if item.command in _FLOWN_INTO or item.command in _HALTED_AT:
             here = _place(item, frame, here)
-            found.append(Stop(seq, here, item.is_spline, item.hold_s, item.hold_s > 0 or not item.is_place))
+            found.append(
+                Destination(seq, here, item.is_spline, item.hold_s, item.hold_s > 0 or not item.is_waypoint)
+            )
     return found
 
 
@@ -109,21 +113,21 @@ def _place(item: MissionItem, frame: LocalFrame, here: Floats) -> Floats:
 
 
 def path_through(
-    route: Sequence[Stop], start_m: Floats | None = None, tolerance_m: float = TOLERANCE_M
+    route: Sequence[Destination], start_m: Floats | None = None, tolerance_m: float = TOLERANCE_M
 ) -> Path:
     """The path along ``route``; its curves are drawn as lines that stay within ``tolerance_m``."""
     if not route:
         alone = np.zeros((0, 3)) if start_m is None else start_m[None]
         return Path(alone[:, :2], alone[:, 2], np.full(len(alone), FIRST_SEQ, np.intp), np.zeros(len(alone)))
-    places = [stop.place_m for stop in route]
+    places = [stop.position_m for stop in route]
     first = places[0] if start_m is None else start_m
     points, seqs, holds = [first[None]], [np.array([route[0].seq])], [np.zeros(1)]
     origins = [first, *places[:-1]]
     tangents = leg_tangents(route, first)
     for stop, origin, (leaving, arriving) in zip(route, origins, tangents, strict=True):
-        leg = stop.place_m[None]
+        leg = stop.position_m[None]
         if stop.spline:
-            leg = hermite(origin, stop.place_m, leaving, arriving, tolerance_m)[1:]
+            leg = hermite(origin, stop.position_m, leaving, arriving, tolerance_m)[1:]
         points.append(leg)
         seqs.append(np.full(len(leg), stop.seq))
         holds.append(np.append(np.zeros(len(leg) - 1), stop.hold_s))
@@ -131,18 +135,18 @@ def path_through(
     return Path(line[:, :2], line[:, 2], np.concatenate(seqs).astype(np.intp), np.concatenate(holds))
 
 
-def leg_tangents(route: Sequence[Stop], first_m: Floats) -> list[tuple[Floats, Floats]]:
+def leg_tangents(route: Sequence[Destination], first_m: Floats) -> list[tuple[Floats, Floats]]:
     """Unscaled tangents (at the origin, at the destination) of every leg; on straight legs, their vector."""
     tangents: list[tuple[Floats, Floats]] = []
     origin, leaving = first_m, np.zeros(3)
     for here, following in zip(route, [*route[1:], None], strict=True):
-        arriving = here.place_m - origin
+        arriving = here.position_m - origin
         if following is None or here.halts or (here.spline and not arriving.any()):
             arriving = np.zeros(3)
         elif here.spline:
-            arriving = following.place_m - (origin if following.spline else here.place_m)
+            arriving = following.position_m - (origin if following.spline else here.position_m)
         tangents.append((leaving, arriving))
-        origin, leaving = here.place_m, arriving
+        origin, leaving = here.position_m, arriving
     return tangents
 
 

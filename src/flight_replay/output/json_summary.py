@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from flight_replay.mission.items import FIRST_SEQ, MissionItem
 
 if TYPE_CHECKING:
-    from flight_replay.geometry.distances import Spread
+    from flight_replay.geometry.distances import ErrorStatistics
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
     from flight_replay.output.outcome import Outcome
@@ -50,7 +50,7 @@ def route_summary(route: Route) -> Json:
     """What will be flown; items without home."""
     return {
         "method": route.method,
-        "points": len(route.mission.places),
+        "points": len(route.mission.waypoints),
         "items": [_item(seq, item) for seq, item in enumerate(route.mission.items, FIRST_SEQ)],
         "fixes_covered": len(route.covered),
         "length_m": round(route.path.length_m, 3),
@@ -85,7 +85,7 @@ def _item(seq: int, item: MissionItem) -> Json:
     }
 
 
-def _spread(spread: Spread | None) -> Json:
+def _spread(spread: ErrorStatistics | None) -> Json:
     """Mean, 95th percentile and largest; null each where there was nothing to compare."""
     if spread is None:
         return {"mean": None, "p95": None, "max": None}

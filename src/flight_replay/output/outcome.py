@@ -8,8 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import Spread, in_order_distances, in_time, spread
-from flight_replay.geometry.matching import in_order
+from flight_replay.geometry.distances import (
+    ErrorStatistics,
+    error_statistics,
+    path_errors_m,
+    position_errors_m,
+)
+from flight_replay.geometry.matching import match_in_order
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import Path
 from flight_replay.planning.route import Route
@@ -28,8 +33,8 @@ class Outcome:
     track: as many as the flight got to, and as many as both clocks have.
     """
 
-    in_space: Spread | None
-    in_time: Spread | None
+    in_space: ErrorStatistics | None
+    in_time: ErrorStatistics | None
     space_m: Floats
     time_m: Floats
 
@@ -43,16 +48,16 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
     due = _fixes_due(route, record)
     space_m = _distances_in_space(due, record.flown)
     time_m = _distances_in_time(route, record)
-    return Outcome(spread(space_m), spread(time_m), space_m, time_m)
+    return Outcome(error_statistics(space_m), error_statistics(time_m), space_m, time_m)
 
 
 def _fixes_due(route: Route, record: FlightRecord) -> Track:
     """The covered fixes on the way to the last waypoint that was reached."""
     reached = {seq for seq, _ in record.reached}
-    last_seq = max((seq for seq, _ in route.mission.places if seq in reached), default=0)
-    if last_seq == route.mission.places[-1][0]:
+    last_seq = max((seq for seq, _ in route.mission.waypoints if seq in reached), default=0)
+    if last_seq == route.mission.waypoints[-1][0]:
         return route.covered
-    matching = in_order(route.covered.north_east_m(), route.path.north_east_m)
+    matching = match_in_order(route.covered.north_east_m(), route.path.north_east_m)
     return route.covered.select(matching.along_m <= _reach_m(route.path, last_seq) + _ON_THE_SPOT_M)
 
 
@@ -67,16 +72,16 @@ def _distances_in_space(due: Track, flown: Track) -> Floats:
     if not len(due) or not len(flown):
         return np.zeros(0)
     frame = due.frame
-    return in_order_distances(due.north_east_m(frame), flown.north_east_m(frame))
+    return path_errors_m(due.north_east_m(frame), flown.north_east_m(frame))
 
 
 def _distances_in_time(route: Route, record: FlightRecord) -> Floats:
     """Recorded positions since the first fix against flown ones since the first waypoint."""
-    reached_s = dict(record.reached).get(route.mission.places[0][0])
+    reached_s = dict(record.reached).get(route.mission.waypoints[0][0])
     if reached_s is None or not len(record.flown):
         return np.zeros(0)
     recorded, frame = route.covered, route.covered.frame
-    return in_time(
+    return position_errors_m(
         recorded.time_s - recorded.time_s[0],
         recorded.north_east_m(frame),
         record.flown.time_s - reached_s,

@@ -13,7 +13,7 @@ from flight_replay.mission.items import Home
 
 Recorded = Literal["recorded"]
 RECORDED: Recorded = "recorded"
-FLOOR_M = 5.0
+MIN_ALTITUDE_M = 5.0
 """Recorded heights below this are flown at this height."""
 _HOME_SHIFT_M = 20.0
 
@@ -26,7 +26,7 @@ def home_of(track: Track) -> Home:
     )
 
 
-def believable_heights_m(track: Track) -> Floats:
+def plausible_altitudes_m(track: Track) -> Floats:
     """Recorded heights above home (n,), none below the floor.
 
     Before home is set, the height above it is nonsense (often that above the sea): where the
@@ -39,14 +39,14 @@ def believable_heights_m(track: Track) -> Floats:
         if (good & here).any():
             good &= ~here | (np.abs(home_m - np.median(home_m[good & here])) <= _HOME_SHIFT_M)
     if not good.any():
-        return np.full(len(track), FLOOR_M)
+        return np.full(len(track), MIN_ALTITUDE_M)
     index = np.arange(len(track))
     following = index[good][np.minimum(np.searchsorted(index[good], index), good.sum() - 1)]
-    return np.asarray(np.maximum(track.alt_m[following], FLOOR_M))
+    return np.asarray(np.maximum(track.alt_m[following], MIN_ALTITUDE_M))
 
 
-def heights_m(track: Track, altitude_m: float | Recorded) -> Floats:
+def altitudes_m(track: Track, altitude_m: float | Recorded) -> Floats:
     """Height above home to fly at, shape (n,): constant, or as recorded where that can be believed."""
     if altitude_m != RECORDED:
         return np.full(len(track), float(altitude_m))
-    return believable_heights_m(track)
+    return plausible_altitudes_m(track)

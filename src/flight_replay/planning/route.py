@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from flight_replay.geometry.distances import Spread, spread
-from flight_replay.geometry.matching import in_order
+from flight_replay.geometry.distances import ErrorStatistics, error_statistics
+from flight_replay.geometry.matching import match_in_order
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.mission.path import Path, planned_path
@@ -17,11 +17,11 @@ _PIECE_M = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Predicted:
-    """How the model of ArduCopter flies a route: distances from the recording in space and in time."""
+class PredictedErrors:
+    """Path error and position error, metres, of the route as the model of ArduCopter flies it."""
 
-    in_space: Spread
-    in_time: Spread
+    path_error: ErrorStatistics
+    position_error: ErrorStatistics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,21 +30,21 @@ class Route:
 
     ``predicted_duration_s`` is the time in AUTO that the vehicle is expected to need, ``predicted``
     the expected distances where the planning found them, ``notes`` are sentences for a person.
-    ``raised`` holds the fields of ``Limits`` that the vehicle must have raised to fly it, SI units.
+    ``required_limits`` holds the fields of ``Limits`` that the vehicle must have raised to fly it, SI units.
     """
 
     method: str
     mission: Mission
     covered: Track
     path: Path
-    planned_error: Spread
+    planned_error: ErrorStatistics
     predicted_duration_s: float
-    predicted: Predicted | None = None
-    raised: Mapping[str, float] = field(default_factory=dict)
+    predicted: PredictedErrors | None = None
+    required_limits: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 
-def route_through(method: str, mission: Mission, covered: Track) -> Route:
+def route_of(method: str, mission: Mission, covered: Track) -> Route:
     """The route of a mission that was made from ``covered``, with its planned error.
 
     Args:
@@ -53,7 +53,7 @@ def route_through(method: str, mission: Mission, covered: Track) -> Route:
         covered: at least one fix.
     """
     path = planned_path(mission, covered.frame)
-    matching = in_order(covered.north_east_m(), path.north_east_m, _PIECE_M)
-    error = spread(matching.distance_m)
+    matching = match_in_order(covered.north_east_m(), path.north_east_m, _PIECE_M)
+    error = error_statistics(matching.distance_m)
     assert error is not None, "a covered track has fixes"
     return Route(method, mission, covered, path, error, duration_s(mission, path))

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission, MissionItem, change_speed, waypoint
-from flight_replay.planning.altitude import RECORDED, Recorded, heights_m, home_of
-from flight_replay.planning.route import Route, route_through
+from flight_replay.planning.altitude import RECORDED, Recorded, altitudes_m, home_of
+from flight_replay.planning.route import Route, route_of
 
 SPACING_M = 3.0
 MAX_POINTS = 100
@@ -19,7 +19,7 @@ MIN_SPEED_M_S = 0.5
 """Slowest speed worth asking for: ArduCopter ignores less than 0.2 m/s, 3.3 less than 1 m/s."""
 
 
-def spaced(track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_POINTS) -> NDArray[np.intp]:
+def decimate(track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_POINTS) -> NDArray[np.intp]:
     """Indices of the first fix, then of every fix more than ``spacing_m`` from the last kept one.
 
     Stops at ``max_points``; a track that ends before keeps its last fix too, so that the route
@@ -58,7 +58,7 @@ def spaced_route(
     altitude_m: float | Recorded = 30.0,
     speed_m_s: float | Recorded | None = None,
 ) -> Route:
-    """The route of DroneKit's example: straight waypoints at kept fixes, see ``spaced``.
+    """The route of DroneKit's example: straight waypoints at kept fixes, see ``decimate``.
 
     Args:
         track: at least one fix.
@@ -67,16 +67,16 @@ def spaced_route(
         altitude_m: height above home, constant or as recorded.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
     """
-    kept = spaced(track, spacing_m, max_points)
+    kept = decimate(track, spacing_m, max_points)
     places = track.select(kept)
-    heights = heights_m(track, altitude_m)[kept]
+    heights = altitudes_m(track, altitude_m)[kept]
     waypoints = [
         waypoint(float(lat), float(lon), float(height))
         for lat, lon, height in zip(places.lat_deg, places.lon_deg, heights, strict=True)
     ]
     mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)), home_of(track))
     covered = track.select(slice(0, int(kept[-1]) + 1))
-    return route_through("spacing", mission, covered)
+    return route_of("spacing", mission, covered)
 
 
 def _with_speeds(

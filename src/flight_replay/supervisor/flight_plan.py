@@ -40,7 +40,7 @@ class Plan:
     @property
     def last_seq(self) -> int:
         """Sequence number of the final waypoint."""
-        return self.mission.places[-1][0]
+        return self.mission.waypoints[-1][0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -102,7 +102,7 @@ def _fly_auto(monitor: VehicleMonitor, plan: Plan) -> FlightRecord:
             landed = True
         except FlightEnded as end:
             problem = problem or end.problem
-    places = {seq for seq, _ in plan.mission.places}
+    places = {seq for seq, _ in plan.mission.waypoints}
     return FlightRecord(
         waypoints_reached=len(places & monitor.reached.keys()),
         ended=ended,

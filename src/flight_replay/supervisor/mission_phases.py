@@ -86,7 +86,7 @@ def distance_to_item_m(monitor: VehicleMonitor, plan: Plan) -> float | None:
     if monitor.state is None or not 0 <= index < len(plan.mission.items):
         return None
     item = plan.mission.items[index]
-    if not item.is_place:
+    if not item.is_waypoint:
         return None
     return float(distance_m(monitor.state.lat_deg, monitor.state.lon_deg, item.lat_deg, item.lon_deg))
 

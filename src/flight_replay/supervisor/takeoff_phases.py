@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, Waiting
-from flight_replay.mission.items import ENOUGH_OF_TARGET
+from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
@@ -135,7 +135,7 @@ def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
     """
     monitor.emit(PhaseStarted(Phase.TAKEOFF))
     monitor.begin_phase()
-    enough_m = altitude_m * ENOUGH_OF_TARGET
+    enough_m = altitude_m * TAKEOFF_REACHED_SHARE
     ground_m = highest_m = monitor.altitude_m
     began_s = monitor.time_s
     progress, retry = ProgressTimer(monitor), RetryTimer(monitor)

@@ -19,7 +19,7 @@ from flight_replay.events import (
 )
 from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
-from flight_replay.mission.fence import Area, areas_of, kinds_on
+from flight_replay.mission.fence import FenceArea, active_fence_types, areas_from_items
 from flight_replay.mission.items import Mission
 from flight_replay.supervisor.vehicle_interface import Report
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
@@ -98,7 +98,7 @@ class ConnectedVehicle:
             VehicleError: The link fails, or what is on board is not what was sent.
         """
         total = len(mission.items)
-        listener(PhaseStarted(Phase.UPLOAD, str(len(mission.places))))
+        listener(PhaseStarted(Phase.UPLOAD, str(len(mission.waypoints))))
         with self._unhurried():
             self._on_board.put(mission, lambda done: listener(Progress("mission items", done, total)))
 
@@ -130,17 +130,17 @@ class ConnectedVehicle:
         """
         return self._on_board.read()
 
-    def fence_areas(self) -> tuple[Area, ...]:
+    def fence_areas(self) -> tuple[FenceArea, ...]:
         """The polygons and circles of the vehicle's fence, if they are switched on.
 
         Raises:
             VehicleError: The vehicle does not tell them, or they cannot be understood.
         """
-        if not kinds_on(self.identity.parameters) & _POLYGONS:
+        if not active_fence_types(self.identity.parameters) & _POLYGONS:
             return ()
         if not self.identity.takes_item_int:
             return ()  # Firmware that old keeps its fence in another way, and no circles.
-        return areas_of(Reader(self._port, as_int=True, mission_type=FENCE).read())
+        return areas_from_items(Reader(self._port, as_int=True, mission_type=FENCE).read())
 
     def wait_position(self, limit_s: float, listener: Listener = ignore) -> VehicleState:
         """Where the vehicle is now, waiting until it knows: seconds here.

@@ -17,7 +17,7 @@ from flight_replay.errors import MissionError, VehicleError
 from flight_replay.events import VehicleState
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.mission.fence import Area, kinds_on
+from flight_replay.mission.fence import FenceArea, active_fence_types
 from flight_replay.mission.items import Frame, Mission, MissionItem
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def check(  # noqa: PLR0913
     *,
     takeoff_altitude_m: float,
     max_distance_m: float = MAX_DISTANCE_M,
-    areas: Sequence[Area] = (),
+    areas: Sequence[FenceArea] = (),
 ) -> Briefing:
     """Refuse a vehicle or a route that must not be flown; else, what to know before it is.
 
@@ -93,7 +93,7 @@ def check(  # noqa: PLR0913
         MissionError: The route begins too far away, leaves the fence, or has a place that cannot be flown to.
     """
     _check_vehicle(identity, at)
-    for seq, item in mission.places:
+    for seq, item in mission.waypoints:
         _check_place(seq, item)
     distances_m = _distances_m(mission, at)
     _check_distance(float(distances_m[0]), max_distance_m)
@@ -146,18 +146,18 @@ def _check_place(seq: int, item: MissionItem) -> None:
 
 def _distances_m(mission: Mission, at: VehicleState) -> Floats:
     """Ground distance of each waypoint from the vehicle, metres."""
-    places = [item for _, item in mission.places]
+    places = [item for _, item in mission.waypoints]
     frame = LocalFrame(at.lat_deg, at.lon_deg)
     north_east_m = frame.to_metres([p.lat_deg for p in places], [p.lon_deg for p in places])
     return np.asarray(np.hypot(north_east_m[:, 0], north_east_m[:, 1]))
 
 
-def _check_areas(areas: Sequence[Area], mission: Mission, at: VehicleState) -> None:
+def _check_areas(areas: Sequence[FenceArea], mission: Mission, at: VehicleState) -> None:
     """Refuse a way (straight from place to place, from where the vehicle stands) into what is forbidden."""
     frame = LocalFrame(at.lat_deg, at.lon_deg)
-    places = [(at.lat_deg, at.lon_deg), *((item.lat_deg, item.lon_deg) for _, item in mission.places)]
+    places = [(at.lat_deg, at.lon_deg), *((item.lat_deg, item.lon_deg) for _, item in mission.waypoints)]
     stops_m = frame.to_metres(*np.array(places).T)
-    for (seq, _), begin_m, end_m in zip(mission.places, stops_m[:-1], stops_m[1:], strict=True):
+    for (seq, _), begin_m, end_m in zip(mission.waypoints, stops_m[:-1], stops_m[1:], strict=True):
         steps = max(int(np.linalg.norm(end_m - begin_m) / _AREA_STEP_M), 1)
         way_m = begin_m + np.linspace(0, 1, steps + 1)[:, None] * (end_m - begin_m)
         if any(area.forbids(way_m, frame).any() for area in areas):
@@ -171,12 +171,12 @@ def _heights_m(mission: Mission) -> Floats:
     """Height of each waypoint above home, metres, as far as it is known; over terrain counts as over home."""
     home_amsl_m = mission.home.alt_amsl_m if mission.home else 0.0
     return np.array(
-        [item.alt_m - (home_amsl_m if item.frame == Frame.ABSOLUTE else 0.0) for _, item in mission.places]
+        [item.alt_m - (home_amsl_m if item.frame == Frame.ABSOLUTE else 0.0) for _, item in mission.waypoints]
     )
 
 
 def _check_fence(parameters: Mapping[str, float], distances_m: Floats, heights_m: Floats) -> None:
-    kinds = _Fence(kinds_on(parameters) & (_Fence.ALT_MAX | _Fence.CIRCLE | _Fence.ALT_MIN))
+    kinds = _Fence(active_fence_types(parameters) & (_Fence.ALT_MAX | _Fence.CIRCLE | _Fence.ALT_MIN))
     margin_m = parameters.get("FENCE_MARGIN", 0.0)
     bounds = (
         (_Fence.CIRCLE, "FENCE_RADIUS", "m away", distances_m.max(), 1.0),

@@ -41,7 +41,7 @@ def summary(*, flown: bool = True) -> dict[str, Any]:
         },
         "route": {
             "method": "spacing",
-            "points": len(route.mission.places),
+            "points": len(route.mission.waypoints),
             "items": [],
             "fixes_covered": len(route.covered),
             "length_m": route.path.length_m,

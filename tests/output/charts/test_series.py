@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.geometry.distances import in_order_distances
+from flight_replay.geometry.distances import path_errors_m
 from flight_replay.logs.track import track_from_columns
 from flight_replay.mission.items import Command, Mission
 from flight_replay.output.charts.series import MOST_POINTS, curves, ground_speed_m_s, peaks, thinned
-from flight_replay.planning.route import route_through
+from flight_replay.planning.route import route_of
 from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_replays import eight, replay
 
@@ -39,10 +39,10 @@ def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:
     """The line bends beyond the waypoints' chords, within 5 cm of the exact curve."""
     route, _, _ = replay()
     splines = tuple(replace(item, command=Command.SPLINE_WAYPOINT) for item in route.mission.items[::6])
-    curved = route_through("made", Mission(splines), route.covered)
+    curved = route_of("made", Mission(splines), route.covered)
     drawn = curves(curved).planned_m
     assert 5 * len(splines) < len(drawn) < len(curved.path.north_east_m) / 3
-    assert in_order_distances(curved.path.north_east_m, drawn).max() < 0.05
+    assert path_errors_m(curved.path.north_east_m, drawn).max() < 0.05
 
 
 def test_a_plan_alone_has_no_flown_curves() -> None:

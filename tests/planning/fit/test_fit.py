@@ -19,7 +19,7 @@ from flight_replay.planning.fit.fit import RIVAL_FLIGHTS, task_for
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.reference import recording_of
 from flight_replay.planning.fit.search import searched
-from flight_replay.planning.spacing import spaced
+from flight_replay.planning.spacing import decimate
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import simulate
 from tests.helpers.fit_tracks import FRAME, along, circle, eights, hover, track_through, wander
@@ -27,7 +27,7 @@ from tests.helpers.paths import SAMPLE, other_log
 
 
 def places_m(result: FitResult) -> Floats:
-    items = [item for _, item in result.mission.places]
+    items = [item for _, item in result.mission.waypoints]
     return result.frame.to_metres([item.lat_deg for item in items], [item.lon_deg for item in items])
 
 
@@ -46,24 +46,24 @@ def rival_objectives_m(track: Track, max_points: int, *, timed: bool) -> list[fl
         searched(
             task, straight_draft(recording, kept), bend=0.02, flights=RIVAL_FLIGHTS, tick=lambda: None
         ).objective_m
-        for kept in (douglas_peucker(line, max_points), spaced(track, max_points=max_points))
+        for kept in (douglas_peucker(line, max_points), decimate(track, max_points=max_points))
     ]
 
 
 def test_a_straight_flight_needs_two_points() -> None:
     """A dash at 15 m/s is one leg, flown on the line that was recorded."""
     result = fit(along([(0, 0), (300, 100)], 15.0))
-    assert len(result.mission.places) == 2
-    assert result.planned.max < 0.01
-    assert result.predicted_space.max < 0.3
+    assert len(result.mission.waypoints) == 2
+    assert result.planned_error.max < 0.01
+    assert result.path_error.max < 0.3
 
 
 def test_a_circle_needs_few_points_and_stays_round() -> None:
     """A circle takes fewer waypoints than the budget and stays within 0.5 m."""
     result = fit(circle(), max_points=60, speed_m_s="recorded")
-    assert len(result.mission.places) < 40
-    assert result.predicted_space.mean < 0.3
-    assert result.predicted_time.mean < 3.0
+    assert len(result.mission.waypoints) < 40
+    assert result.path_error.mean < 0.3
+    assert result.position_error.mean < 3.0
 
 
 def test_recorded_speed_is_flown_at_recorded_speed() -> None:
@@ -72,8 +72,8 @@ def test_recorded_speed_is_flown_at_recorded_speed() -> None:
     result = fit(track, max_points=30, speed_m_s="recorded")
     assert result.predicted_duration_s == pytest.approx(track.time_s[-1], rel=0.05)
     commands = [item.command for item in result.mission.items]
-    assert commands.count(Command.CHANGE_SPEED) < len(result.mission.places)
-    assert result.predicted_time.mean < 3.0
+    assert commands.count(Command.CHANGE_SPEED) < len(result.mission.waypoints)
+    assert result.position_error.mean < 3.0
 
 
 def test_what_is_predicted_is_what_the_model_flies() -> None:
@@ -81,7 +81,7 @@ def test_what_is_predicted_is_what_the_model_flies() -> None:
     result = fit(wander(2), max_points=30, speed_m_s="recorded")
     first = places_m(result)[0]
     air = simulate(result.mission, Limits(), start_m=(float(first[0]), float(first[1]), 30.0))
-    begin_s = air.reached_s[result.mission.places[0][0]]
+    begin_s = air.reached_s[result.mission.waypoints[0][0]]
     assert air.auto_s[1] - begin_s == pytest.approx(result.predicted_duration_s, rel=0.03)
 
 
@@ -101,7 +101,7 @@ def test_a_given_speed_is_asked_for_once() -> None:
 
 def test_the_vehicles_own_speed_asks_for_none() -> None:
     """Without a speed there is no speed change."""
-    assert all(item.is_place for item in fit(wander(4, fixes=40), max_points=12).mission.items)
+    assert all(item.is_waypoint for item in fit(wander(4, fixes=40), max_points=12).mission.items)
 
 
 def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
@@ -112,7 +112,7 @@ def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
     )
     track = track_through(north_east, np.arange(len(north_east)) / 4.0)
     result = fit(track, max_points=20, speed_m_s="recorded")
-    longest = max(item.hold_s for _, item in result.mission.places)
+    longest = max(item.hold_s for _, item in result.mission.waypoints)
     assert longest == pytest.approx(30, abs=6)
     assert longest == round(longest)
 
@@ -121,7 +121,7 @@ def test_recorded_heights_are_flown_but_not_into_the_ground() -> None:
     """Heights as recorded, none below 5 m."""
     track = along([(0, 0), (120, 0)], 3.0)
     rising = replace(track, alt_m=np.linspace(0, 25, len(track)), amsl_m=400 + np.linspace(0, 25, len(track)))
-    heights = [item.alt_m for _, item in fit(rising, max_points=10, altitude_m="recorded").mission.places]
+    heights = [item.alt_m for _, item in fit(rising, max_points=10, altitude_m="recorded").mission.waypoints]
     assert min(heights) >= 5.0
     assert heights[-1] == pytest.approx(25, abs=0.5)
     assert heights == sorted(heights)
@@ -132,7 +132,7 @@ def test_figures_of_eight_are_flown_in_order() -> None:
     track = eights(laps=4)
     result = fit(track, max_points=40)
     assert planned_path(result.mission, result.frame).length_m == pytest.approx(track.length_m, rel=0.1)
-    assert result.planned.mean < 1.0
+    assert result.planned_error.mean < 1.0
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_figures_of_eight_are_flown_in_order() -> None:
 def test_any_track_is_fitted(track: Track, speed_m_s: float | None) -> None:
     """However little a track says, the route ends where it ends."""
     result = fit(track, max_points=10, speed_m_s=speed_m_s)
-    assert 1 <= len(result.mission.places) <= 10
+    assert 1 <= len(result.mission.waypoints) <= 10
     assert np.linalg.norm(places_m(result)[-1] - track.north_east_m()[-1]) < 0.1
 
 
@@ -161,7 +161,7 @@ def test_any_budget_is_kept(max_points: int) -> None:
     """Even one waypoint is a route: to where the recording ended."""
     track = wander(5, fixes=30)
     result = fit(track, max_points=max_points)
-    assert len(result.mission.places) <= max_points
+    assert len(result.mission.waypoints) <= max_points
     assert np.linalg.norm(places_m(result)[-1] - track.north_east_m()[-1]) < 0.1
 
 
@@ -192,8 +192,8 @@ def test_what_every_fit_keeps(seed: int, max_points: int, speed_m_s: str | None)
     assert np.linalg.norm(places[-1] - line[-1]) < 0.1
     assert (distance_to_line_m(places, line) <= 5.0).all()
     assert all(np.isfinite([item.lat_deg, item.lon_deg, item.alt_m]).all() for item in result.mission.items)
-    assert all(item.hold_s == round(item.hold_s) for _, item in result.mission.places)
-    speeds = [item.params[1] for item in result.mission.items if not item.is_place]
+    assert all(item.hold_s == round(item.hold_s) for _, item in result.mission.waypoints)
+    speeds = [item.params[1] for item in result.mission.items if not item.is_waypoint]
     assert all(0.2 <= speed <= 30 for speed in speeds)
     assert (
         result.objective_m <= min(rival_objectives_m(track, max_points, timed=speed_m_s is not None)) + 1e-9
@@ -204,8 +204,8 @@ def test_what_every_fit_keeps(seed: int, max_points: int, speed_m_s: str | None)
 def test_the_sample_flight_is_followed_in_space_and_in_time() -> None:
     """The packaged flight, 635 s: within 0.6 m in space and 4 m in time on average, as predicted."""
     result = fit(read_log(SAMPLE).track, speed_m_s="recorded")
-    assert result.predicted_space.mean <= 0.6
-    assert result.predicted_time.mean <= 4.0
+    assert result.path_error.mean <= 0.6
+    assert result.position_error.mean <= 4.0
 
 
 @pytest.mark.slow
@@ -213,10 +213,14 @@ def test_dronekits_flights_are_followed() -> None:
     """Seven flights joined stay within 0.40, 0.90 and 1.4 m as planned; flight 2 within 6 m in time."""
     track = read_log(other_log("dronekit-flight.tlog")).track
     joined = fit(track)
-    assert (joined.planned.mean, joined.planned.p95, joined.planned.max) <= (0.40, 0.90, 1.4)
-    assert joined.planned.p95 <= 0.90
-    assert joined.planned.max <= 1.4
+    assert (joined.planned_error.mean, joined.planned_error.p95, joined.planned_error.max) <= (
+        0.40,
+        0.90,
+        1.4,
+    )
+    assert joined.planned_error.p95 <= 0.90
+    assert joined.planned_error.max <= 1.4
     second = fit(select(track, 2), speed_m_s="recorded")
-    assert second.predicted_space.mean <= 0.4
-    assert second.predicted_time.mean <= 6.0
+    assert second.path_error.mean <= 0.4
+    assert second.position_error.mean <= 6.0
     assert second.predicted_duration_s == pytest.approx(142, rel=0.05)

@@ -7,7 +7,7 @@ import pytest
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Armed, Track
-from flight_replay.planning.altitude import FLOOR_M, believable_heights_m
+from flight_replay.planning.altitude import MIN_ALTITUDE_M, plausible_altitudes_m
 from flight_replay.planning.fit import recorded_limits
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
@@ -146,9 +146,9 @@ def test_heights_before_home_was_set_are_not_believed() -> None:
     heights[:5] = 412.0
     heights[-1] = -1.0
     strange = replace(track, alt_m=heights, amsl_m=np.full(len(track), 412.0))
-    assert believable_heights_m(strange)[:6].tolist() == [12.0] * 6
+    assert plausible_altitudes_m(strange)[:6].tolist() == [12.0] * 6
     strange = replace(track, alt_m=np.full(len(track), np.nan))
-    assert (believable_heights_m(strange) == FLOOR_M).all()
+    assert (plausible_altitudes_m(strange) == MIN_ALTITUDE_M).all()
 
 
 def test_a_choice_of_speeds_is_flown_and_kept() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight_replay.geometry.distances import in_order_distances, in_time
+from flight_replay.geometry.distances import path_errors_m, position_errors_m
 from flight_replay.mission.items import Mission
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import home_frame, simulate_flight
@@ -42,9 +42,9 @@ def check(mission: Mission, parameters: dict[str, float], folder: Path) -> None:
     auto = (rows[:, 0] >= truth.auto_s) & (rows[:, 0] <= last_s)
     places = home_frame(mission).to_metres(rows[auto, 1], rows[auto, 2])
     own = (flown.time_s >= flown.auto_s[0]) & (flown.time_s <= flown.auto_s[1] + 1.0)
-    off = in_order_distances(places, flown.north_east_m[own])
+    off = path_errors_m(places, flown.north_east_m[own])
     first = min(truth.reached_s)
-    late = in_time(
+    late = position_errors_m(
         rows[auto, 0] - truth.reached_s[first],
         places,
         flown.time_s[own] - flown.reached_s[first],

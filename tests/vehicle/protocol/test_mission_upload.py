@@ -93,7 +93,7 @@ def test_no_link_makes_a_wrong_mission_pass(
         return
     stored = port.autopilot.store.items[1:]
     places = [(item.lat_e7, item.lon_e7) for item in stored if item.command != Command.CHANGE_SPEED]
-    assert places == [(round(i.lat_deg * 1e7), round(i.lon_deg * 1e7)) for _, i in sent.places]
+    assert places == [(round(i.lat_deg * 1e7), round(i.lon_deg * 1e7)) for _, i in sent.waypoints]
 
 
 REFUSALS = sorted(set(MISSION_RESULTS) - {0, 13, 14, 15, 1, 16})

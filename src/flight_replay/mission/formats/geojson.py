@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.item_text import amsl_m, command_name, described, route_line, speeds_m_s
+from flight_replay.mission.formats.item_text import amsl_m, command_name, description, route_line, speeds_m_s
 from flight_replay.mission.items import FIRST_SEQ, Home, Mission, MissionItem
 
 Place = tuple[float, float, float]
@@ -53,9 +53,9 @@ def _item_feature(seq: int, item: MissionItem, home: Home | None, speed_m_s: flo
         "frame": int(item.frame),
         "params": [number if math.isfinite(number) else None for number in item.params],
     }
-    if not item.is_place:
+    if not item.is_waypoint:
         return _feature(None, properties)
-    properties |= {"description": described(item), "alt_m": item.alt_m, "hold_s": item.hold_s}
+    properties |= {"description": description(item), "alt_m": item.alt_m, "hold_s": item.hold_s}
     if speed_m_s is not None:
         properties["speed_m_s"] = speed_m_s
     return _feature(_point((item.lat_deg, item.lon_deg, amsl_m(item, home))), properties)

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.item_text import amsl_m, command_name, described, speeds_m_s
+from flight_replay.mission.formats.item_text import amsl_m, command_name, description, speeds_m_s
 from flight_replay.mission.items import Mission
 
 _NAMESPACE = "http://www.topografix.com/GPX/1/1"
@@ -38,10 +38,10 @@ def _add_route(root: Xml.Element, mission: Mission) -> None:
     route = Xml.SubElement(root, "rte")
     _child(route, "name", "Mission")
     speeds = speeds_m_s(mission)
-    for seq, item in mission.places:
+    for seq, item in mission.waypoints:
         point = _point(route, "rtept", item.lat_deg, item.lon_deg, amsl_m(item, mission.home))
         _child(point, "name", str(seq))
-        _child(point, "desc", described(item))
+        _child(point, "desc", description(item))
         _child(point, "type", command_name(item))
         extensions = Xml.SubElement(point, "extensions")
         _child(extensions, "replay:alt_m", f"{item.alt_m:g}")

@@ -10,7 +10,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import Command, Frame, Home, Mission, MissionItem
-from flight_replay.mission.path import path_through, stops
+from flight_replay.mission.path import destinations, path_through
 
 CURVE_TOLERANCE_M = 0.1
 """How far the lines that stand for a spline leg may lie from it: nobody sees that on a map."""
@@ -27,7 +27,7 @@ def command_name(item: MissionItem) -> str:
     return _NAMES.get(item.command, f"command {item.command}")
 
 
-def described(item: MissionItem) -> str:
+def description(item: MissionItem) -> str:
     """One line on a place: how it is flown to, how high, how long it is held."""
     height = _HEIGHTS.get(item.frame, f"in frame {item.frame}")
     hold = f", hold {item.hold_s:g} s" if item.hold_s > 0 else ""
@@ -50,7 +50,7 @@ def speeds_m_s(mission: Mission) -> dict[int, float]:
     for seq, item in enumerate(mission.items, 1):
         if item.command == Command.CHANGE_SPEED and item.params[1] > 0:
             asked = item.params[1]
-        elif item.is_place and math.isfinite(asked):
+        elif item.is_waypoint and math.isfinite(asked):
             speeds[seq] = asked
     return speeds
 
@@ -61,13 +61,13 @@ def route_line(mission: Mission) -> tuple[Floats, bool]:
     Spline legs are drawn as the curves that ArduCopter flies; heights whose reference is not known
     for every waypoint are the items' own.
     """
-    places = [item for _, item in mission.places]
+    places = [item for _, item in mission.waypoints]
     if not places:
         return np.zeros((0, 3)), False
     above_sea = all(math.isfinite(amsl_m(item, mission.home)) for item in places)
     items = [_raised(item, mission.home) if above_sea else item for item in mission.items]
     frame = LocalFrame(places[0].lat_deg, places[0].lon_deg)
-    line = path_through(stops(items, frame), tolerance_m=CURVE_TOLERANCE_M)
+    line = path_through(destinations(items, frame), tolerance_m=CURVE_TOLERANCE_M)
     rows = np.column_stack([*frame.to_degrees(line.north_east_m), line.up_m])
     moved = np.append(True, np.any(np.diff(rows, axis=0) != 0, axis=1))
     return rows[moved], above_sea
@@ -75,6 +75,6 @@ def route_line(mission: Mission) -> tuple[Floats, bool]:
 
 def _raised(item: MissionItem, home: Home | None) -> MissionItem:
     """A place with its height above the sea; height 0 stays, for it means "as before"."""
-    if not item.is_place or item.alt_m == 0:
+    if not item.is_waypoint or item.alt_m == 0:
         return item
     return replace(item, alt_m=amsl_m(item, home))

@@ -13,7 +13,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.item_text import amsl_m, command_name, described, route_line, speeds_m_s
+from flight_replay.mission.formats.item_text import amsl_m, command_name, description, route_line, speeds_m_s
 from flight_replay.mission.formats.validation import finite
 from flight_replay.mission.items import Home, Mission, MissionItem
 
@@ -47,8 +47,8 @@ def _add_mission(folder: Xml.Element, mission: Mission) -> None:
         pin = _pin(folder, "Home", "where the vehicle returns to")
         _add_point(pin, "absolute", home.lat_deg, home.lon_deg, home.alt_amsl_m)
     speeds = speeds_m_s(mission)
-    for seq, item in mission.places:
-        pin = _pin(folder, str(seq), described(item))
+    for seq, item in mission.waypoints:
+        pin = _pin(folder, str(seq), description(item))
         _add_data(pin, seq, item, speeds.get(seq))
         mode, height_m = _height(item, mission.home)
         _add_point(pin, mode, item.lat_deg, item.lon_deg, height_m)

@@ -48,7 +48,7 @@ def text(mission: Mission, track: Track | None = None) -> str:
 
 
 def _stand_in(mission: Mission) -> Home:
-    places = mission.places
+    places = mission.waypoints
     return Home(places[0][1].lat_deg, places[0][1].lon_deg, 0.0) if places else Home(0.0, 0.0, 0.0)
 
 

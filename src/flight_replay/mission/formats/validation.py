@@ -19,7 +19,7 @@ def checked_place(item: MissionItem, where: str, *, home: bool = False) -> Missi
     Raises:
         MissionError: A waypoint or home lies nowhere; other commands use these fields as they like.
     """
-    if not (home or item.is_place):
+    if not (home or item.is_waypoint):
         return item
     on_earth = abs(item.lat_deg) <= 90 and abs(item.lon_deg) <= 180 and math.isfinite(item.alt_m)
     if not on_earth:

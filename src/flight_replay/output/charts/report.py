@@ -11,7 +11,7 @@ from importlib.resources import files
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from flight_replay.mission.formats.item_text import described
+from flight_replay.mission.formats.item_text import description
 from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
 from flight_replay.output.charts.series import Curves, curves, start_s
 from flight_replay.output.event_log import Entry
@@ -176,7 +176,7 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
     rows = []
     for seq, item in enumerate(route.mission.items, FIRST_SEQ):
         row = {"seq": str(seq), "what": _what(item), "lat": "", "lon": "", "alt": "", "reached": ""}
-        if item.is_place:
+        if item.is_waypoint:
             row |= {"lat": f"{item.lat_deg:.7f}", "lon": f"{item.lon_deg:.7f}", "alt": f"{item.alt_m:.1f}"}
         if seq in reached:
             row["reached"] = f"{reached[seq] - zero_s:.1f}"
@@ -187,4 +187,4 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
 def _what(item: MissionItem) -> str:
     if item.command == Command.CHANGE_SPEED:
         return f"change speed to {item.params[1]:g} m/s"
-    return described(item)
+    return description(item)

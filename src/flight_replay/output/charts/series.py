@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import Spread, in_order_distances
+from flight_replay.geometry.distances import ErrorStatistics, path_errors_m
 from flight_replay.logs.track import Track
-from flight_replay.mission.path import path_through, stops
+from flight_replay.mission.path import destinations, path_through
 from flight_replay.output.outcome import Outcome
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
@@ -44,7 +44,7 @@ class Distances:
 
     time_s: Floats
     distance_m: Floats
-    spread: Spread
+    spread: ErrorStatistics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,16 +68,17 @@ def curves(route: Route, record: FlightRecord | None = None, outcome: Outcome | 
     covered, frame = route.covered, route.covered.frame
     recorded_s = covered.time_s - covered.time_s[0]
     fixes_m = covered.north_east_m(frame)
-    places = route.mission.places
+    places = route.mission.waypoints
+    planned_line = path_through(destinations(route.mission.items, frame), tolerance_m=DRAWN_WITHIN_M)
     return Curves(
         recorded=_way(covered, fixes_m, recorded_s),
-        planned_m=path_through(stops(route.mission.items, frame), tolerance_m=DRAWN_WITHIN_M).north_east_m,
+        planned_m=planned_line.north_east_m,
         waypoints_m=frame.to_metres(
             [item.lat_deg for _, item in places], [item.lon_deg for _, item in places]
         ),
         waypoint_seqs=tuple(seq for seq, _ in places),
         planned_distance=_over_time(
-            recorded_s, in_order_distances(fixes_m, route.path.north_east_m), route.planned_error
+            recorded_s, path_errors_m(fixes_m, route.path.north_east_m), route.planned_error
         ),
         flown=_flown(route, record) if record is not None and len(record.flown) else None,
         in_space=_over_time(recorded_s, outcome.space_m, outcome.in_space)
@@ -92,7 +93,7 @@ def curves(route: Route, record: FlightRecord | None = None, outcome: Outcome | 
 
 def start_s(route: Route, record: FlightRecord) -> float:
     """The vehicle's time when it reached the first waypoint; if it did not, when AUTO began."""
-    return dict(record.reached).get(route.mission.places[0][0], record.auto_start_s)
+    return dict(record.reached).get(route.mission.waypoints[0][0], record.auto_start_s)
 
 
 def _flown(route: Route, record: FlightRecord) -> Flown:
@@ -101,7 +102,7 @@ def _flown(route: Route, record: FlightRecord) -> Flown:
 
 
 def _reached(route: Route, record: FlightRecord) -> tuple[tuple[float, float], ...]:
-    heights = {seq: item.alt_m for seq, item in route.mission.places}
+    heights = {seq: item.alt_m for seq, item in route.mission.waypoints}
     start = start_s(route, record)
     return tuple((time_s - start, heights[seq]) for seq, time_s in record.reached if seq in heights)
 
@@ -112,7 +113,7 @@ def _way(track: Track, north_east_m: Floats, time_s: Floats) -> Flown:
     return Flown(north_east_m[keep], time_s[keep], track.alt_m[keep], speed_m_s[keep])
 
 
-def _over_time(time_s: Floats, distances_m: Floats, summary: Spread) -> Distances:
+def _over_time(time_s: Floats, distances_m: Floats, summary: ErrorStatistics) -> Distances:
     keep = peaks(distances_m)
     return Distances(time_s[keep], distances_m[keep], summary)
 

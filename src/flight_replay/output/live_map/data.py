@@ -45,8 +45,8 @@ class LiveData:
         self._recorded_s = covered.time_s - covered.time_s[0]
         self._recorded_m = covered.north_east_m(self._frame)
         self._follower = Follower(self._recorded_m)
-        self._first_seq = route.mission.places[0][0]
-        self._places = {seq: (item.lat_deg, item.lon_deg) for seq, item in route.mission.places}
+        self._first_seq = route.mission.waypoints[0][0]
+        self._places = {seq: (item.lat_deg, item.lon_deg) for seq, item in route.mission.waypoints}
         self._begun_s: float | None = None
         self._points: list[Point] = []
         self._lock = threading.Lock()

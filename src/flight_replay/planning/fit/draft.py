@@ -10,7 +10,7 @@ from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import FIRST_SEQ, Home, Mission, change_speed, waypoint
-from flight_replay.mission.path import Path, Stop, path_through
+from flight_replay.mission.path import Destination, Path, path_through
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +65,7 @@ class Draft:
         halts = self.halts
         return path_through(
             [
-                Stop(i, place, bool(self.spline[i]), float(self.hold_s[i]), bool(halts[i]))
+                Destination(i, place, bool(self.spline[i]), float(self.hold_s[i]), bool(halts[i]))
                 for i, place in enumerate(self.places_m)
             ],
             tolerance_m=tolerance_m,

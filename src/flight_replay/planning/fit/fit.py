@@ -9,7 +9,12 @@ import numpy as np
 
 from flight_replay.errors import LogError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import Spread, in_order_distances, in_time, spread
+from flight_replay.geometry.distances import (
+    ErrorStatistics,
+    error_statistics,
+    path_errors_m,
+    position_errors_m,
+)
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import RECORDED, Recorded, home_of
@@ -21,7 +26,7 @@ from flight_replay.planning.fit.reference import Recording, flat_frame, hovers, 
 from flight_replay.planning.fit.result import FitResult, where_it_lags
 from flight_replay.planning.fit.search import Task, searched
 from flight_replay.planning.flown_part import flown_part
-from flight_replay.planning.spacing import MAX_POINTS, spaced
+from flight_replay.planning.spacing import MAX_POINTS, decimate
 from flight_replay.simulator.dynamics.limits import Limits
 
 WORK_FIXES = 1000
@@ -94,7 +99,7 @@ def _drafts(task: Task, recording: Recording, flown: Track, max_points: int) -> 
     return [
         first_draft(task.recording, places, task.hovers, timed=task.timed),
         straight_draft(recording, douglas_peucker(line, max_points)),
-        straight_draft(recording, spaced(flown, max_points=max_points)),
+        straight_draft(recording, decimate(flown, max_points=max_points)),
     ]
 
 
@@ -131,9 +136,9 @@ def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str
         mission=mission,
         flown=flown,
         frame=frame,
-        planned=_spread(in_order_distances(fixes_m, path.north_east_m)),
-        predicted_space=_spread(in_order_distances(fixes_m, air_m)),
-        predicted_time=_spread(in_time(recording.time_s, fixes_m, air.time_s, air_m)),
+        planned_error=_spread(path_errors_m(fixes_m, path.north_east_m)),
+        path_error=_spread(path_errors_m(fixes_m, air_m)),
+        position_error=_spread(position_errors_m(recording.time_s, fixes_m, air.time_s, air_m)),
         predicted_duration_s=float(best.passed_s[-1]),
         objective_m=best.objective_m,
         time_s=air.time_s,
@@ -142,7 +147,7 @@ def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str
     )
 
 
-def _spread(distances_m: Floats) -> Spread:
-    found = spread(distances_m)
+def _spread(distances_m: Floats) -> ErrorStatistics:
+    found = error_statistics(distances_m)
     assert found is not None, "a recording has fixes"
     return found

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.matching import in_order
+from flight_replay.geometry.matching import match_in_order
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.reference import Recording
@@ -144,7 +144,7 @@ def _in_the_air(time_s: Floats, flown_m: Floats, recording: Recording) -> tuple[
 
 def _feet(fixes_m: Floats, line_m: Floats) -> tuple[Floats, NDArray[np.intp], Floats]:
     """Matched places (n, 2) on a line, the piece of each, and how far along the piece, 0 to 1."""
-    match = in_order(fixes_m, line_m, _PIECE_M)
+    match = match_in_order(fixes_m, line_m, _PIECE_M)
     lengths = np.linalg.norm(np.diff(line_m, axis=0), axis=1)
     if not len(lengths):
         return np.repeat(line_m, len(fixes_m), axis=0), match.piece, np.zeros(len(fixes_m))

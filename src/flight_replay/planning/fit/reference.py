@@ -9,7 +9,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.logs.track import Track
-from flight_replay.planning.altitude import believable_heights_m, home_of
+from flight_replay.planning.altitude import home_of, plausible_altitudes_m
 
 HOVER_RADIUS_M = 0.6
 """A vehicle that hovers wanders about as far, by its own GPS."""
@@ -114,6 +114,6 @@ def recording_of(track: Track, altitude_m: float | None) -> Recording:
         altitude_m: height above home to fly at, or None for the recorded heights.
     """
     times = track.time_s - track.time_s[0]
-    heights = believable_heights_m(track) if altitude_m is None else np.full(len(track), float(altitude_m))
+    heights = plausible_altitudes_m(track) if altitude_m is None else np.full(len(track), float(altitude_m))
     places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
     return Recording(times, places, heights, home_of(track).alt_amsl_m)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import Spread
+from flight_replay.geometry.distances import ErrorStatistics
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
@@ -24,8 +24,8 @@ class FitResult:
     """A fitted mission.
 
     ``flown`` is the part of the log that it follows, the clock running on from flight to flight.
-    ``planned`` is its distance in space from the planned path, ``predicted_space`` and
-    ``predicted_time`` those from the predicted flight; ``predicted_duration_s`` runs from reaching
+    ``planned_error`` is its path error as planned, ``path_error`` and ``position_error`` are those
+    of the predicted flight; ``predicted_duration_s`` runs from reaching
     the first waypoint to the end. ``time_s`` (k,), from reaching the first waypoint, and ``place_m`` (k, 3),
     north, east of ``frame``'s origin and up, are the predicted flight. ``notes`` are sentences for
     a person; ``objective_m`` is what the fit made small, see ``forecast``.
@@ -34,9 +34,9 @@ class FitResult:
     mission: Mission
     flown: Track
     frame: LocalFrame
-    planned: Spread
-    predicted_space: Spread
-    predicted_time: Spread
+    planned_error: ErrorStatistics
+    path_error: ErrorStatistics
+    position_error: ErrorStatistics
     predicted_duration_s: float
     objective_m: float
     time_s: Floats

@@ -10,7 +10,7 @@ import numpy as np
 
 from flight_replay.errors import MissionError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.mission.items import ENOUGH_OF_TARGET, FIRST_SEQ, Command
+from flight_replay.mission.items import FIRST_SEQ, TAKEOFF_REACHED_SHARE, Command
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.auto import MissionRun
@@ -88,7 +88,7 @@ def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: f
     What is left of the climb when the first leg begins costs that leg some tenths of a second.
     """
     north, east, up = _vector(draft.places_m[0])
-    short_m = (1.0 - ENOUGH_OF_TARGET) * up
+    short_m = (1.0 - TAKEOFF_REACHED_SHARE) * up
     climb_m_s = min(_LATE_CLIMB * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
     return Copter(
         limits,

@@ -87,7 +87,7 @@ def home_frame(mission: Mission) -> LocalFrame:
     """The local frame around a mission's home, or without one around its first waypoint."""
     if mission.home is not None:
         return LocalFrame(mission.home.lat_deg, mission.home.lon_deg)
-    for _, item in mission.places:
+    for _, item in mission.waypoints:
         return LocalFrame(item.lat_deg, item.lon_deg)
     raise MissionError("The mission has neither home nor waypoint; give it one to fly to.")
 
