@@ -120,9 +120,9 @@ def test_a_cut_of_three_seconds_is_lived_through(moment: str) -> None:
 
 
 SAYS = {
-    "connect": "no vehicle is heard",
-    "upload": "the upload stopped at mission item",
-    "read-back": "the vehicle did not send mission item",
+    "connect": "no heartbeat of a vehicle on",
+    "upload": "upload stopped at mission item",
+    "read-back": "cannot download mission item",
     "arming": "no data for",
     "take-off": "no data for",
     "AUTO": "no data for",
@@ -317,7 +317,7 @@ def test_heartbeats_of_others_do_not_confuse(name: str) -> None:
     assert outcome.line is None
     assert outcome.rtl_confirmed
     told = [event.text for event in outcome.events if isinstance(event, Notice)]
-    assert told == (["vehicle 2 is on this link too and is left alone"] if name == "second copter" else [])
+    assert told == (["vehicle 2 is also on this link; it is ignored"] if name == "second copter" else [])
 
 
 @pytest.mark.slow

@@ -82,7 +82,7 @@ def test_a_fence_that_makes_no_sense_is_told(count: int) -> None:
 def test_a_leg_that_leaves_the_fence_is_refused() -> None:
     """Both ends may be inside and the way between them not."""
     there = Mission((waypoint(*corner(90, 0), 30.0), waypoint(*corner(0, 90), 30.0)))
-    with pytest.raises(MissionError, match="the way to waypoint 2 crosses the vehicle's fence"):
+    with pytest.raises(MissionError, match="the leg to waypoint 2 crosses the vehicle's fence"):
         check(COPTER, there, HERE, takeoff_altitude_m=30.0, areas=[polygon()])
     around = Mission(
         (waypoint(*corner(90, 0), 30.0), waypoint(*corner(0, 0), 30.0), waypoint(*corner(0, 90), 30.0))

@@ -89,7 +89,7 @@ def test_of_several_vehicles_the_first_is_flown() -> None:
     events: list[Event] = []
     with copter(Faults(others=(SECOND_COPTER,)), events=events) as vehicle:
         assert vehicle.identity.system == 1
-    assert Notice("vehicle 2 is on this link too and is left alone", warning=True) in events
+    assert Notice("vehicle 2 is also on this link; it is ignored", warning=True) in events
 
 
 def test_a_position_is_waited_for() -> None:
@@ -103,7 +103,7 @@ def test_a_position_is_waited_for() -> None:
 def test_a_vehicle_that_never_knows_where_it_is_is_given_up() -> None:
     """The wait ends at its limit."""
     waits: list[Event] = []
-    with copter(speedup=0.1) as vehicle, pytest.raises(PhaseTimeoutError, match="where it is after 1 s"):
+    with copter(speedup=0.1) as vehicle, pytest.raises(PhaseTimeoutError, match="no position after 1 s"):
         vehicle.wait_position(1.2, waits.append)
     assert waits == [Waiting(Phase.PREARM, "no position yet")]
 
@@ -120,11 +120,11 @@ def test_parameters_are_set_for_a_while() -> None:
 
 def test_a_vehicle_that_falls_silent_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """A link that is lost before take-off is told as what it is, and not as a missing position."""
-    monkeypatch.setattr(module, "_SILENT_S", 0.5)
+    monkeypatch.setattr(module, "_NO_DATA_S", 0.5)
     with copter() as vehicle:
         vehicle.link.close()
         vehicle.reports(0.0)
-        with pytest.raises(VehicleError, match="nothing was heard from the vehicle"):
+        with pytest.raises(VehicleError, match="link to the vehicle lost: no data for"):
             vehicle.wait_position(10.0)
 
 
@@ -137,13 +137,13 @@ def test_where_it_is_now_is_told_and_not_where_it_was() -> None:
 
 
 def test_the_speed_of_a_simulator_is_set_if_it_is_another() -> None:
-    """``run_at`` leaves a vehicle alone that runs at that speed, and parameters that it lacks too."""
+    """``set_speedup`` leaves a vehicle alone that runs at that speed, and parameters that it lacks too."""
     with copter() as vehicle:
-        vehicle.run_at(8.0)
+        vehicle.set_speedup(8.0)
         assert vehicle.parameters(["SIM_SPEEDUP"]) == {"SIM_SPEEDUP": 8.0}
         vehicle.set_known_parameters({"SIM_SPEEDUP": 9.0, "NO_SUCH_NAME": 1.0})
         assert vehicle.parameters(["SIM_SPEEDUP", "NO_SUCH_NAME"]) == {"SIM_SPEEDUP": 9.0}
-        vehicle.run_at(9.0)
+        vehicle.set_speedup(9.0)
         assert vehicle.link.speedup == 9.0
 
 
@@ -163,7 +163,7 @@ def test_pace_is_kept_with_a_simulator_whatever_it_says(
     """Without a wish its speed stays, and heartbeats come often enough for it."""
     with copter() as vehicle:
         monkeypatch.setattr(vehicle, "parameters", lambda names: told)
-        vehicle.run_at(None)
+        vehicle.set_speedup(None)
         assert vehicle.link.speedup == pace
 
 
@@ -183,7 +183,7 @@ def test_a_link_on_which_only_others_speak_has_no_vehicle() -> None:
         other.bind(("127.0.0.1", 0))
 
         with (
-            pytest.raises(VehicleError, match=r"within 1 s \(only 254/190\)"),
+            pytest.raises(VehicleError, match="in 1 s, only from system/component 254/190; check"),
             _speaking(other, beat, port),
             connect(f"udpin:127.0.0.1:{port}", limit_s=1.0),
         ):

@@ -40,7 +40,7 @@ def test_the_briefing_has_what_a_person_should_know() -> None:
         "Position: 47.0000000, 8.0000000",
         "Battery: 12.3 V, 77 %",
         "First waypoint: 10 m away",
-        "Route: 3 waypoints, up to 120 m away and 42 m up",
+        "Route: 3 waypoints, up to 120 m away and 42 m above home",
     )
 
 
@@ -52,9 +52,7 @@ def test_a_battery_that_is_not_known_is_said_to_be() -> None:
 
 def test_a_far_away_first_waypoint_is_refused() -> None:
     """1000 m by default, or what was asked for."""
-    with pytest.raises(
-        MissionError, match=r"1101 m from the vehicle, and 1000 m are allowed.*--max-distance"
-    ):
+    with pytest.raises(MissionError, match=r"1101 m from the vehicle, more than 1000 m; .*--max-distance"):
         checked(route(110))
     checked(route(110), max_distance_m=1200.0)
     checked(route(1, 200))
@@ -101,10 +99,10 @@ def odd(frame: int = Frame.RELATIVE, lat_deg: float = 47.0, alt_m: float = 30.0)
 
 UNFLYABLE = {
     "frame": (odd(frame=1), "altitude frame 1"),
-    "no number": (odd(alt_m=float("nan")), "nowhere"),
-    "latitude": (odd(lat_deg=90.5), "nowhere"),
+    "no number": (odd(alt_m=float("nan")), "invalid coordinates"),
+    "latitude": (odd(lat_deg=90.5), "invalid coordinates"),
     "on the ground": (odd(alt_m=0.0), "fly higher with --altitude"),
-    "below home": (odd(alt_m=-3.0), "-3 m above home"),
+    "below home": (odd(alt_m=-3.0), "at -3 m above home"),
 }
 
 
@@ -116,10 +114,14 @@ def test_places_that_cannot_be_flown_to_are_refused(mission: Mission, words: str
 
 
 BEYOND = {
-    "radius": (route(1, 15), FENCE, "150 m away, and the vehicle's fence ends at FENCE_RADIUS 150 m"),
-    "ceiling": (route(1, alt_m=99.0), FENCE, "FENCE_ALT_MAX 100 m, less a margin of 2 m"),
+    "radius": (
+        route(1, 15),
+        FENCE,
+        r"150 m from the vehicle, outside the vehicle's fence \(FENCE_RADIUS 150 m",
+    ),
+    "ceiling": (route(1, alt_m=99.0), FENCE, "FENCE_ALT_MAX 100 m, margin 2 m"),
     "floor": (route(1, alt_m=30.0), FENCE | {"FENCE_ALT_MIN": 29.0}, "FENCE_ALT_MIN 29 m"),
-    "take-off": (route(1, alt_m=10.0), FENCE | {"FENCE_ALT_MAX": 25.0}, "30 m up"),
+    "take-off": (route(1, alt_m=10.0), FENCE | {"FENCE_ALT_MAX": 25.0}, "30 m above home"),
 }
 
 

@@ -111,7 +111,7 @@ def _connected(
 def _set_pace(connected: ConnectedVehicle, speedup: float | None) -> None:
     """Run a simulated vehicle as fast as asked, or keep pace with it; a real one has its own."""
     if connected.identity.simulated:
-        connected.run_at(speedup)
+        connected.set_speedup(speedup)
     elif speedup not in (None, 1.0):
         raise VehicleError(f"{connected.identity.name} is real and flies no faster: leave out --speedup")
 

@@ -1,6 +1,6 @@
-"""The vehicle behind a connection string; what it says is heard, and what is asked is checked.
+"""The vehicle behind a connection string: ``connect`` opens the link and finds the vehicle on it.
 
-``connect`` is the way in. DroneKit is imported in ``drone`` alone, when a vehicle is connected.
+DroneKit is imported in ``dronekit_adapter`` alone, when a vehicle is connected.
 """
 
 from flight_replay.vehicle.connected_vehicle import ConnectedVehicle, connect

@@ -1,4 +1,4 @@
-"""A connected vehicle: everything that the program asks of one."""
+"""A connected vehicle: everything that the program requests of one."""
 
 from __future__ import annotations
 
@@ -24,90 +24,90 @@ from flight_replay.mission.items import Mission
 from flight_replay.supervisor.vehicle_interface import Report
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
-from flight_replay.vehicle.link.connection_string import opened
-from flight_replay.vehicle.link.discovery import Sighting, Sightings
+from flight_replay.vehicle.link.connection_string import open_transport
+from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
 from flight_replay.vehicle.link.link import Link
-from flight_replay.vehicle.link.port import LinkPort
-from flight_replay.vehicle.protocol.commands import Commands
-from flight_replay.vehicle.protocol.mission_download import FENCE, Reader
-from flight_replay.vehicle.protocol.mission_storage import OnBoard
+from flight_replay.vehicle.link.vehicle_link import DroneKitLink
+from flight_replay.vehicle.protocol.commands import CommandSender
+from flight_replay.vehicle.protocol.mission_download import FENCE, MissionDownloader
+from flight_replay.vehicle.protocol.mission_storage import MissionStorage
 from flight_replay.vehicle.protocol.parameters import (
     limits_as_parameters,
     parameters_set,
     read_parameters,
     write_parameters,
 )
-from flight_replay.vehicle.protocol.stream_requests import Streams
+from flight_replay.vehicle.protocol.stream_requests import StreamRequests
 from flight_replay.vehicle.protocol.telemetry import Telemetry
 
 CONNECT_LIMIT_S = 30.0
-_TELL_S = 1.0
-_SILENT_S = 30.0  # As long as a flight waits for a link that was lost.
+_PROGRESS_S = 1.0
+_NO_DATA_S = 30.0  # As long as a flight waits for a lost link.
 _SPEEDUP = "SIM_SPEEDUP"
-_POLYGONS = 4  # The bit of FENCE_TYPE for areas on the map (AC_Fence.h).
+_POLYGONS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
-_UNBOUNDED_SPEEDUP = 100.0  # ArduPilot takes 0 and less for "as fast as it goes".
+_UNBOUNDED_SPEEDUP = 100.0  # Assumed where SIM_SPEEDUP is 0 or less: as fast as possible.
 
 
 class ConnectedVehicle:
-    """A vehicle on an open link; fulfils ``supervisor.Vehicle``.
+    """A vehicle on an open link; implements ``supervisor.Vehicle``.
 
-    ``identity`` says what it is, ``drone`` is DroneKit's view of it, ``link`` carries every frame.
+    ``identity`` is what it is, ``drone`` the ``dronekit.Vehicle``, ``link`` receives every frame.
     """
 
-    def __init__(self, link: Link, sighting: Sighting) -> None:
-        """Talk to the vehicle that was sighted on a link that runs."""
-        self.drone: Any = dronekit_vehicle(link, sighting.system, sighting.component)
+    def __init__(self, link: Link, vehicle: DiscoveredVehicle) -> None:
+        """``link`` is started, and ``vehicle`` was found on it."""
+        self.drone: Any = dronekit_vehicle(link, vehicle.system, vehicle.component)
         self.link = link
-        self._port = LinkPort(link, self.drone, sighting.system, sighting.component)
-        self._commands = Commands(self._port)
-        self._telemetry = Telemetry(sighting.system, sighting.component, self.drone, self._commands)
+        self._vehicle_link = DroneKitLink(link, self.drone, vehicle.system, vehicle.component)
+        self._commands = CommandSender(self._vehicle_link)
+        self._telemetry = Telemetry(vehicle.system, vehicle.component, self.drone, self._commands)
         link.add_receiver(self._telemetry.receive)
-        self._streams = Streams(self._port, self._telemetry)
-        self._streams.keep(link.speedup)
-        self.identity: Identity = identify(self._port, sighting)
-        self._on_board = OnBoard(self._port, as_int=self.identity.takes_item_int)
+        self._streams = StreamRequests(self._vehicle_link, self._telemetry)
+        self._streams.renew(link.speedup)
+        self.identity: Identity = identify(self._vehicle_link, vehicle)
+        self._storage = MissionStorage(self._vehicle_link, as_int=self.identity.takes_item_int)
 
     def reports(self, timeout_s: float) -> Sequence[Report]:
-        """Everything reported since the last call, in order; waits for the first until the timeout."""
-        self._streams.keep(self.link.speedup)
-        self._commands.keep()
-        return self._telemetry.take(timeout_s)
+        """All reports since the last call, in order; waits up to the timeout for the first."""
+        self._streams.renew(self.link.speedup)
+        self._commands.retry_ping()
+        return self._telemetry.reports(timeout_s)
 
     def request_mode(self, mode: str) -> None:
-        """Ask for a flight mode by ArduCopter's name of it."""
+        """Request a flight mode of ArduCopter by its name."""
         self._commands.set_mode(mode_number(mode))
 
     def request_arm(self) -> None:
-        """Ask to arm, with all of the vehicle's own checks."""
+        """Request arming, with all pre-arm checks."""
         self._commands.arm()
 
     def request_takeoff(self, altitude_m: float) -> None:
-        """Ask to climb to ``altitude_m`` above home."""
+        """Request a take-off to ``altitude_m`` above home."""
         self._commands.take_off(altitude_m)
 
     def request_prearm_checks(self) -> None:
-        """Ask for the reasons against arming."""
-        self._commands.report_prearm()
+        """Request the pre-arm checks; failures arrive as ``StatusText``."""
+        self._commands.run_prearm_checks()
 
     def upload(self, mission: Mission, listener: Listener = ignore) -> None:
-        """Put a mission on board, read it back and compare.
+        """Upload a mission, download it and compare.
 
         Raises:
             MissionError: The vehicle refuses it.
-            VehicleError: The link fails, or what is on board is not what was sent.
+            VehicleError: The link fails, or the mission on board differs from the one sent.
         """
         total = len(mission.items)
         listener(PhaseStarted(Phase.UPLOAD, str(len(mission.waypoints))))
-        with self._unhurried():
-            self._on_board.put(mission, lambda done: listener(Progress("mission items", done, total)))
+        with self._upload_speedup():
+            self._storage.upload(mission, lambda done: listener(Progress("mission items", done, total)))
 
     @contextmanager
-    def _unhurried(self) -> Iterator[None]:
-        """Slow a simulator down: ArduPilot cancels an upload that is silent for 8 s of *its* time."""
+    def _upload_speedup(self) -> Iterator[None]:
+        """Slow a fast simulator down: ArduPilot cancels an upload after 8 s of its time without an item."""
         fast = self.identity.simulated and self.link.speedup > _UPLOAD_SPEEDUP
-        there = self.parameters([_SPEEDUP]) if fast else {}
-        slowed = {name: _UPLOAD_SPEEDUP for name, now in there.items() if now > _UPLOAD_SPEEDUP}
+        now = self.parameters([_SPEEDUP]) if fast else {}
+        slowed = {name: _UPLOAD_SPEEDUP for name, speedup in now.items() if speedup > _UPLOAD_SPEEDUP}
         with self.parameters_set(slowed):
             yield
 
@@ -118,95 +118,95 @@ class ConnectedVehicle:
         that it raises ends the download.
 
         Raises:
-            VehicleError: The vehicle does not tell.
+            VehicleError: The vehicle does not send it.
         """
-        return self._on_board.verified(while_waiting)
+        return self._storage.verified(while_waiting)
 
     def mission_on_board(self) -> Mission:
-        """The mission that is on board now, under the vehicle's home.
+        """The mission on board, with the vehicle's home.
 
         Raises:
-            VehicleError: The vehicle does not tell.
+            VehicleError: The vehicle does not send it.
         """
-        return self._on_board.read()
+        return self._storage.download()
 
     def fence_areas(self) -> tuple[FenceArea, ...]:
-        """The polygons and circles of the vehicle's fence, if they are switched on.
+        """The polygons and circles of the vehicle's fence, if they are enabled.
 
         Raises:
-            VehicleError: The vehicle does not tell them, or they cannot be understood.
+            VehicleError: The vehicle does not send them, or they are invalid.
         """
         if not active_fence_types(self.identity.parameters) & _POLYGONS:
             return ()
         if not self.identity.takes_item_int:
-            return ()  # Firmware that old keeps its fence in another way, and no circles.
-        return areas_from_items(Reader(self._port, as_int=True, mission_type=FENCE).read())
+            return ()  # Firmware that old stores its fence in another way, and no circles.
+        return areas_from_items(MissionDownloader(self._vehicle_link, as_int=True, mission_type=FENCE).run())
 
     def wait_position(self, limit_s: float, listener: Listener = ignore) -> VehicleState:
-        """Where the vehicle is now, waiting until it knows: seconds here.
+        """The vehicle's next position, waiting up to ``limit_s`` of wall-clock time.
 
         Raises:
-            PhaseTimeoutError: It does not know in time.
-            VehicleError: It is not heard any more.
+            PhaseTimeoutError: The vehicle has no position in time.
+            VehicleError: The link is lost.
         """
-        now_s = self._port.now_s
-        end_s, tell_s, heard_s = now_s() + limit_s, now_s(), now_s()
+        now_s = self._vehicle_link.now_s
+        end_s, progress_s, received_s = now_s() + limit_s, now_s(), now_s()
         while now_s() < end_s:
-            told = self.reports(0.1)
-            heard_s = now_s() if told else heard_s
-            states = [news for news in told if isinstance(news, VehicleState)]
+            reports = self.reports(0.1)
+            received_s = now_s() if reports else received_s
+            states = [report for report in reports if isinstance(report, VehicleState)]
             if states:
                 return states[-1]
-            if now_s() - heard_s > _SILENT_S:
+            if now_s() - received_s > _NO_DATA_S:
                 raise VehicleError(
-                    f"nothing was heard from the vehicle for {_SILENT_S:.0f} s; check the link"
+                    f"link to the vehicle lost: no data for {_NO_DATA_S:.0f} s; check the link"
                 )
-            if now_s() - tell_s >= _TELL_S:
-                tell_s = now_s()
+            if now_s() - progress_s >= _PROGRESS_S:
+                progress_s = now_s()
                 listener(Waiting(Phase.PREARM, "no position yet"))
         raise PhaseTimeoutError(
-            f"the vehicle does not know where it is after {limit_s:.0f} s; give its GPS a view of the sky"
+            f"the vehicle has no position after {limit_s:.0f} s; give its GPS a clear view of the sky"
         )
 
     def parameters(self, names: Iterable[str]) -> dict[str, float]:
         """Values of those of the named parameters that the vehicle has, in its own units."""
         wanted = list(names)
-        # Asked together with one that it is known to have, a name that it lacks is soon known to be one.
-        values = read_parameters(self._port, [*wanted, *list(self.identity.parameters)[:1]])
+        # A name that it is known to have, requested as well, soon shows which names it does not have.
+        values = read_parameters(self._vehicle_link, [*wanted, *list(self.identity.parameters)[:1]])
         return {name: value for name, value in values.items() if name in wanted}
 
     def parameters_set(self, wanted: Mapping[str, float]) -> AbstractContextManager[None]:
         """Set parameters, in the vehicle's own units, for as long as the context lasts."""
-        return parameters_set(self._port, wanted)
+        return parameters_set(self._vehicle_link, wanted)
 
-    def run_at(self, speedup: float | None) -> None:
-        """Make a simulated vehicle's clock run ``speedup`` times as fast as ours, if it does not yet.
+    def set_speedup(self, speedup: float | None) -> None:
+        """Run a simulated vehicle's clock ``speedup`` times as fast as wall-clock time.
 
-        None leaves its speed as it is, and keeps pace with it. ArduCopter 3.3 cannot be told any more:
-        there the option that it was started with stands.
+        None leaves its speedup as it is, and only sends heartbeats often enough for it. ArduCopter
+        3.3 keeps the speedup that it was started with.
 
         Raises:
-            VehicleError: It does not take the speed.
+            VehicleError: The vehicle does not accept the speedup.
         """
-        told = self.parameters([_SPEEDUP]).get(_SPEEDUP)
+        now = self.parameters([_SPEEDUP]).get(_SPEEDUP)
         if speedup is None:
-            speedup = 1.0 if told is None else told if 0.0 < told < _UNBOUNDED_SPEEDUP else _UNBOUNDED_SPEEDUP
-        elif told not in (None, speedup):
-            write_parameters(self._port, {_SPEEDUP: speedup})
+            speedup = 1.0 if now is None else now if 0.0 < now < _UNBOUNDED_SPEEDUP else _UNBOUNDED_SPEEDUP
+        elif now not in (None, speedup):
+            write_parameters(self._vehicle_link, {_SPEEDUP: speedup})
         self.link.speedup = speedup
 
     def set_known_parameters(self, wanted: Mapping[str, float]) -> None:
-        """Set those of the parameters that the vehicle has, for good, in its own units.
+        """Set those of the parameters that the vehicle has, permanently, in its own units.
 
         Raises:
-            VehicleError: It does not take one of them.
+            VehicleError: The vehicle does not accept a value.
         """
-        known = read_parameters(self._port, wanted)
-        write_parameters(self._port, {name: wanted[name] for name in known})
+        known = read_parameters(self._vehicle_link, wanted)
+        write_parameters(self._vehicle_link, {name: wanted[name] for name in known})
 
     def limits_as_parameters(self, limits: Mapping[str, float]) -> dict[str, float]:
-        """Parameters in the vehicle's naming scheme for fields of ``simulator.limits.Limits``, SI units."""
-        return limits_as_parameters(self._port, limits)
+        """Parameters in the vehicle's own names and units, for fields of ``Limits`` in SI units."""
+        return limits_as_parameters(self._vehicle_link, limits)
 
 
 @contextmanager
@@ -219,29 +219,29 @@ def connect(  # noqa: PLR0913
     recorder: Recorder | None = None,
     limit_s: float = CONNECT_LIMIT_S,
 ) -> Iterator[ConnectedVehicle]:
-    """Connect through DroneKit to the vehicle behind a connection string, and close on every way out.
+    """Connect through DroneKit to the vehicle behind a connection string; closed on every way out.
 
     Args:
-        connection_string: As DroneKit takes it: see ``transport``.
-        baud: Speed of a serial port.
-        listener: Hears the phases CONNECT and CLOSE, and of neighbours on the link.
-        speedup: How fast the vehicle's clock runs, for heartbeats often enough by it.
-        recorder: Keeps every frame of both directions.
-        limit_s: Seconds to wait for a vehicle.
+        connection_string: As for DroneKit: see ``link.transport``.
+        baud: Baud rate of a serial port.
+        listener: Gets the phases CONNECT and CLOSE, and a notice of each other vehicle on the link.
+        speedup: How fast the vehicle's clock runs: heartbeats are sent often enough for it.
+        recorder: Records every frame of both directions.
+        limit_s: Seconds to wait for a heartbeat.
 
     Raises:
-        VehicleError: The connection cannot be opened, or no vehicle is heard.
+        VehicleError: The connection cannot be opened, or no vehicle sends a heartbeat.
     """
     listener(PhaseStarted(Phase.CONNECT, connection_string))
-    link = Link(opened(connection_string, baud), speedup=speedup, recorder=recorder)
+    link = Link(open_transport(connection_string, baud), speedup=speedup, recorder=recorder)
     try:
-        sightings = Sightings()
-        link.add_receiver(sightings.receive)
+        discovery = VehicleDiscovery()
+        link.add_receiver(discovery.receive)
         link.start()
-        sighting = find_vehicle(sightings, connection_string, limit_s)
-        for other in sightings.vehicles[1:]:
-            listener(Notice(f"vehicle {other.system} is on this link too and is left alone", warning=True))
-        yield ConnectedVehicle(link, sighting)
+        vehicle = find_vehicle(discovery, connection_string, limit_s)
+        for other in discovery.vehicles[1:]:
+            listener(Notice(f"vehicle {other.system} is also on this link; it is ignored", warning=True))
+        yield ConnectedVehicle(link, vehicle)
     finally:
         try:
             listener(PhaseStarted(Phase.CLOSE))

@@ -1,8 +1,8 @@
-"""The wall around DroneKit, and the only module that imports it.
+"""The adapter to DroneKit, and the only module that imports it.
 
-DroneKit 2.9.2 is unmaintained: it needs ``past`` (from ``future``) without saying so and a name
-that left ``collections`` in Python 3.10, and its own connection gives up after one long silence.
-So its ``Vehicle`` gets a connection of ours, which hears nothing but the vehicle that is flown.
+DroneKit 2.9.2 is unmaintained: it needs ``past`` (from ``future``) without declaring it and a name
+that was removed from ``collections`` in Python 3.10, and its own connection ends after 30 s without
+data. So its ``Vehicle`` gets a connection of ours, with the messages of one vehicle only.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 
 _log = logging.getLogger(__name__)
-_ANY = 0
+_BROADCAST = 0
 
 
 @contextmanager
-def _same_logging() -> Iterator[None]:
-    """The root logger as it was: DroneKit configures it for the whole program."""
+def _root_logger_unchanged() -> Iterator[None]:
+    """Remove the handlers that DroneKit adds to the root logger, for the whole program."""
     root = logging.getLogger()
     before = list(root.handlers)
     try:
@@ -36,8 +36,8 @@ def _same_logging() -> Iterator[None]:
 
 
 @contextmanager
-def _old_collections() -> Iterator[None]:
-    """``collections.MutableMapping``, which Python 3.10 took away, for as long as DroneKit is imported."""
+def _mutable_mapping_in_collections() -> Iterator[None]:
+    """``collections.MutableMapping``, which Python 3.10 removed, while DroneKit is imported."""
     missing = not hasattr(collections, "MutableMapping")
     if missing:
         vars(collections)["MutableMapping"] = collections.abc.MutableMapping
@@ -49,27 +49,27 @@ def _old_collections() -> Iterator[None]:
 
 
 def import_dronekit() -> Any:
-    """The DroneKit module, on Pythons that it does not know of too.
+    """The DroneKit module, on newer Pythons than it supports too.
 
     Raises:
-        VehicleError: DroneKit, or something that it needs, is not installed.
+        VehicleError: DroneKit, or a package that it needs, is not installed.
     """
     try:
-        with _old_collections():
+        with _mutable_mapping_in_collections():
             import dronekit
     except ImportError as error:
         raise VehicleError(
             f"DroneKit cannot be imported ({error}); install it with: pip install dronekit future"
         ) from error
-    # What the vehicle says is told as events; without a handler Python would print it too.
+    # Status texts become events; without a handler Python would print them too.
     autopilot = logging.getLogger("autopilot")
     autopilot.addHandler(logging.NullHandler())
     autopilot.propagate = False
     return dronekit
 
 
-class _Outbox(dialect.MAVLink):  # type: ignore[misc]
-    """DroneKit's way out: messages leave through our link, addressed to the vehicle."""
+class _LinkSender(dialect.MAVLink):  # type: ignore[misc]
+    """Sends DroneKit's messages over our link, addressed to the vehicle."""
 
     def __init__(self, link: Link, system: int) -> None:
         super().__init__(None, srcSystem=OUR_SYSTEM, srcComponent=OUR_COMPONENT)
@@ -77,13 +77,13 @@ class _Outbox(dialect.MAVLink):  # type: ignore[misc]
 
     def send(self, message: Message, force_mavlink1: bool = False) -> None:
         """Send; a message without an address goes to the vehicle."""
-        if getattr(message, "target_system", None) == _ANY:
+        if getattr(message, "target_system", None) == _BROADCAST:
             message.target_system = self._system
         self._link.send(message)
 
 
-class Connection:
-    """What DroneKit's ``Vehicle`` asks of a connection, on a link that is ours."""
+class DroneKitConnection:
+    """The interface that DroneKit's ``Vehicle`` expects of a connection, over our link."""
 
     def __init__(self, link: Link, system: int, component: int) -> None:
         from pymavlink import mavutil
@@ -91,42 +91,42 @@ class Connection:
         self._system, self._component = system, component
         self._listeners: list[Callable[[Any, Message], None]] = []
         self.target_system = system
-        # A file descriptor of None: nothing is ever read or written through it.
+        # Without a file descriptor: nothing is read or written through it.
         self.master = mavutil.mavfile(None, "flight-replay", source_system=OUR_SYSTEM, input=False)
         self.master.target_system = system
-        self.master.mav = _Outbox(link, system)
+        self.master.mav = _LinkSender(link, system)
 
     def forward_message(self, listener: Callable[[Any, Message], None]) -> None:
-        """DroneKit's decorator for readers of messages."""
+        """DroneKit's decorator for functions that receive messages."""
         self._listeners.append(listener)
 
     def forward_loop(self, listener: Callable[[Any], None]) -> None:
-        """DroneKit's decorator for chores: heartbeats, time limits, all parameters. Ours are other ones."""
+        """DroneKit's decorator for its main loop (heartbeats, timeouts, parameters), which is not run."""
 
     def fix_targets(self, message: Message) -> None:
         """Address a message to the vehicle."""
         message.target_system = self.target_system
 
     def deliver(self, message: Message) -> None:
-        """Hand DroneKit a message, if the vehicle itself sent it and not its gimbal or a neighbour."""
+        """Pass a message to DroneKit if the vehicle itself sent it, not its gimbal or another vehicle."""
         if (message.get_srcSystem(), message.get_srcComponent()) != (self._system, self._component):
             return
         for listener in self._listeners:
             try:
                 listener(self, message)
             except Exception as error:
-                # DroneKit stumbles over modes and severities newer than itself.
-                _log.debug("DroneKit cannot handle %s: %s", message.get_type(), error)
+                # DroneKit raises on modes and severities newer than itself.
+                _log.debug("DroneKit cannot process %s: %s", message.get_type(), error)
 
     def close(self) -> None:
-        """The link is closed by whoever opened it."""
+        """No effect: whoever opened the link closes it."""
 
 
 def dronekit_vehicle(link: Link, system: int, component: int) -> Any:
-    """A ``dronekit.Vehicle`` on ``link`` that follows what ``system``/``component`` sends from now on."""
+    """A ``dronekit.Vehicle`` that receives the messages of ``system``/``component`` from now on."""
     dronekit = import_dronekit()
-    connection = Connection(link, system, component)
-    with _same_logging():
+    connection = DroneKitConnection(link, system, component)
+    with _root_logger_unchanged():
         vehicle = dronekit.Vehicle(connection)
     link.add_receiver(connection.deliver)
     return vehicle

@@ -1,4 +1,4 @@
-"""Which vehicle is on the link, and what it is: asked of the vehicle, not guessed from its version."""
+"""Which vehicle is on the link, and what it can do: as it reports, not derived from its version."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from flight_replay.errors import VehicleError
 from flight_replay.mavlink import Message, dialect
 from flight_replay.vehicle.link import timesync
-from flight_replay.vehicle.link.discovery import Sighting, Sightings
-from flight_replay.vehicle.link.port import Port
-from flight_replay.vehicle.protocol.commands import command
+from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
+from flight_replay.vehicle.link.vehicle_link import VehicleLink
+from flight_replay.vehicle.protocol.commands import command_long
 from flight_replay.vehicle.protocol.parameters import read_parameters
 
 _VERSION_S = 8.0
@@ -24,12 +24,12 @@ _MULTICOPTERS = {
     dialect.MAV_TYPE_DODECAROTOR: "dodecacopter",
     dialect.MAV_TYPE_DECAROTOR: "decacopter",
 }
-_SIMULATION = ("SIM_SPEEDUP", "SIM_WIND_SPD")
-FENCE = (
+_SIMULATOR_PARAMETERS = ("SIM_SPEEDUP", "SIM_WIND_SPD")
+FENCE_PARAMETERS = (
     "FENCE_ENABLE", "FENCE_AUTOENABLE", "FENCE_TYPE",
     "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "FENCE_MARGIN",
 )  # fmt: skip
-"""Parameters of the fence, metres; 3.3 has no lower limit, and none before 4.6 switches it on by itself."""
+"""Metres; 3.3 has no FENCE_ALT_MIN, and FENCE_AUTOENABLE exists since 4.6."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Identity:
 
     @property
     def is_multicopter(self) -> bool:
-        """Whether it flies by its rotors alone, and ArduPilot flies it."""
+        """Whether it is a multicopter with ArduPilot."""
         return self.vehicle_type in _MULTICOPTERS and self.is_ardupilot
 
     @property
@@ -57,14 +57,14 @@ class Identity:
 
     @property
     def kind(self) -> str:
-        """A word for what it is."""
+        """The vehicle type as a word, such as quadcopter."""
         entry = dialect.enums["MAV_TYPE"].get(self.vehicle_type)
         name = entry.name.removeprefix("MAV_TYPE_").replace("_", " ").lower() if entry else "vehicle"
         return _MULTICOPTERS.get(self.vehicle_type, name)
 
     @property
     def name(self) -> str:
-        """Firmware, version and kind in one phrase."""
+        """Firmware, version, type and system id, for messages."""
         firmware = (
             "ArduCopter" if self.is_multicopter else "ArduPilot" if self.is_ardupilot else "unknown firmware"
         )
@@ -72,56 +72,56 @@ class Identity:
         return f"{what} ({'simulated ' if self.simulated else ''}{self.kind}, system {self.system})"
 
 
-def find_vehicle(sightings: Sightings, connection_string: str, limit_s: float) -> Sighting:
+def find_vehicle(discovery: VehicleDiscovery, connection_string: str, limit_s: float) -> DiscoveredVehicle:
     """The vehicle on the link: of several, the one with the lowest system id.
 
     Raises:
-        VehicleError: No autopilot is heard in time.
+        VehicleError: No vehicle sends a heartbeat in time.
     """
-    first = sightings.wait(limit_s)
-    if first is None:
-        others = sightings.others
-        heard = f" (only {', '.join(others)})" if others else ""
+    vehicle = discovery.wait(limit_s)
+    if vehicle is None:
+        others = ", ".join(discovery.others)
+        only = f", only from system/component {others}" if others else ""
         raise VehicleError(
-            f"no vehicle is heard on {connection_string} within {limit_s:.0f} s{heard}; "
+            f"no heartbeat of a vehicle on {connection_string} in {limit_s:.0f} s{only}; "
             "check the connection string, the baud rate and the vehicle's power"
         )
-    return first
+    return vehicle
 
 
-def identify(port: Port, sighting: Sighting) -> Identity:
-    """What the vehicle says of itself."""
-    version = _ask_version(port)
-    parameters = read_parameters(port, [*_SIMULATION, *FENCE])
+def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
+    """What a vehicle is and can do, from its heartbeat, AUTOPILOT_VERSION and parameters."""
+    version = _request_version(link)
+    parameters = read_parameters(link, [*_SIMULATOR_PARAMETERS, *FENCE_PARAMETERS])
     capabilities = version.capabilities if version else 0
     return Identity(
-        system=sighting.system,
-        component=sighting.component,
-        vehicle_type=sighting.vehicle_type,
-        autopilot=sighting.autopilot,
+        system=vehicle.system,
+        component=vehicle.component,
+        vehicle_type=vehicle.vehicle_type,
+        autopilot=vehicle.autopilot,
         version=_version(version.flight_sw_version) if version else "",
         takes_item_int=bool(capabilities & dialect.MAV_PROTOCOL_CAPABILITY_MISSION_INT),
-        simulated=any(name in parameters for name in _SIMULATION),
-        parameters={name: parameters[name] for name in FENCE if name in parameters},
+        simulated=any(name in parameters for name in _SIMULATOR_PARAMETERS),
+        parameters={name: parameters[name] for name in FENCE_PARAMETERS if name in parameters},
     )
 
 
-def _ask_version(port: Port) -> Message | None:
-    """AUTOPILOT_VERSION, or None from a vehicle that never tells it; on the way, learn the round trip."""
-    first_s = port.now_s()
-    with port.inbox("AUTOPILOT_VERSION", timesync.KIND) as inbox:
-        while (asked_s := port.now_s()) < first_s + _VERSION_S:
-            timesync.ping(port)
-            port.send(command(port, _REQUEST_CAPABILITIES, 1))
-            again_s = asked_s + port.trip.again_s
-            while (message := inbox.get(again_s - port.now_s())) is not None:
-                if not timesync.learn(port, message):
-                    if asked_s == first_s:  # A later answer may be to any of the requests.
-                        port.trip.guess(port.now_s() - asked_s)
+def _request_version(link: VehicleLink) -> Message | None:
+    """AUTOPILOT_VERSION, or None from a vehicle that does not send it; also measures the round trip."""
+    first_s = link.now_s()
+    with link.inbox("AUTOPILOT_VERSION", timesync.MESSAGE_TYPE) as inbox:
+        while (requested_s := link.now_s()) < first_s + _VERSION_S:
+            timesync.ping(link)
+            link.send(command_long(link, _REQUEST_CAPABILITIES, 1))
+            retry_at_s = requested_s + link.round_trip.retry_s
+            while (message := inbox.get(retry_at_s - link.now_s())) is not None:
+                if not timesync.measure(link, message):
+                    if requested_s == first_s:  # A later answer may be to any of the requests.
+                        link.round_trip.estimated(link.now_s() - requested_s)
                     return message
     return None
 
 
 def _version(packed: int) -> str:
-    """Three bytes of version, from the highest (AP_FWVersion)."""
+    """Major, minor and patch, from the highest byte (AP_FWVersion)."""
     return ".".join(str(packed >> shift & 0xFF) for shift in (24, 16, 8))

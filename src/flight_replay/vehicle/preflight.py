@@ -1,7 +1,7 @@
-"""What is refused before anything is uploaded, and what a person sees before a real vehicle is armed.
+"""Checks before the upload, and the briefing that a person sees before a real vehicle is armed.
 
-Pure checks over plain data. Home counts as where the vehicle stands: ArduCopter sets it there when
-it is armed.
+Pure functions on plain data. Home is taken to be the vehicle's position: ArduCopter sets home there
+when it arms.
 """
 
 from __future__ import annotations
@@ -24,10 +24,8 @@ if TYPE_CHECKING:
     from flight_replay.vehicle.identity import Identity
 
 MAX_DISTANCE_M = 1000.0
-"""How far from home a route may begin, unless asked otherwise."""
+"""The default of ``--max-distance``: how far from home the first waypoint may be."""
 _FLYABLE_FRAMES = frozenset({Frame.ABSOLUTE, Frame.RELATIVE, Frame.TERRAIN})
-
-
 _AREA_STEP_M = 1.0
 
 
@@ -41,7 +39,7 @@ class _Fence(IntFlag):
 
 @dataclass(frozen=True, slots=True)
 class Briefing:
-    """What a person should know before a vehicle is armed: degrees, metres, volts, percent."""
+    """What a person has to know before a vehicle is armed: degrees, metres, volts, percent."""
 
     vehicle: str
     lat_deg: float
@@ -55,7 +53,7 @@ class Briefing:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The same in words."""
+        """The briefing as text, a line each."""
         battery = "unknown" if self.battery_v is None else f"{self.battery_v:.1f} V"
         if self.battery_percent is not None:
             battery += f", {self.battery_percent:.0f} %"
@@ -65,52 +63,52 @@ class Briefing:
             f"Battery: {battery}",
             f"First waypoint: {self.first_m:.0f} m away",
             f"Route: {self.waypoints} waypoints, up to {self.farthest_m:.0f} m away "
-            f"and {self.highest_m:.0f} m up",
+            f"and {self.highest_m:.0f} m above home",
         )
 
 
 def check(  # noqa: PLR0913
     identity: Identity,
     mission: Mission,
-    at: VehicleState,
+    state: VehicleState,
     *,
     takeoff_altitude_m: float,
     max_distance_m: float = MAX_DISTANCE_M,
     areas: Sequence[FenceArea] = (),
 ) -> Briefing:
-    """Refuse a vehicle or a route that must not be flown; else, what to know before it is.
+    """Refuse a vehicle or route that must not be flown; otherwise the briefing.
 
     Args:
         identity: What the vehicle is, with its fence parameters.
         mission: What would be uploaded.
-        at: Where the vehicle stands.
+        state: The vehicle's position, battery and mode now.
         takeoff_altitude_m: Metres above home.
-        max_distance_m: Farthest from home that the first waypoint may be, metres.
+        max_distance_m: How far from the vehicle the first waypoint may be, metres.
         areas: The polygons and circles of the vehicle's fence.
 
     Raises:
-        VehicleError: The vehicle is not a multicopter flown by ArduPilot, or its motors run already.
-        MissionError: The route begins too far away, leaves the fence, or has a place that cannot be flown to.
+        VehicleError: The vehicle is not a multicopter with ArduPilot, or is already armed.
+        MissionError: The route starts too far away, leaves the fence, or has an invalid waypoint.
     """
-    _check_vehicle(identity, at)
+    _check_vehicle(identity, state)
     for seq, item in mission.waypoints:
-        _check_place(seq, item)
-    distances_m = _distances_m(mission, at)
+        _check_waypoint(seq, item)
+    distances_m = _distances_m(mission, state)
     _check_distance(float(distances_m[0]), max_distance_m)
-    _check_areas(areas, mission, at)
+    _check_areas(areas, mission, state)
     heights_m = np.append(_heights_m(mission), takeoff_altitude_m)
     _check_fence(identity.parameters, distances_m, heights_m)
-    return _briefing(identity, at, distances_m, heights_m)
+    return _briefing(identity, state, distances_m, heights_m)
 
 
-def _briefing(identity: Identity, at: VehicleState, distances_m: Floats, heights_m: Floats) -> Briefing:
-    """``distances_m`` (n,) from the vehicle to each waypoint, ``heights_m`` (m,) that are flown at."""
+def _briefing(identity: Identity, state: VehicleState, distances_m: Floats, heights_m: Floats) -> Briefing:
+    """``distances_m`` (n,) from the vehicle to each waypoint, ``heights_m`` (m,) above home."""
     return Briefing(
         vehicle=identity.name,
-        lat_deg=at.lat_deg,
-        lon_deg=at.lon_deg,
-        battery_v=at.battery_v,
-        battery_percent=at.battery_percent,
+        lat_deg=state.lat_deg,
+        lon_deg=state.lon_deg,
+        battery_v=state.battery_v,
+        battery_percent=state.battery_percent,
         waypoints=len(distances_m),
         first_m=float(distances_m[0]),
         farthest_m=float(distances_m.max()),
@@ -118,57 +116,66 @@ def _briefing(identity: Identity, at: VehicleState, distances_m: Floats, heights
     )
 
 
-def _check_vehicle(identity: Identity, at: VehicleState) -> None:
+def _check_vehicle(identity: Identity, state: VehicleState) -> None:
     if not identity.is_multicopter:
-        raise VehicleError(f"{identity.name} is not a multicopter flown by ArduPilot; connect one")
-    if at.armed:
+        raise VehicleError(f"{identity.name} is not a multicopter with ArduPilot; connect one")
+    if state.armed:
         raise VehicleError(
-            f"the vehicle is already armed, in mode {at.mode}; land and disarm it, then start again"
+            f"the vehicle is already armed, in mode {state.mode}; land and disarm it, then start again"
         )
 
 
 def _check_distance(first_m: float, max_distance_m: float) -> None:
     if first_m > max_distance_m:
         raise MissionError(
-            f"the first waypoint is {first_m:.0f} m from the vehicle, and {max_distance_m:.0f} m "
-            "are allowed; bring the vehicle there, or allow more with --max-distance"
+            f"the first waypoint is {first_m:.0f} m from the vehicle, more than {max_distance_m:.0f} m; "
+            "move the vehicle closer, or allow more with --max-distance"
         )
 
 
-def _check_place(seq: int, item: MissionItem) -> None:
+def _check_waypoint(seq: int, item: MissionItem) -> None:
     if item.frame not in _FLYABLE_FRAMES:
-        raise MissionError(f"waypoint {seq} has altitude frame {item.frame}, which ArduCopter does not fly")
+        raise MissionError(
+            f"waypoint {seq} has altitude frame {item.frame}, which ArduCopter does not support; "
+            "use an altitude above home, above sea level or above terrain"
+        )
     if not np.isfinite([item.lat_deg, item.lon_deg, item.alt_m]).all() or abs(item.lat_deg) > 90.0:
-        raise MissionError(f"waypoint {seq} is nowhere: {item.lat_deg}, {item.lon_deg}, {item.alt_m} m")
+        raise MissionError(
+            f"waypoint {seq} has invalid coordinates: {item.lat_deg}, {item.lon_deg}, {item.alt_m} m; "
+            "correct it, then start again"
+        )
     if item.frame != Frame.ABSOLUTE and item.alt_m <= 0:
-        raise MissionError(f"waypoint {seq} is {item.alt_m:g} m above home; fly higher with --altitude")
+        raise MissionError(f"waypoint {seq} is at {item.alt_m:g} m above home; fly higher with --altitude")
 
 
-def _distances_m(mission: Mission, at: VehicleState) -> Floats:
+def _distances_m(mission: Mission, state: VehicleState) -> Floats:
     """Ground distance of each waypoint from the vehicle, metres."""
     places = [item for _, item in mission.waypoints]
-    frame = LocalFrame(at.lat_deg, at.lon_deg)
+    frame = LocalFrame(state.lat_deg, state.lon_deg)
     north_east_m = frame.to_metres([p.lat_deg for p in places], [p.lon_deg for p in places])
     return np.asarray(np.hypot(north_east_m[:, 0], north_east_m[:, 1]))
 
 
-def _check_areas(areas: Sequence[FenceArea], mission: Mission, at: VehicleState) -> None:
-    """Refuse a way (straight from place to place, from where the vehicle stands) into what is forbidden."""
-    frame = LocalFrame(at.lat_deg, at.lon_deg)
-    places = [(at.lat_deg, at.lon_deg), *((item.lat_deg, item.lon_deg) for _, item in mission.waypoints)]
-    stops_m = frame.to_metres(*np.array(places).T)
-    for (seq, _), begin_m, end_m in zip(mission.waypoints, stops_m[:-1], stops_m[1:], strict=True):
-        steps = max(int(np.linalg.norm(end_m - begin_m) / _AREA_STEP_M), 1)
-        way_m = begin_m + np.linspace(0, 1, steps + 1)[:, None] * (end_m - begin_m)
-        if any(area.forbids(way_m, frame).any() for area in areas):
+def _check_areas(areas: Sequence[FenceArea], mission: Mission, state: VehicleState) -> None:
+    """Refuse straight legs, from the vehicle's position on, that leave the fence."""
+    frame = LocalFrame(state.lat_deg, state.lon_deg)
+    places = [
+        (state.lat_deg, state.lon_deg),
+        *((item.lat_deg, item.lon_deg) for _, item in mission.waypoints),
+    ]
+    waypoints_m = frame.to_metres(*np.array(places).T)
+    for (seq, _), start_m, end_m in zip(mission.waypoints, waypoints_m[:-1], waypoints_m[1:], strict=True):
+        steps = max(int(np.linalg.norm(end_m - start_m) / _AREA_STEP_M), 1)
+        leg_m = start_m + np.linspace(0, 1, steps + 1)[:, None] * (end_m - start_m)
+        if any(area.forbids(leg_m, frame).any() for area in areas):
             raise MissionError(
-                f"the way to waypoint {seq} crosses the vehicle's fence; choose another part of the log, "
+                f"the leg to waypoint {seq} crosses the vehicle's fence; choose another part of the log, "
                 "or change the fence"
             )
 
 
 def _heights_m(mission: Mission) -> Floats:
-    """Height of each waypoint above home, metres, as far as it is known; over terrain counts as over home."""
+    """Altitude of each waypoint above home, metres; above terrain counts as above home."""
     home_amsl_m = mission.home.alt_amsl_m if mission.home else 0.0
     return np.array(
         [item.alt_m - (home_amsl_m if item.frame == Frame.ABSOLUTE else 0.0) for _, item in mission.waypoints]
@@ -179,14 +186,14 @@ def _check_fence(parameters: Mapping[str, float], distances_m: Floats, heights_m
     kinds = _Fence(active_fence_types(parameters) & (_Fence.ALT_MAX | _Fence.CIRCLE | _Fence.ALT_MIN))
     margin_m = parameters.get("FENCE_MARGIN", 0.0)
     bounds = (
-        (_Fence.CIRCLE, "FENCE_RADIUS", "m away", distances_m.max(), 1.0),
-        (_Fence.ALT_MAX, "FENCE_ALT_MAX", "m up", heights_m.max(), 1.0),
-        (_Fence.ALT_MIN, "FENCE_ALT_MIN", "m up", heights_m.min(), -1.0),
+        (_Fence.CIRCLE, "FENCE_RADIUS", "m from the vehicle", distances_m.max(), 1.0),
+        (_Fence.ALT_MAX, "FENCE_ALT_MAX", "m above home", heights_m.max(), 1.0),
+        (_Fence.ALT_MIN, "FENCE_ALT_MIN", "m above home", heights_m.min(), -1.0),
     )
     for kind, name, unit, reach_m, outward in bounds:
         if kind in kinds and name in parameters and outward * (reach_m - parameters[name]) > -margin_m:
             raise MissionError(
-                f"the route goes {reach_m:.0f} {unit}, and the vehicle's fence ends at {name} "
-                f"{parameters[name]:g} m, less a margin of {margin_m:g} m; choose another part of the log, "
+                f"the route reaches {reach_m:.0f} {unit}, outside the vehicle's fence ({name} "
+                f"{parameters[name]:g} m, margin {margin_m:g} m); choose another part of the log, "
                 "or change the fence"
             )

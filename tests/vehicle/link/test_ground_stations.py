@@ -14,8 +14,8 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from flight_replay.errors import FlightReplayError
-from flight_replay.vehicle.link.ground_station_sockets import OneStream, TcpIn, socket_for
-from flight_replay.vehicle.link.ground_stations import QUEUED_FRAMES, Station, ground_stations
+from flight_replay.vehicle.link.ground_station_sockets import TcpServer, TransportSocket, socket_for
+from flight_replay.vehicle.link.ground_stations import QUEUED_FRAMES, GroundStation, ground_stations
 
 PATIENCE_S = 10.0
 
@@ -114,7 +114,7 @@ def decoded(data: bytes) -> Any:
 
 
 @contextmanager
-def running(station: Station) -> Iterator[Station]:
+def running(station: GroundStation) -> Iterator[GroundStation]:
     """A station that is open, and closed in the end."""
     station.start()
     try:
@@ -126,9 +126,9 @@ def running(station: Station) -> Iterator[Station]:
 
 def test_two_stations_that_connect_by_tcp_both_watch_and_their_bytes_never_mix() -> None:
     """Half a command of one station and a whole one of another arrive as two whole commands."""
-    sockets = TcpIn(("127.0.0.1", 0))
+    sockets = TcpServer(("127.0.0.1", 0))
     link = FakeLink()
-    with running(Station("tcpin", sockets, link.forward)) as station:
+    with running(GroundStation("tcpin", sockets, link.forward)) as station:
         address = ("127.0.0.1", sockets.port)
         with (
             socket.create_connection(address, PATIENCE_S) as one,
@@ -198,9 +198,7 @@ def test_strings_that_name_no_station_are_told(text: str) -> None:
     """One sentence names the string and how to write one; nothing has been started."""
     link = FakeLink()
     with (
-        pytest.raises(
-            FlightReplayError, match=r"cannot understand the ground station .*; write udp:HOST:PORT"
-        ),
+        pytest.raises(FlightReplayError, match=r"invalid ground station .*; write udp:HOST:PORT"),
         ground_stations(link, ["udp:127.0.0.1:14550", text]),
     ):
         pytest.fail("it was understood")
@@ -210,15 +208,15 @@ def test_strings_that_name_no_station_are_told(text: str) -> None:
 def test_every_kind_of_station_has_its_socket() -> None:
     """Upper case and IPv6 brackets do no harm."""
     for kind in ("udp", "UDPOUT", "udpin", "tcp"):
-        assert isinstance(socket_for(f"{kind}:[::1]:14550"), OneStream)
-    assert isinstance(socket_for("tcpin:127.0.0.1:0"), TcpIn)
+        assert isinstance(socket_for(f"{kind}:[::1]:14550"), TransportSocket)
+    assert isinstance(socket_for("tcpin:127.0.0.1:0"), TcpServer)
 
 
 def test_a_station_that_breaks_off_does_not_disturb_the_others() -> None:
     """A connection that is reset is forgotten; frames go on to who is there."""
-    sockets = TcpIn(("127.0.0.1", 0))
+    sockets = TcpServer(("127.0.0.1", 0))
     link = FakeLink()
-    with running(Station("tcpin", sockets, link.forward)) as station:
+    with running(GroundStation("tcpin", sockets, link.forward)) as station:
         address = ("127.0.0.1", sockets.port)
         rude, kind = (socket.create_connection(address, PATIENCE_S) for _ in range(2))
         with kind:
@@ -235,7 +233,7 @@ def test_a_station_that_breaks_off_does_not_disturb_the_others() -> None:
 
 def test_a_closed_socket_says_so() -> None:
     """Reading what was never opened is an error, closing it none."""
-    sockets = TcpIn(("127.0.0.1", 0))
+    sockets = TcpServer(("127.0.0.1", 0))
     sockets.close()
     with pytest.raises(OSError, match="the socket is closed"):
         sockets.read(0)

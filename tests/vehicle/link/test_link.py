@@ -153,7 +153,7 @@ def test_a_receiver_that_fails_does_not_deafen_the_link(
     heard.get(timeout=5)
     link.close()
     assert [record.message for record in caplog.records if record.levelname == "ERROR"] == [
-        "cannot handle HEARTBEAT"
+        "cannot process HEARTBEAT"
     ]
 
 

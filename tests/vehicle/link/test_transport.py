@@ -12,7 +12,7 @@ import pytest
 
 from flight_replay.errors import VehicleError
 from flight_replay.vehicle.link import connection_string, transport
-from flight_replay.vehicle.link.connection_string import opened, transport_for
+from flight_replay.vehicle.link.connection_string import open_transport, transport_for
 from flight_replay.vehicle.link.transport import Serial, TcpClient, Transport, UdpClient, UdpListener
 
 STRINGS = {
@@ -65,7 +65,7 @@ def read_all(transport: Transport, length: int) -> bytes:
 
 def test_tcp_carries_bytes_and_tells_its_end(server: socket.socket) -> None:
     """Both ways, until the vehicle closes: that is an error, and it can be opened again."""
-    transport = opened(f"tcp:{address(server)}", 0)
+    transport = open_transport(f"tcp:{address(server)}", 0)
     vehicle, _ = server.accept()
     vehicle.sendall(b"hello")
     assert read_all(transport, 5) == b"hello"
@@ -85,7 +85,7 @@ def test_tcp_carries_bytes_and_tells_its_end(server: socket.socket) -> None:
 def test_udp_that_listens_answers_whom_it_heard() -> None:
     """Before anybody was heard, what is sent goes nowhere."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle, FreePort() as port:
-        transport = opened(f"127.0.0.1:{port.release()}", 0)
+        transport = open_transport(f"127.0.0.1:{port.release()}", 0)
         transport.write(b"nobody")
         vehicle.settimeout(2)
         vehicle.sendto(b"hello", ("127.0.0.1", port.number))
@@ -117,7 +117,7 @@ class FreePort:
 def test_udp_that_speaks_first_outlives_a_vehicle_that_is_not_there_yet() -> None:
     """A refused datagram is nothing; once the vehicle listens, both ways work."""
     with FreePort() as port:
-        transport = opened(f"udpout:127.0.0.1:{port.release()}", 0)
+        transport = open_transport(f"udpout:127.0.0.1:{port.release()}", 0)
         for _ in range(3):
             transport.write(b"anybody?")
             assert transport.read(0.02) == b""
@@ -136,7 +136,7 @@ def test_udp_that_speaks_first_outlives_a_vehicle_that_is_not_there_yet() -> Non
 def test_a_serial_port_carries_bytes() -> None:
     """A pseudo-terminal stands in for the radio."""
     ours, name = os.openpty()
-    transport = opened(os.ttyname(name), 57600)
+    transport = open_transport(os.ttyname(name), 57600)
     os.write(ours, b"hello")
     assert read_all(transport, 5) == b"hello"
     transport.write(b"there")
@@ -152,7 +152,7 @@ def test_a_serial_port_without_pyserial_says_what_to_install(monkeypatch: pytest
     """Where pyserial is missing the line to install it is in the error."""
     monkeypatch.setitem(sys.modules, "serial", None)
     with pytest.raises(VehicleError, match="pip install pyserial"):
-        opened("/dev/ttyUSB0", 57600)
+        open_transport("/dev/ttyUSB0", 57600)
 
 
 def test_what_cannot_be_opened_is_told_at_once(
@@ -161,17 +161,17 @@ def test_what_cannot_be_opened_is_told_at_once(
     """A missing device, an unknown host, a port in use, and nobody listening: one line each."""
     monkeypatch.setattr(connection_string, "_RETRY_S", 0.1)
     with pytest.raises(VehicleError, match="cannot open /dev/no-such-port: No such file or directory; check"):
-        opened("/dev/no-such-port", 57600)
-    with pytest.raises(VehicleError, match="cannot find the host"):
-        opened("tcp:no-such-host.invalid:5760", 0)
-    with pytest.raises(VehicleError, match="no host is named like that; check its name"):
-        opened("tcp:two..dots:5760", 0)
+        open_transport("/dev/no-such-port", 57600)
+    with pytest.raises(VehicleError, match="cannot resolve the host"):
+        open_transport("tcp:no-such-host.invalid:5760", 0)
+    with pytest.raises(VehicleError, match="invalid host name; check the host name"):
+        open_transport("tcp:two..dots:5760", 0)
     with FreePort() as held, pytest.raises(VehicleError, match="no other program uses it"):
-        opened(f"udp:127.0.0.1:{held.number}", 0)
+        open_transport(f"udp:127.0.0.1:{held.number}", 0)
     number = server.getsockname()[1]
     server.close()
-    with pytest.raises(VehicleError, match="nothing listens on tcp:"):
-        opened(f"tcp:127.0.0.1:{number}", 0)
+    with pytest.raises(VehicleError, match="refused: nothing listens there; start"):
+        open_transport(f"tcp:127.0.0.1:{number}", 0)
 
 
 def test_a_name_server_that_is_silent_does_not_hold_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -179,8 +179,8 @@ def test_a_name_server_that_is_silent_does_not_hold_the_program(monkeypatch: pyt
     over = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
     monkeypatch.setattr(transport, "_LOOK_UP_S", 0.2)
-    with pytest.raises(VehicleError, match=r"the name slow\.invalid is not found in time"):
-        opened("tcp:slow.invalid:5760", 0)
+    with pytest.raises(VehicleError, match=r"no answer for host name slow\.invalid in 0.2 s"):
+        open_transport("tcp:slow.invalid:5760", 0)
     over.set()
 
 
@@ -196,5 +196,5 @@ def test_a_host_is_looked_up_once_and_each_of_its_addresses_tried(monkeypatch: p
             return [(socket.AF_INET, socket.SOCK_STREAM, 0, "", at) for at in (dead, ("127.0.0.1", port))]
 
         monkeypatch.setattr(socket, "getaddrinfo", addresses)
-        opened(f"tcp:drone.invalid:{port}", 0).close()
+        open_transport(f"tcp:drone.invalid:{port}", 0).close()
     assert asked == ["drone.invalid"]

@@ -16,11 +16,11 @@ from flight_replay.mission.items import Command, Frame, Mission, MissionItem, ch
 from flight_replay.simulator.autopilot.faults import Faults, MissionFaults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
-from flight_replay.vehicle.link.port import is_for_us
+from flight_replay.vehicle.link.vehicle_link import is_for_us
 from flight_replay.vehicle.protocol.mission_items import difference, item_message
-from flight_replay.vehicle.protocol.mission_storage import OnBoard
+from flight_replay.vehicle.protocol.mission_storage import MissionStorage
 from flight_replay.vehicle.protocol.mission_upload import UploadLimits
-from tests.helpers.virtual_port import VirtualPort, Weather
+from tests.helpers.virtual_link import VirtualLink, Weather
 
 
 def route(count: int) -> Mission:
@@ -33,11 +33,13 @@ def route(count: int) -> Mission:
     return Mission(tuple(items))
 
 
-def put(port: VirtualPort, mission: Mission, *, as_int: bool = True, quiet_s: float = 12.0) -> OnBoard:
+def put(
+    link: VirtualLink, mission: Mission, *, as_int: bool = True, no_progress_s: float = 12.0
+) -> MissionStorage:
     """Put a mission on board over a link whose round trip is known."""
-    on_board = OnBoard(port, as_int=as_int, limits=UploadLimits(quiet_s=quiet_s))
-    on_board.put(mission, lambda done: None)
-    return on_board
+    storage = MissionStorage(link, as_int=as_int, limits=UploadLimits(no_progress_s=no_progress_s))
+    storage.upload(mission, lambda done: None)
+    return storage
 
 
 WEATHERS = {
@@ -54,11 +56,11 @@ WEATHERS = {
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_what_is_on_board_is_what_was_sent(weather: Weather, seed: int) -> None:
     """Whatever the link does, the mission that is called verified is there, item for item."""
-    port = VirtualPort(weather, seed=seed)
-    on_board = put(port, route(100))
-    stored = [item.command for item in port.autopilot.store.items[1:]]
+    link = VirtualLink(weather, seed=seed)
+    storage = put(link, route(100))
+    stored = [item.command for item in link.autopilot.store.items[1:]]
     assert stored == [item.command for item in route(100).items]
-    assert on_board.verified()
+    assert storage.verified()
 
 
 @pytest.mark.parametrize(
@@ -67,10 +69,10 @@ def test_what_is_on_board_is_what_was_sent(weather: Weather, seed: int) -> None:
 )
 def test_a_bad_link_costs_seconds_not_minutes(weather: str, limit_s: float) -> None:
     """No loss waits for ArduPilot's own second, and no delay is paid for each item."""
-    port = VirtualPort(WEATHERS[weather], seed=5)
-    began_s = port.now_s()
-    put(port, route(100))
-    assert port.now_s() - began_s < limit_s
+    link = VirtualLink(WEATHERS[weather], seed=5)
+    began_s = link.now_s()
+    put(link, route(100))
+    assert link.now_s() - began_s < limit_s
 
 
 @given(
@@ -85,13 +87,13 @@ def test_no_link_makes_a_wrong_mission_pass(
     loss: float, delay_s: float, jitter_s: float, doubled: float, seed: int
 ) -> None:
     """An upload ends with the mission on board, or with an error; never with another mission."""
-    port = VirtualPort(Weather(loss, delay_s, jitter_s, doubled), seed=seed)
+    link = VirtualLink(Weather(loss, delay_s, jitter_s, doubled), seed=seed)
     sent = route(12)
     try:
-        put(port, sent)
+        put(link, sent)
     except FlightReplayError:
         return
-    stored = port.autopilot.store.items[1:]
+    stored = link.autopilot.store.items[1:]
     places = [(item.lat_e7, item.lon_e7) for item in stored if item.command != Command.CHANGE_SPEED]
     assert places == [(round(i.lat_deg * 1e7), round(i.lon_deg * 1e7)) for _, i in sent.waypoints]
 
@@ -102,95 +104,95 @@ REFUSALS = sorted(set(MISSION_RESULTS) - {0, 13, 14, 15, 1, 16})
 @pytest.mark.parametrize("result", REFUSALS, ids=lambda r: MISSION_RESULTS[r].replace(" ", "-"))
 def test_a_refused_item_is_named_with_the_vehicles_reason(result: int) -> None:
     """Each MISSION_ACK code ends the upload at once, in one sentence."""
-    port = VirtualPort(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
+    link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
     with pytest.raises(MissionError) as caught:
-        put(port, route(10))
+        put(link, route(10))
     if result == dialect.MAV_MISSION_NO_SPACE:
-        assert "no room for 11 mission items" in str(caught.value)
+        assert "no space for 11 mission items" in str(caught.value)
     else:
         assert f"mission item 5: {MISSION_RESULTS[result]}" in str(caught.value)
-    assert port.now_s() < 3
+    assert link.now_s() < 3
 
 
 @pytest.mark.parametrize("result", [1, 13, 14, 15], ids=["error", "sequence", "denied", "cancelled"])
 def test_an_answer_that_may_pass_is_retried_until_a_deadline(result: int) -> None:
     """What could be a busy or confused vehicle is tried again, not for ever, and named in the end."""
-    port = VirtualPort(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
+    link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
     with pytest.raises(FlightReplayError):
-        put(port, route(10), quiet_s=4.0)
-    assert port.now_s() < 60
+        put(link, route(10), no_progress_s=4.0)
+    assert link.now_s() < 60
 
 
 def test_a_refused_upload_is_told() -> None:
     """An ACK against the whole, after the last item, is no success."""
-    port = VirtualPort(faults=Faults(mission=MissionFaults(result_of_upload=2)))
+    link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_upload=2)))
     with pytest.raises(MissionError, match="refused mission item 10: unsupported frame"):
-        put(port, route(9))
+        put(link, route(9))
 
 
 def test_a_mission_too_long_leaves_the_old_one_on_board() -> None:
     """The vehicle says that it has no room before anything is overwritten."""
-    port = VirtualPort(faults=Faults(mission=MissionFaults(capacity=20)))
-    put(port, route(10))
-    with pytest.raises(MissionError, match="no room for 34 mission items; choose fewer with --max-points"):
-        put(port, route(30))
-    assert len(port.autopilot.store.items) == 12
+    link = VirtualLink(faults=Faults(mission=MissionFaults(capacity=20)))
+    put(link, route(10))
+    with pytest.raises(MissionError, match="no space for 34 mission items; choose fewer with --max-points"):
+        put(link, route(30))
+    assert len(link.autopilot.store.items) == 12
 
 
 def test_a_dead_link_ends_the_upload() -> None:
     """Without an answer the upload stops at its deadline."""
-    port = VirtualPort(Weather(loss=1.0))
+    link = VirtualLink(Weather(loss=1.0))
     with pytest.raises(VehicleError, match="upload stopped at mission item 0"):
-        put(port, route(3))
-    assert port.now_s() < 15
+        put(link, route(3))
+    assert link.now_s() < 15
 
 
 def test_another_stations_upload_is_waited_for() -> None:
     """While another station uploads, ours is denied; it goes through when the other gave up."""
-    port = VirtualPort()
+    link = VirtualLink()
     other = dialect.MAVLink(None, 255, 190)
     frame = dialect.MAVLink_mission_count_message(1, 1, 5).pack(other)
-    for message, sender in port.channel.receive(frame):
-        port.ground_link.handle(message, sender)
-    assert put(port, route(3)).verified()
-    assert port.now_s() > 5
+    for message, sender in link.channel.receive(frame):
+        link.ground_link.handle(message, sender)
+    assert put(link, route(3)).verified()
+    assert link.now_s() > 5
 
 
 def test_requests_to_another_station_are_not_answered() -> None:
     """An item goes out only for a request that is addressed to us."""
-    port = VirtualPort()
+    link = VirtualLink()
     heard = dialect.MAVLink_mission_request_message(255, 190, 2)
-    on_board = put(port, route(4))
-    sent = len(port.sent)
-    port._deliver(False, heard.pack(dialect.MAVLink(None, 1, 1)))
-    port.pass_time(1.0)
-    assert len(port.sent) == sent
-    assert on_board.verified()
+    storage = put(link, route(4))
+    sent = len(link.sent)
+    link._deliver(False, heard.pack(dialect.MAVLink(None, 1, 1)))
+    link.pass_time(1.0)
+    assert len(link.sent) == sent
+    assert storage.verified()
 
 
 def test_a_change_by_another_station_is_noticed() -> None:
     """What another station writes afterwards makes the mission unverified."""
-    port = VirtualPort()
-    on_board = put(port, route(4))
+    link = VirtualLink()
+    storage = put(link, route(4))
     other = dialect.MAVLink(None, 255, 190)
     frame = dialect.MAVLink_mission_clear_all_message(1, 1).pack(other)
-    for message, sender in port.channel.receive(frame):
-        port.ground_link.handle(message, sender)
-    assert not on_board.verified()
+    for message, sender in link.channel.receive(frame):
+        link.ground_link.handle(message, sender)
+    assert not storage.verified()
 
 
 def test_nothing_is_verified_before_an_upload() -> None:
     """A vehicle that was only connected has no mission of ours."""
-    assert not OnBoard(VirtualPort(), as_int=True).verified()
+    assert not MissionStorage(VirtualLink(), as_int=True).verified()
 
 
 def test_the_mission_on_board_is_read_with_home() -> None:
     """What is on board comes back as a mission, home apart; nothing on board is an empty one."""
-    port = VirtualPort()
-    port.pass_time(20)
-    assert OnBoard(port, as_int=True).read().items == ()
-    put(port, route(3))
-    found = OnBoard(port, as_int=True).read()
+    link = VirtualLink()
+    link.pass_time(20)
+    assert MissionStorage(link, as_int=True).download().items == ()
+    put(link, route(3))
+    found = MissionStorage(link, as_int=True).download()
     assert len(found.items) == 3
     assert found.home is not None
     assert found.home.alt_amsl_m == pytest.approx(488, abs=0.1)
@@ -205,18 +207,18 @@ PLACES = [
 @pytest.mark.parametrize(("lat_deg", "lon_deg"), PLACES)
 def test_positions_on_board_are_within_a_centimetre_anywhere(lat_deg: float, lon_deg: float) -> None:
     """MISSION_ITEM_INT carries what the log says, at any latitude and across the antimeridian."""
-    port = VirtualPort(start=Start(lat_deg, lon_deg, 10.0))
+    link = VirtualLink(start=Start(lat_deg, lon_deg, 10.0))
     places = [(lat_deg + 1.23456e-5 * i, lon_deg) for i in range(1, 4)]
-    put(port, Mission(tuple(waypoint(lat, lon, 30.0) for lat, lon in places)))
-    for stored, (lat, lon) in zip(port.autopilot.store.items[1:], places, strict=True):
+    put(link, Mission(tuple(waypoint(lat, lon, 30.0) for lat, lon in places)))
+    for stored, (lat, lon) in zip(link.autopilot.store.items[1:], places, strict=True):
         assert float(distance_m(stored.lat_e7 / 1e7, stored.lon_e7 / 1e7, lat, lon)) < 0.012
 
 
 def test_old_firmware_gets_float_items() -> None:
     """ArduCopter 3.3 knows no MISSION_ITEM_INT: floats are sent, asked for, and compared as floats."""
-    port = VirtualPort(faults=Faults(mission=MissionFaults(knows_item_int=False)))
-    assert put(port, route(5), as_int=False).verified()
-    kinds = {message.get_type() for message in port.sent}
+    link = VirtualLink(faults=Faults(mission=MissionFaults(knows_item_int=False)))
+    assert put(link, route(5), as_int=False).verified()
+    kinds = {message.get_type() for message in link.sent}
     assert "MISSION_ITEM" in kinds
     assert not kinds & {"MISSION_ITEM_INT", "MISSION_REQUEST_INT"}
 
@@ -233,7 +235,7 @@ UNLIKE = {
 }
 
 
-class IntegersOnly(VirtualPort):
+class IntegersOnly(VirtualLink):
     """A vehicle that has forgotten MISSION_ITEM, and asks for what it knows."""
 
     def send(self, message: Any) -> None:
@@ -250,10 +252,10 @@ class IntegersOnly(VirtualPort):
 
 def test_who_asks_for_integers_gets_them() -> None:
     """A vehicle whose word on what it can do was lost shows it by what it asks for, and answers."""
-    port = IntegersOnly()
-    on_board = put(port, route(12), as_int=False)
-    assert on_board.verified()
-    assert [item.command for item in port.autopilot.store.items[1:]] == [i.command for i in route(12).items]
+    link = IntegersOnly()
+    storage = put(link, route(12), as_int=False)
+    assert storage.verified()
+    assert [item.command for item in link.autopilot.store.items[1:]] == [i.command for i in route(12).items]
 
 
 @pytest.mark.parametrize(("found", "words"), UNLIKE.values(), ids=UNLIKE.keys())
@@ -274,8 +276,8 @@ def test_what_ardupilot_rounds_is_no_difference() -> None:
 
 def test_longitudes_beyond_180_degrees_are_wrapped() -> None:
     """A route that goes on past the antimeridian fits the 32 bits of its field."""
-    port = VirtualPort()
-    message = item_message(port, 1, waypoint(10.0, 220.0, 30.0), as_int=True)
+    link = VirtualLink()
+    message = item_message(link, 1, waypoint(10.0, 220.0, 30.0), as_int=True)
     assert message.y == round(-140 * 1e7)
     found = waypoint(10.0, -140.0, 30.0)
     assert difference(waypoint(10.0, 220.0, 30.0), found, as_int=True) is None
@@ -305,9 +307,9 @@ def test_what_is_for_us(system: int, component: int, ours: bool) -> None:
 @pytest.mark.parametrize("as_int", [True, False], ids=["4.6", "3.3"])
 def test_a_link_that_became_slow_is_learnt_anew(as_int: bool) -> None:
     """A round trip two hundred times that of the connection costs seconds, not a minute of repetitions."""
-    port = VirtualPort(Weather(delay_s=0.5))
+    link = VirtualLink(Weather(delay_s=0.5))
     for _ in range(20):
-        port.trip.took(0.005)
-    put(port, route(100), as_int=as_int)
-    assert port.now_s() < 25
-    assert len(port.sent) < 700
+        link.round_trip.measured(0.005)
+    put(link, route(100), as_int=as_int)
+    assert link.now_s() < 25
+    assert len(link.sent) < 700

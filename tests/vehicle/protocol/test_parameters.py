@@ -7,7 +7,7 @@ import pytest
 from flight_replay.errors import VehicleError
 from flight_replay.simulator.autopilot.faults import old_copter
 from flight_replay.vehicle.identity import identify
-from flight_replay.vehicle.link.discovery import Sighting
+from flight_replay.vehicle.link.discovery import DiscoveredVehicle
 from flight_replay.vehicle.link.round_trip import RoundTrip
 from flight_replay.vehicle.protocol.parameters import (
     limits_as_parameters,
@@ -15,7 +15,7 @@ from flight_replay.vehicle.protocol.parameters import (
     read_parameters,
     write_parameters,
 )
-from tests.helpers.virtual_port import VirtualPort, Weather
+from tests.helpers.virtual_link import VirtualLink, Weather
 
 NAMES = ["WPNAV_SPEED", "RTL_ALT", "FENCE_ENABLE", "SIM_SPEEDUP"]
 
@@ -24,80 +24,82 @@ NAMES = ["WPNAV_SPEED", "RTL_ALT", "FENCE_ENABLE", "SIM_SPEEDUP"]
 @pytest.mark.parametrize("seed", range(5))
 def test_values_are_read_over_a_link_that_loses_packets(loss: float, seed: int) -> None:
     """Every parameter that the vehicle has is read, however many requests get lost."""
-    port = VirtualPort(Weather(loss=loss), seed=seed, WPNAV_SPEED=777.0)
-    values = read_parameters(port, NAMES)
+    link = VirtualLink(Weather(loss=loss), seed=seed, WPNAV_SPEED=777.0)
+    values = read_parameters(link, NAMES)
     assert values.keys() == set(NAMES)
     assert values["WPNAV_SPEED"] == 777.0
 
 
 def test_a_name_that_the_vehicle_does_not_have_costs_little() -> None:
     """Silence about one name while others are answered soon counts as unknown."""
-    port = VirtualPort()
-    assert read_parameters(port, [*NAMES, "NO_SUCH_NAME"]).keys() == set(NAMES)
-    assert port.now_s() < 1.0
+    link = VirtualLink()
+    assert read_parameters(link, [*NAMES, "NO_SUCH_NAME"]).keys() == set(NAMES)
+    assert link.now_s() < 1.0
 
 
 def test_a_vehicle_without_echoes_is_not_waited_for_by_guess() -> None:
     """ArduCopter 3.3 knows no TIMESYNC: one name answered tells how long to wait for another."""
-    port = VirtualPort(faults=old_copter())
-    port.trip = RoundTrip()
-    assert read_parameters(port, ["WPNAV_SPEED", "NO_SUCH_NAME"]).keys() == {"WPNAV_SPEED"}
-    assert port.now_s() < 2.0
+    link = VirtualLink(faults=old_copter())
+    link.round_trip = RoundTrip()
+    assert read_parameters(link, ["WPNAV_SPEED", "NO_SUCH_NAME"]).keys() == {"WPNAV_SPEED"}
+    assert link.now_s() < 2.0
 
 
 def test_a_link_that_answers_nothing_is_waited_for_no_longer_than_the_limit() -> None:
     """Without any answer nothing is known, and the wait ends."""
-    port = VirtualPort(Weather(loss=1.0))
-    assert read_parameters(port, NAMES, limit_s=3.0) == {}
-    assert port.now_s() < 4
+    link = VirtualLink(Weather(loss=1.0))
+    assert read_parameters(link, NAMES, limit_s=3.0) == {}
+    assert link.now_s() < 4
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.4])
 def test_values_are_set_and_put_back(loss: float) -> None:
     """Within the context the new values hold, after it the old ones do."""
-    port = VirtualPort(Weather(loss=loss))
-    parameters = port.autopilot.parameters
+    link = VirtualLink(Weather(loss=loss))
+    parameters = link.autopilot.parameters
     before = parameters["WPNAV_SPEED"]
-    with parameters_set(port, {"WPNAV_SPEED": 1500.0, "WPNAV_ACCEL": 400.0}):
+    with parameters_set(link, {"WPNAV_SPEED": 1500.0, "WPNAV_ACCEL": 400.0}):
         assert (parameters["WPNAV_SPEED"], parameters["WPNAV_ACCEL"]) == (1500.0, 400.0)
     assert parameters["WPNAV_SPEED"] == before
 
 
 def test_an_error_puts_the_values_back_too() -> None:
     """Every way out restores the vehicle."""
-    port = VirtualPort()
-    before = port.autopilot.parameters["WPNAV_SPEED"]
-    with pytest.raises(KeyboardInterrupt), parameters_set(port, {"WPNAV_SPEED": 1500.0}):
+    link = VirtualLink()
+    before = link.autopilot.parameters["WPNAV_SPEED"]
+    with pytest.raises(KeyboardInterrupt), parameters_set(link, {"WPNAV_SPEED": 1500.0}):
         raise KeyboardInterrupt
-    assert port.autopilot.parameters["WPNAV_SPEED"] == before
+    assert link.autopilot.parameters["WPNAV_SPEED"] == before
 
 
 def test_a_parameter_that_is_not_there_cannot_be_set() -> None:
     """The name that the vehicle lacks is told."""
     with (
         pytest.raises(VehicleError, match="no parameter WP_SPD"),
-        parameters_set(VirtualPort(), {"WP_SPD": 12.0}),
+        parameters_set(VirtualLink(), {"WP_SPD": 12.0}),
     ):
         raise AssertionError
 
 
 def test_a_value_that_is_not_confirmed_is_an_error() -> None:
     """A dead link, or a vehicle that keeps its value, is told with name and value."""
-    port = VirtualPort(Weather(loss=1.0))
-    with pytest.raises(VehicleError, match="WPNAV_SPEED cannot be set to 5: the vehicle does not answer"):
-        write_parameters(port, {"WPNAV_SPEED": 5.0}, limit_s=2.0)
+    link = VirtualLink(Weather(loss=1.0))
+    with pytest.raises(
+        VehicleError, match="cannot set parameter WPNAV_SPEED to 5: the vehicle does not answer"
+    ):
+        write_parameters(link, {"WPNAV_SPEED": 5.0}, limit_s=2.0)
 
 
 def test_limits_become_parameters_in_the_vehicles_own_units() -> None:
     """Metres per second go out as the centimetres of the names that this firmware knows."""
-    wanted = limits_as_parameters(VirtualPort(), {"wp_speed_m_s": 12.5, "wp_jerk_m_s3": 8.0})
+    wanted = limits_as_parameters(VirtualLink(), {"wp_speed_m_s": 12.5, "wp_jerk_m_s3": 8.0})
     assert wanted == {"WPNAV_SPEED": 1250.0, "WPNAV_JERK": 8.0}
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_requests_that_were_lost_do_not_make_the_link_look_slow(seed: int) -> None:
     """Seconds of lost requests before the first answer are no round trip: uploads would wait for them."""
-    port = VirtualPort(Weather(loss=0.4), seed=seed, speedup=20.0)
-    port.trip = RoundTrip()
-    identify(port, Sighting(1, 1, 2, 3))
-    assert port.trip.typical_s < 0.1
+    link = VirtualLink(Weather(loss=0.4), seed=seed, speedup=20.0)
+    link.round_trip = RoundTrip()
+    identify(link, DiscoveredVehicle(1, 1, 2, 3))
+    assert link.round_trip.median_s < 0.1

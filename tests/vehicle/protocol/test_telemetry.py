@@ -21,9 +21,9 @@ from flight_replay.supervisor.vehicle_interface import (
     RequestLost,
 )
 from flight_replay.vehicle.protocol import telemetry as module
-from flight_replay.vehicle.protocol.commands import Commands
+from flight_replay.vehicle.protocol.commands import CommandSender
 from flight_replay.vehicle.protocol.telemetry import Telemetry
-from tests.helpers.virtual_port import VirtualPort
+from tests.helpers.virtual_link import VirtualLink
 
 GOOD = SimpleNamespace(
     is_armable=True,
@@ -33,7 +33,7 @@ GOOD = SimpleNamespace(
 
 
 def telemetry(drone: Any = GOOD) -> Telemetry:
-    return Telemetry(1, 1, drone, Commands(VirtualPort()))
+    return Telemetry(1, 1, drone, CommandSender(VirtualLink()))
 
 
 def sent(message: Any, system: int = 1, component: int = 1) -> Any:
@@ -56,7 +56,7 @@ def news_of(*messages: Any, drone: Any = GOOD) -> list[Any]:
     heard = telemetry(drone)
     for message in messages:
         heard.receive(message)
-    return list(heard.take(0.0))
+    return list(heard.reports(0.0))
 
 
 def test_heartbeats_tell_mode_and_arming() -> None:
@@ -113,7 +113,7 @@ def test_a_clock_that_begins_anew_is_a_reboot(monkeypatch: pytest.MonkeyPatch) -
     for time_ms in range(1000, 3000, 200):
         clock[0] += 0.2
         heard.receive(position(time_ms))
-    kinds = [type(item) for item in heard.take(0.0)]
+    kinds = [type(item) for item in heard.reports(0.0)]
     assert kinds.count(Rebooted) == 1
     assert kinds[-1] is VehicleState
 
@@ -198,23 +198,23 @@ def test_answers_to_other_stations_are_not_ours() -> None:
 
 def test_a_mode_command_that_is_not_known_is_sent_the_old_way() -> None:
     """UNSUPPORTED makes it SET_MODE at once, and from then on."""
-    port = VirtualPort()
-    commands = Commands(port)
+    link = VirtualLink()
+    commands = CommandSender(link)
     commands.set_mode(4)
-    assert commands.answer(ack(176, 3)) is None
+    assert commands.on_ack(ack(176, 3)) is None
     commands.set_mode(3)
-    asked = [m for m in port.sent if m.get_type() != "TIMESYNC"]
+    asked = [m for m in link.sent if m.get_type() != "TIMESYNC"]
     assert [m.get_type() for m in asked] == ["COMMAND_LONG", "SET_MODE", "SET_MODE"]
     assert [m.custom_mode for m in asked[1:]] == [4, 3]
 
 
 def test_a_mode_that_nobody_answers_is_asked_for_both_ways() -> None:
     """Silence may be a lost packet or an old autopilot, so after two tries both ways are used."""
-    port = VirtualPort()
-    commands = Commands(port)
+    link = VirtualLink()
+    commands = CommandSender(link)
     for _ in range(3):
         commands.set_mode(4)
-    asked = [m.get_type() for m in port.sent if m.get_type() != "TIMESYNC"]
+    asked = [m.get_type() for m in link.sent if m.get_type() != "TIMESYNC"]
     assert asked == ["COMMAND_LONG"] * 3 + ["SET_MODE"]
 
 
@@ -224,33 +224,33 @@ def echo_of(ping: Any, vehicle_ns: int = 5) -> Any:
 
 def test_a_request_that_is_not_answered_before_an_echo_got_lost() -> None:
     """The echo was asked for behind the request; it tells once, and after an answer it tells nothing."""
-    port = VirtualPort()
-    commands = Commands(port)
+    link = VirtualLink()
+    commands = CommandSender(link)
     commands.arm()
-    ping = port.sent[-1]
-    assert commands.echoed(echo_of(ping, vehicle_ns=0)) is None, "a question, not an echo"
-    assert commands.echoed(echo_of(ping)) == RequestLost(Request.ARM)
-    assert commands.echoed(echo_of(ping)) is None
-    port.pass_time(0.1)
+    ping = link.sent[-1]
+    assert commands.on_timesync(echo_of(ping, vehicle_ns=0)) is None, "a question, not an echo"
+    assert commands.on_timesync(echo_of(ping)) == RequestLost(Request.ARM)
+    assert commands.on_timesync(echo_of(ping)) is None
+    link.pass_time(0.1)
     commands.set_mode(3)
-    assert commands.echoed(echo_of(ping)) is None, "an echo from before the request"
-    commands.answer(ack(176, 0))
-    assert commands.echoed(echo_of(port.sent[-1])) is None
+    assert commands.on_timesync(echo_of(ping)) is None, "an echo from before the request"
+    commands.on_ack(ack(176, 0))
+    assert commands.on_timesync(echo_of(link.sent[-1])) is None
 
 
 def test_a_lost_echo_is_asked_for_again_but_not_for_ever() -> None:
     """Any of them that comes back will do; an autopilot that never sends one is left alone."""
-    port = VirtualPort()
-    commands = Commands(port)
+    link = VirtualLink()
+    commands = CommandSender(link)
     commands.set_mode(3)
-    commands.keep()
-    assert [m.get_type() for m in port.sent] == ["COMMAND_LONG", "TIMESYNC"], "the first may yet come"
+    commands.retry_ping()
+    assert [m.get_type() for m in link.sent] == ["COMMAND_LONG", "TIMESYNC"], "the first may yet come"
     for _ in range(50):
-        port.pass_time(port.trip.again_s)
-        commands.keep()
-    pings = [m for m in port.sent if m.get_type() == "TIMESYNC"]
+        link.pass_time(link.round_trip.retry_s)
+        commands.retry_ping()
+    pings = [m for m in link.sent if m.get_type() == "TIMESYNC"]
     assert 10 < len(pings) < 30
-    assert commands.echoed(echo_of(pings[3])) == RequestLost(Request.MODE)
+    assert commands.on_timesync(echo_of(pings[3])) == RequestLost(Request.MODE)
 
 
 def test_a_message_that_a_link_doubles_counts_once() -> None:
@@ -263,7 +263,7 @@ def test_a_message_that_a_link_doubles_counts_once() -> None:
     heard = telemetry()
     for frame in (beats[0], beats[0], beats[1], beats[0]):
         heard.receive(dialect.MAVLink(None).parse_buffer(frame)[0])
-    assert list(heard.take(0.0)) == [Heartbeat("LOITER", True)] * 2
+    assert list(heard.reports(0.0)) == [Heartbeat("LOITER", True)] * 2
 
 
 @pytest.mark.parametrize(
@@ -286,11 +286,11 @@ def test_heartbeats_that_are_not_numbered_all_count(monkeypatch: pytest.MonkeyPa
     for now_s in (100.0, 100.3, 101.0, 102.0):
         monkeypatch.setattr(time, "monotonic", lambda now_s=now_s: now_s)
         heard.receive(heartbeat(5))
-    assert list(heard.take(0.0)) == [Heartbeat("LOITER", True)] * 3
+    assert list(heard.reports(0.0)) == [Heartbeat("LOITER", True)] * 3
 
 
 def test_taking_news_waits_no_longer_than_asked() -> None:
     """Without news the wait ends at its timeout."""
     began_s = time.monotonic()
-    assert list(telemetry().take(0.05)) == []
+    assert list(telemetry().reports(0.05)) == []
     assert 0.04 < time.monotonic() - began_s < 2.0

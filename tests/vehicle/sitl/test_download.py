@@ -19,7 +19,7 @@ import pytest
 from flight_replay.errors import SimulatorError
 from flight_replay.events import Event, Progress
 from flight_replay.vehicle.sitl import download as module
-from flight_replay.vehicle.sitl.download import Source, download, dronekit_sitl_source
+from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
 
 Answer = Callable[[http.server.BaseHTTPRequestHandler], None]
 
@@ -99,8 +99,8 @@ def gives(data: bytes, *, promised: int | None = None, status: int = 200) -> Ans
     return answer
 
 
-def source(web: StandIn, tmp_path: Path) -> Source:
-    return Source(web.url, tmp_path / "cache", "linux")
+def source(web: StandIn, tmp_path: Path) -> DownloadSource:
+    return DownloadSource(web.url, tmp_path / "cache", "linux")
 
 
 def test_a_download_lands_whole_in_the_cache(web: StandIn, tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ BAD: dict[str, tuple[Answer, str]] = {
     "cut short": (gives(GOOD[:100], promised=len(GOOD)), "cannot download"),
     "no archive": (gives(b"<html>captive portal</html>"), "cannot download"),
     "half an archive": (gives(GOOD[:60]), "cannot download"),
-    "no simulator": (gives(archive(member("readme"))), "holds no simulator"),
+    "no simulator": (gives(archive(member("readme"))), "contains no simulator"),
     "climbs out": (gives(archive(member("../../evil"))), "outside its folder"),
     "absolute": (gives(archive(member("/tmp/evil"))), "outside its folder"),
     "drive": (gives(archive(member("C:/evil"))), "outside its folder"),
@@ -169,7 +169,7 @@ def test_a_slow_download_ends_at_its_time_limit(web: StandIn, tmp_path: Path) ->
             return
 
     web.answer = trickle
-    with pytest.raises(SimulatorError, match="it takes too long"):
+    with pytest.raises(SimulatorError, match="the download takes too long"):
         download(source(web, tmp_path), limit_s=0.3)
 
 
@@ -215,8 +215,8 @@ def test_a_python_without_dronekit_sitl_is_told(monkeypatch: pytest.MonkeyPatch)
 
 def test_a_name_that_is_not_known_is_told(tmp_path: Path) -> None:
     """Without a network the line is short."""
-    place = Source("https://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
-    with pytest.raises(SimulatorError, match=r"the name no-such-host\.invalid is not known here"):
+    place = DownloadSource("https://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
+    with pytest.raises(SimulatorError, match=r"unknown host name no-such-host\.invalid"):
         download(place)
 
 
@@ -224,8 +224,8 @@ def test_a_name_server_that_is_silent_is_given_up(tmp_path: Path, monkeypatch: p
     """Looking up a name has a time limit too."""
     over = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
-    place = Source("https://slow.invalid/sitl", tmp_path / "cache", "linux")
-    with pytest.raises(SimulatorError, match="not found in time"):
+    place = DownloadSource("https://slow.invalid/sitl", tmp_path / "cache", "linux")
+    with pytest.raises(SimulatorError, match="no answer for host name"):
         download(place, silence_s=0.2)
     over.set()
 
@@ -234,7 +234,7 @@ def test_a_proxy_looks_up_names_itself(web: StandIn, tmp_path: Path, monkeypatch
     """Behind a proxy the name need not be known here."""
     monkeypatch.setenv("http_proxy", web.url.removesuffix("/sitl"))
     web.answer = gives(GOOD)
-    place = Source("http://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
+    place = DownloadSource("http://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
     assert download(place).is_file()
 
 
@@ -284,7 +284,7 @@ def test_a_download_that_drips_has_a_time_limit(web: StandIn, tmp_path: Path) ->
 
     web.answer = drips
     began_s = time.monotonic()
-    with pytest.raises(SimulatorError, match="it takes too long"):
+    with pytest.raises(SimulatorError, match="the download takes too long"):
         download(source(web, tmp_path), limit_s=0.5)
     over.set()
     assert time.monotonic() - began_s < 5.0

@@ -16,8 +16,8 @@ from flight_replay.events import Event, Notice
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl import choose, process, simulator
 from flight_replay.vehicle.sitl.bench_parameters import bench_text
-from flight_replay.vehicle.sitl.download import Source
-from flight_replay.vehicle.sitl.locate import Binary, at_hand
+from flight_replay.vehicle.sitl.download import DownloadSource
+from flight_replay.vehicle.sitl.locate import SitlBinary, find_binary
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-in binaries are scripts")
 
@@ -52,7 +52,7 @@ def test_it_runs_for_as_long_as_it_is_needed(tmp_path: Path) -> None:
     path = stand_in(
         tmp_path, "print(' '.join(sys.argv[1:])); print(os.path.getsize('bench.parm'), flush=True)\n" + WAITS
     )
-    with process.run(Binary(path), START, speedup=5.0) as running:
+    with process.run(SitlBinary(path), START, speedup=5.0) as running:
         words = running.log.read_text()
         assert "--model + --home=47.50000000,8.25000000,400.000,90.00 --defaults" in words
         assert words.split("bench.parm")[1].startswith(" --speedup 5 -I")
@@ -66,9 +66,9 @@ def test_ports_in_use_are_left_to_others(tmp_path: Path) -> None:
     """A second simulator takes the next ports."""
     path = stand_in(tmp_path)
     with (
-        process.run(Binary(path), START) as first,
+        process.run(SitlBinary(path), START) as first,
         socket.create_server(("127.0.0.1", first.port)),
-        process.run(Binary(path), START) as second,
+        process.run(SitlBinary(path), START) as second,
     ):
         assert second.port > first.port
         assert (second.port - first.port) % 10 == 0
@@ -91,7 +91,7 @@ except OSError:
     with socket.create_server(("127.0.0.1", process._first_port(free))):
         choices = [free, process._free_instance()]
         monkeypatch.setattr(process, "_free_instance", lambda: choices.pop(0))
-        with process.run(Binary(path), START) as running:
+        with process.run(SitlBinary(path), START) as running:
             assert running.port > process._first_port(free)
     assert choices == []
 
@@ -101,7 +101,7 @@ def test_named_parameters_replace_the_built_in_ones(tmp_path: Path) -> None:
     named = tmp_path / "mine.parm"
     named.write_text("FRAME_CLASS 1\n")
     path = stand_in(tmp_path, "print(' '.join(sys.argv[1:]), flush=True)\n" + WAITS)
-    with process.run(Binary(path, named), START) as running:
+    with process.run(SitlBinary(path, named), START) as running:
         assert f"--defaults {named}" in running.log.read_text()
 
 
@@ -111,7 +111,7 @@ def test_storage_of_an_old_binary_is_used(tmp_path: Path) -> None:
     path = stand_in(
         tmp_path, "print(open('eeprom.bin').read(), flush=True)\n" + WAITS, options="--home --model"
     )
-    with process.run(Binary(path), START, speedup=5.0) as running:
+    with process.run(SitlBinary(path), START, speedup=5.0) as running:
         assert "stored" in running.log.read_text()
 
 
@@ -126,7 +126,7 @@ main(["--listen", f"tcp:127.0.0.1:{port}", "--home", "47.5,8.25,400,90", "--spee
     named = tmp_path / "mine.parm"
     named.write_text("# comment\nWPNAV_SPEED,700 # slow\nNO_SUCH_NAME 3\n")
     path = stand_in(tmp_path, body, options="--home --model")
-    with process.run(Binary(path, named), START) as running:
+    with process.run(SitlBinary(path, named), START) as running:
         assert (running.log.parent / "runs").read_text() == "xx"
 
 
@@ -137,16 +137,16 @@ FAILING = {
     ),
     "says why": (
         "print('bind failed on port 5760', flush=True); sys.exit(1)",
-        "last words: bind failed on port 5760",
+        "last output: bind failed on port 5760",
     ),
-    "says nothing": ("sys.exit(1)", "last words: nothing"),
+    "says nothing": ("sys.exit(1)", "last output: nothing"),
 }
 
 
 @pytest.mark.parametrize(("body", "words"), FAILING.values(), ids=FAILING.keys())
 def test_a_binary_that_dies_at_start_leaves_its_last_words(tmp_path: Path, body: str, words: str) -> None:
     """One line with status and words, and nothing left behind."""
-    with pytest.raises(SimulatorError, match=words), process.run(Binary(stand_in(tmp_path, body)), START):
+    with pytest.raises(SimulatorError, match=words), process.run(SitlBinary(stand_in(tmp_path, body)), START):
         raise AssertionError
 
 
@@ -155,7 +155,7 @@ def test_a_missing_library_is_told(tmp_path: Path) -> None:
     path = tmp_path / "arducopter"
     path.write_text("#!/bin/sh\necho 'error while loading shared libraries: libx.so.1' >&2\nexit 127\n")
     path.chmod(0o755)
-    with pytest.raises(SimulatorError, match=r"libx\.so\.1"), process.run(Binary(path), START):
+    with pytest.raises(SimulatorError, match=r"libx\.so\.1"), process.run(SitlBinary(path), START):
         raise AssertionError
 
 
@@ -164,12 +164,15 @@ def test_a_file_that_is_no_program_is_told(tmp_path: Path) -> None:
     path = tmp_path / "arducopter"
     path.write_bytes(b"\x7fELF\x00\x00junk")
     path.chmod(0o755)
-    with pytest.raises(SimulatorError, match="is it for this machine"), process.run(Binary(path), START):
+    with (
+        pytest.raises(SimulatorError, match="is it a binary for this machine"),
+        process.run(SitlBinary(path), START),
+    ):
         raise AssertionError
 
 
 def test_a_binary_that_never_is_ready_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its last words are told, and it is stopped: that it holds its ports is no reason to start it anew."""
+    """Its last output are told, and it is stopped: that it holds its ports is no reason to start it anew."""
     monkeypatch.setattr(process, "_READY_S", 0.5)
     body = """
 import socket
@@ -179,7 +182,7 @@ print("thinking", flush=True)
 time.sleep(60)
 """
     path = stand_in(tmp_path, body)
-    with pytest.raises(SimulatorError, match="last words: thinking"), process.run(Binary(path), START):
+    with pytest.raises(SimulatorError, match="last output: thinking"), process.run(SitlBinary(path), START):
         raise AssertionError
     runs = Path(tempfile.gettempdir()) / "runs"
     assert runs.read_text() == "x"
@@ -194,7 +197,10 @@ def test_one_that_does_not_answer_help_is_no_simulator(
     path = tmp_path / "sleeper"
     path.write_text("#!/bin/sh\nexec sleep 60\n")
     path.chmod(0o755)
-    with pytest.raises(SimulatorError, match="does not answer --help"), process.run(Binary(path), START):
+    with (
+        pytest.raises(SimulatorError, match="does not end after --help"),
+        process.run(SitlBinary(path), START),
+    ):
         raise AssertionError
 
 
@@ -202,7 +208,7 @@ def test_one_that_will_not_end_is_ended(tmp_path: Path, monkeypatch: pytest.Monk
     """A simulator that ignores SIGTERM is killed."""
     monkeypatch.setattr(process, "_STOP_S", 0.2)
     body = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)\n" + WAITS
-    with process.run(Binary(stand_in(tmp_path, body)), START) as running:
+    with process.run(SitlBinary(stand_in(tmp_path, body)), START) as running:
         pass
     assert running.process.returncode == -9
 
@@ -210,7 +216,7 @@ def test_one_that_will_not_end_is_ended(tmp_path: Path, monkeypatch: pytest.Monk
 @pytest.mark.parametrize("error", [RuntimeError("boom"), KeyboardInterrupt()], ids=["error", "Ctrl-C"])
 def test_every_way_out_ends_it(tmp_path: Path, error: BaseException) -> None:
     """An error or an interrupt within the context is its own, and the simulator is gone."""
-    with pytest.raises(type(error)), process.run(Binary(stand_in(tmp_path)), START) as running:
+    with pytest.raises(type(error)), process.run(SitlBinary(stand_in(tmp_path)), START) as running:
         raise error
     assert running.process.poll() is not None
 
@@ -221,11 +227,11 @@ def test_one_that_dies_later_explains_the_error(tmp_path: Path) -> None:
         "print('Waiting for connection', flush=True); time.sleep(0.1); print('division by zero'); sys.exit(8)"
     )
     with (
-        pytest.raises(SimulatorError, match=r"status 8; its last words: .*division"),
-        process.run(Binary(stand_in(tmp_path, body)), START) as running,
+        pytest.raises(SimulatorError, match=r"status 8; its last output: .*division"),
+        process.run(SitlBinary(stand_in(tmp_path, body)), START) as running,
     ):
         running.process.wait(10)
-        raise RuntimeError("no vehicle is heard")
+        raise RuntimeError("no heartbeat")
 
 
 # Where it is found
@@ -235,33 +241,33 @@ def test_a_named_binary_comes_first(tmp_path: Path) -> None:
     """--sitl, then SITL_BINARY, then PATH, then dronekit-sitl's cache, then none."""
     named, other = stand_in(tmp_path, name="one"), stand_in(tmp_path, name="two")
     on_path = stand_in(tmp_path)
-    source = Source("https://nowhere.invalid", tmp_path / "cache", "linux")
+    source = DownloadSource("https://nowhere.invalid", tmp_path / "cache", "linux")
     source.folder.mkdir(parents=True)
     cached = stand_in(source.folder, name="apm")
     where = {"SITL_BINARY": str(other), "PATH": str(tmp_path)}
-    assert at_hand(named, source, where) == Binary(named, named=True)
-    assert at_hand(None, source, where) == Binary(other, named=True)
-    assert at_hand(None, source, {"PATH": str(tmp_path)}) == Binary(on_path)
-    assert at_hand(None, source, {}) == Binary(cached)
-    assert at_hand(None, Source("", tmp_path / "none", "linux"), {}) is None
-    assert at_hand(None, None, {}) is None
+    assert find_binary(named, source, where) == SitlBinary(named, named=True)
+    assert find_binary(None, source, where) == SitlBinary(other, named=True)
+    assert find_binary(None, source, {"PATH": str(tmp_path)}) == SitlBinary(on_path)
+    assert find_binary(None, source, {}) == SitlBinary(cached)
+    assert find_binary(None, DownloadSource("", tmp_path / "none", "linux"), {}) is None
+    assert find_binary(None, None, {}) is None
 
 
 def test_what_is_named_must_be_there(tmp_path: Path) -> None:
     """A missing binary, one without its run bit, and a missing parameter file are told by name."""
-    with pytest.raises(SimulatorError, match="named by --sitl does not exist"):
-        at_hand(tmp_path / "none", None, {})
-    with pytest.raises(SimulatorError, match="named by SITL_BINARY does not exist"):
-        at_hand(None, None, {"SITL_BINARY": "/no/such/file"})
+    with pytest.raises(SimulatorError, match="named by --sitl, does not exist"):
+        find_binary(tmp_path / "none", None, {})
+    with pytest.raises(SimulatorError, match="named by SITL_BINARY, does not exist"):
+        find_binary(None, None, {"SITL_BINARY": "/no/such/file"})
     plain = tmp_path / "plain"
     plain.write_text("")
     if os.geteuid() != 0 or not os.access(plain, os.X_OK):
         with pytest.raises(SimulatorError, match="chmod"):
-            at_hand(plain, None, {})
-    with pytest.raises(SimulatorError, match="named in SITL_DEFAULTS_FILEPATH does not exist"):
-        at_hand(None, None, {"SITL_DEFAULTS_FILEPATH": f"{plain},/no/such.parm"})
+            find_binary(plain, None, {})
+    with pytest.raises(SimulatorError, match="named by SITL_DEFAULTS_FILEPATH, does not exist"):
+        find_binary(None, None, {"SITL_DEFAULTS_FILEPATH": f"{plain},/no/such.parm"})
     defaults = {"SITL_BINARY": str(stand_in(tmp_path)), "SITL_DEFAULTS_FILEPATH": str(plain)}
-    binary = at_hand(None, None, defaults)
+    binary = find_binary(None, None, defaults)
     assert binary is not None
     assert binary.defaults == plain
 
@@ -273,8 +279,8 @@ def test_what_is_named_must_be_there(tmp_path: Path) -> None:
 def nothing_at_hand(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """No binary anywhere, and no network."""
 
-    def none() -> Source:
-        return Source("http://127.0.0.1:9/sitl", tmp_path / "cache", "linux")
+    def none() -> DownloadSource:
+        return DownloadSource("http://127.0.0.1:9/sitl", tmp_path / "cache", "linux")
 
     monkeypatch.setattr(choose, "dronekit_sitl_source", none)
     monkeypatch.setenv("PATH", str(tmp_path / "empty"))

@@ -62,9 +62,7 @@ def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:
     return kept
 
 
-def armed_at(
-    offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Heartbeats
-) -> NDArray[np.int8]:
+def armed_at(offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Heartbeats) -> NDArray[np.int8]:
     """Whether the motors were armed at any time since the fix before, shape (n,), by the heartbeats.
 
     So a flight lasts from the first fix after they were reported armed to the first after disarmed.

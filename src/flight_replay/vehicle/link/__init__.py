@@ -1,1 +1,1 @@
-"""Bytes and frames: transports, the link's thread, who is on it."""
+"""The link to a vehicle: transports, MAVLink frames, discovery, and ground stations that share the link."""

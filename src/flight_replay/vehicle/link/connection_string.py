@@ -1,4 +1,4 @@
-"""Connection strings: the transport that one names, and its first opening, in which failures are told."""
+"""Connection strings: the transport that one names, opened for the first time."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _RETRY_S = 5.0  # A simulator that was just started may not listen yet.
 _PAUSE_S = 0.2
 
 
-def opened(connection_string: str, baud: int) -> Transport:
+def open_transport(connection_string: str, baud: int) -> Transport:
     """The open transport of a connection string.
 
     Raises:
-        VehicleError: The string cannot be understood, or the connection not be opened.
+        VehicleError: The string is invalid, or the connection cannot be opened.
     """
     transport = transport_for(connection_string, baud)
     end_s = time.monotonic() + _RETRY_S
@@ -28,12 +28,13 @@ def opened(connection_string: str, baud: int) -> Transport:
         except ConnectionRefusedError as error:
             if time.monotonic() > end_s:
                 raise VehicleError(
-                    f"nothing listens on {connection_string}; start the vehicle or simulator first"
+                    f"connection to {connection_string} refused: nothing listens there; "
+                    "start the vehicle or simulator first"
                 ) from error
             time.sleep(_PAUSE_S)
         except socket.gaierror as error:
             raise VehicleError(
-                f"cannot find the host of {connection_string}: {error.strerror}; check its name"
+                f"cannot resolve the host of {connection_string}: {error.strerror}; check the host name"
             ) from error
         except OSError as error:
             transport.close()
@@ -47,7 +48,7 @@ def transport_for(connection_string: str, baud: int) -> Transport:
     """The transport that a connection string names.
 
     Raises:
-        VehicleError: The string cannot be understood.
+        VehicleError: The string is invalid.
     """
     kind, _, rest = connection_string.partition(":")
     kind = kind.lower()
@@ -61,19 +62,19 @@ def transport_for(connection_string: str, baud: int) -> Transport:
         return UdpListener(_address(connection_string, connection_string))
     device, _, speed = connection_string.partition(",")
     if not device:
-        raise _not_understood(connection_string)
+        raise _invalid(connection_string)
     return Serial(device, int(speed) if speed.isdigit() else baud)
 
 
 def _address(connection_string: str, host_port: str) -> tuple[str, int]:
     host, _, port = host_port.rpartition(":")
     if not port.isdigit() or not 0 < int(port) < 65536:
-        raise _not_understood(connection_string)
+        raise _invalid(connection_string)
     return host.strip("[]") or "0.0.0.0", int(port)
 
 
-def _not_understood(connection_string: str) -> VehicleError:
+def _invalid(connection_string: str) -> VehicleError:
     return VehicleError(
-        f"cannot understand the connection {connection_string!r}; "
+        f"invalid connection string {connection_string!r}; "
         "write tcp:HOST:PORT, udp:HOST:PORT, udpout:HOST:PORT or a serial port"
     )

@@ -1,4 +1,4 @@
-"""Who is on the link, by their heartbeats: autopilots, and everything that only looks like one."""
+"""Finds the vehicles on a link by their heartbeats, among gimbals, ground stations and the like."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from flight_replay.mavlink import Message, dialect
 from flight_replay.vehicle.link.own_ids import OUR_SYSTEM
 
-_NEIGHBOURS_S = 1.1  # Everybody's heartbeat comes once in it ...
-_NEIGHBOURS_BEATS = 3  # ... or before the vehicle's third, where its clock runs fast.
-_NO_VEHICLES = frozenset(
+_OTHERS_S = 1.1  # Every system sends a heartbeat within this time ...
+_OTHERS_HEARTBEATS = 3  # ... or before the third of the first vehicle, if its clock runs fast.
+_NOT_VEHICLES = frozenset(
     {
         dialect.MAV_TYPE_GCS,
         dialect.MAV_TYPE_GIMBAL,
@@ -25,8 +25,8 @@ _NO_VEHICLES = frozenset(
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Sighting:
-    """An autopilot that was heard."""
+class DiscoveredVehicle:
+    """A vehicle that sends heartbeats; ``vehicle_type`` is a MAV_TYPE, ``autopilot`` a MAV_AUTOPILOT."""
 
     system: int
     component: int
@@ -34,43 +34,42 @@ class Sighting:
     autopilot: int
 
 
-class Sightings:
+class VehicleDiscovery:
     """Collects heartbeats, on the link's thread."""
 
     def __init__(self) -> None:
-        """Nobody has been heard yet."""
-        self._arrived = threading.Condition()
-        self._seen: Counter[Sighting] = Counter()
+        self._changed = threading.Condition()
+        self._heartbeats: Counter[DiscoveredVehicle] = Counter()
         self._others: set[str] = set()
 
     def receive(self, message: Message) -> None:
-        """Take in a message."""
+        """Process a message."""
         if message.get_type() != "HEARTBEAT" or message.get_srcSystem() == OUR_SYSTEM:
             return
         system, component = message.get_srcSystem(), message.get_srcComponent()
-        with self._arrived:
-            if message.type in _NO_VEHICLES or message.autopilot == dialect.MAV_AUTOPILOT_INVALID:
+        with self._changed:
+            if message.type in _NOT_VEHICLES or message.autopilot == dialect.MAV_AUTOPILOT_INVALID:
                 self._others.add(f"{system}/{component}")
                 return
-            self._seen[Sighting(system, component, message.type, message.autopilot)] += 1
-            self._arrived.notify_all()
+            self._heartbeats[DiscoveredVehicle(system, component, message.type, message.autopilot)] += 1
+            self._changed.notify_all()
 
-    def wait(self, limit_s: float) -> Sighting | None:
-        """The autopilot with the lowest system id, once its neighbours had time to be heard too."""
-        with self._arrived:
-            if not self._arrived.wait_for(lambda: bool(self._seen), limit_s):
+    def wait(self, limit_s: float) -> DiscoveredVehicle | None:
+        """The vehicle with the lowest system id, after each could send a heartbeat; None if there is none."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: bool(self._heartbeats), limit_s):
                 return None
-            self._arrived.wait_for(lambda: max(self._seen.values()) >= _NEIGHBOURS_BEATS, _NEIGHBOURS_S)
+            self._changed.wait_for(lambda: max(self._heartbeats.values()) >= _OTHERS_HEARTBEATS, _OTHERS_S)
         return min(self.vehicles)
 
     @property
-    def vehicles(self) -> list[Sighting]:
-        """All autopilots heard."""
-        with self._arrived:
-            return sorted(self._seen)
+    def vehicles(self) -> list[DiscoveredVehicle]:
+        """All vehicles so far, by system id."""
+        with self._changed:
+            return sorted(self._heartbeats)
 
     @property
     def others(self) -> list[str]:
-        """Who else was heard, as system/component."""
-        with self._arrived:
+        """Senders of heartbeats that are not vehicles, as system/component."""
+        with self._changed:
             return sorted(self._others)

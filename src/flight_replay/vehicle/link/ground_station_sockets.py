@@ -1,7 +1,7 @@
-"""Sockets to ground stations: bytes out to all who are there, bytes in with who sent them.
+"""Sockets to ground stations: data goes to all that are connected, and comes with its sender.
 
-``udp:HOST:PORT`` (or ``udpout:``) speaks to a station that listens; ``udpin:HOST:PORT`` waits to be
-spoken to; ``tcp:HOST:PORT`` connects to a station that listens; ``tcpin:HOST:PORT`` lets stations connect.
+``udp:HOST:PORT`` (or ``udpout:``) sends to a station that listens; ``udpin:HOST:PORT`` listens for
+stations; ``tcp:HOST:PORT`` connects to a station that listens; ``tcpin:HOST:PORT`` accepts connections.
 """
 
 from __future__ import annotations
@@ -16,50 +16,50 @@ from flight_replay.errors import FlightReplayError
 from flight_replay.vehicle.link.transport import TcpClient, Transport, UdpClient, UdpListener
 
 _CHUNK = 65536
-_PATIENCE_S = 2.0
-"""How long a stream may block: a station that hangs longer is dropped, it must not hold anything up."""
+_SEND_S = 2.0
+"""How long sending to a station may block: a station that blocks longer is disconnected."""
 
 Address = tuple[str, int]
-Heard = list[tuple[Hashable, bytes]]
-"""Who sent, and what."""
+Received = list[tuple[Hashable, bytes]]
+"""(sender, data)."""
 
 
-class Socket(Protocol):
-    """A way to ground stations; ``OSError`` tells that it broke and must be opened again."""
+class GroundStationSocket(Protocol):
+    """A socket to ground stations, which can be reopened after an ``OSError``."""
 
     def open(self) -> None:
-        """Open, or open again."""
+        """Open, or reopen."""
 
-    def read(self, timeout_s: float) -> Heard:
-        """What has come, as soon as something has; nothing after the timeout."""
+    def read(self, timeout_s: float) -> Received:
+        """Data as soon as some arrives; empty after the timeout."""
 
     def write(self, frame: bytes) -> None:
-        """Send a frame to all who are there."""
+        """Send a frame to all that are connected."""
 
     def close(self) -> None:
-        """Close; harmless when closed."""
+        """Close; no effect when closed."""
 
 
-def socket_for(station: str) -> Socket:
-    """The socket that a ``--gcs`` string names.
+def socket_for(address: str) -> GroundStationSocket:
+    """The socket that a ``--gcs`` address names.
 
     Raises:
-        FlightReplayError: The string cannot be understood.
+        FlightReplayError: The address is invalid.
     """
-    kind, _, rest = station.partition(":")
+    kind, _, rest = address.partition(":")
     host, _, port = rest.rpartition(":")
-    address = (host.strip("[]"), int(port) if port.isdigit() else -1)
-    if kind.lower() in _KINDS and host and 0 < address[1] < 65536:
-        return OneStream(_KINDS[kind.lower()](address))
-    if kind.lower() == "tcpin" and host and 0 <= address[1] < 65536:
-        return TcpIn(address)
+    host_port = (host.strip("[]"), int(port) if port.isdigit() else -1)
+    if kind.lower() in _TRANSPORTS and host and 0 < host_port[1] < 65536:
+        return TransportSocket(_TRANSPORTS[kind.lower()](host_port))
+    if kind.lower() == "tcpin" and host and 0 <= host_port[1] < 65536:
+        return TcpServer(host_port)
     raise FlightReplayError(
-        f"cannot understand the ground station {station!r}; write udp:HOST:PORT, udpin:HOST:PORT, "
+        f"invalid ground station {address!r}; write udp:HOST:PORT, udpin:HOST:PORT, "
         "tcp:HOST:PORT or tcpin:HOST:PORT"
     )
 
 
-_KINDS: dict[str, type[UdpClient] | type[UdpListener] | type[TcpClient]] = {
+_TRANSPORTS: dict[str, type[UdpClient] | type[UdpListener] | type[TcpClient]] = {
     "udp": UdpClient,
     "udpout": UdpClient,
     "udpin": UdpListener,
@@ -67,21 +67,21 @@ _KINDS: dict[str, type[UdpClient] | type[UdpListener] | type[TcpClient]] = {
 }
 
 
-class OneStream:
-    """A transport as to a vehicle: one stream of bytes, or datagrams that each hold whole frames."""
+class TransportSocket:
+    """A transport like that of a vehicle: one stream of bytes, or datagrams that each hold whole frames."""
 
     def __init__(self, transport: Transport) -> None:
         self._transport = transport
         self.open, self.write, self.close = transport.open, transport.write, transport.close
 
-    def read(self, timeout_s: float) -> Heard:
-        """What has come."""
+    def read(self, timeout_s: float) -> Received:
+        """Data that arrived."""
         data = self._transport.read(timeout_s)
         return [(None, data)] if data else []
 
 
-class TcpIn:
-    """Streams to every station that connects."""
+class TcpServer:
+    """A TCP server that any number of ground stations connect to."""
 
     def __init__(self, address: Address) -> None:
         self._address = address
@@ -91,10 +91,10 @@ class TcpIn:
     @property
     def port(self) -> int:
         """The port that stations connect to, once open."""
-        return int(self._open.getsockname()[1])
+        return int(self._open_listener.getsockname()[1])
 
     @property
-    def _open(self) -> socket.socket:
+    def _open_listener(self) -> socket.socket:
         if self._listener is None:
             raise OSError("the socket is closed")
         return self._listener
@@ -104,29 +104,29 @@ class TcpIn:
         self.close()
         self._listener = socket.create_server(self._address)
 
-    def read(self, timeout_s: float) -> Heard:
-        """What has come from each station; new ones are let in, those that left are forgotten."""
-        heard: Heard = []
-        for ready in select.select([self._open, *self._stations], [], [], timeout_s)[0]:
+    def read(self, timeout_s: float) -> Received:
+        """Data of each station; accepts new stations, and drops those that closed the connection."""
+        received: Received = []
+        for ready in select.select([self._open_listener, *self._stations], [], [], timeout_s)[0]:
             if ready is self._listener:
-                self._let_in()
+                self._accept()
                 continue
             data = b""
             with suppress(OSError):
                 data = ready.recv(_CHUNK)
             if data:
-                heard.append((ready, data))
+                received.append((ready, data))
             else:
                 self._drop(ready)
-        return heard
+        return received
 
-    def _let_in(self) -> None:
-        station, _ = self._open.accept()
-        station.settimeout(_PATIENCE_S)
+    def _accept(self) -> None:
+        station, _ = self._open_listener.accept()
+        station.settimeout(_SEND_S)
         self._stations.append(station)
 
     def write(self, frame: bytes) -> None:
-        """Send to all who are connected; who does not take it is dropped."""
+        """Send to all that are connected; a station that does not receive is dropped."""
         for station in list(self._stations):
             try:
                 station.sendall(frame)
@@ -138,7 +138,7 @@ class TcpIn:
         station.close()
 
     def close(self) -> None:
-        """Close, with every stream; harmless when closed."""
+        """Close, with every connection; no effect when closed."""
         for station in list(self._stations):
             self._drop(station)
         if self._listener is not None:

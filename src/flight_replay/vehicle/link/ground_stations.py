@@ -1,7 +1,7 @@
-"""Ground stations that watch and may act: every frame of the vehicle goes out, every frame of theirs goes in.
+"""Ground stations that share the link: every frame of the vehicle goes to them, and theirs to the vehicle.
 
-Each station has a thread of its own and a queue that forgets the oldest frames, so that no station,
-however slow or gone, holds up the flight or another station.
+Each station has its own thread and a queue that drops the oldest frames, so that no station, however
+slow or absent, delays the flight or another station.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any, Protocol
 
-from flight_replay.vehicle.link.ground_station_sockets import Socket, socket_for
+from flight_replay.mavlink import Message, dialect
+from flight_replay.vehicle.link.ground_station_sockets import GroundStationSocket, socket_for
 
 _log = logging.getLogger(__name__)
 
@@ -23,44 +24,41 @@ _READ_S = 0.02
 _REOPEN_S = 0.5
 _CLOSE_S = 5.0
 
-Message = Any
-"""A decoded pymavlink message, which keeps the frame that it came in."""
 
-
-class Link(Protocol):
-    """The link to the vehicle, as far as stations need it."""
+class SharedLink(Protocol):
+    """The link to the vehicle, as far as ground stations need it."""
 
     def add_receiver(self, receiver: Callable[[Message], None]) -> None:
-        """Hand every message that comes to ``receiver``."""
+        """Call ``receiver`` with every message received."""
 
     def remove_receiver(self, receiver: Callable[[Message], None]) -> None:
-        """Hand ``receiver`` no more messages."""
+        """Call ``receiver`` no longer."""
 
     def forward(self, frame: bytes) -> None:
-        """Send a frame that somebody else made, as it is."""
+        """Send a frame, unchanged."""
 
 
 @contextmanager
-def ground_stations(link: Link, stations: Sequence[str]) -> Iterator[tuple[Station, ...]]:
-    """Let the stations that ``--gcs`` names share the link for as long as the context lasts.
+def ground_stations(link: SharedLink, addresses: Sequence[str]) -> Iterator[tuple[GroundStation, ...]]:
+    """Share the link with the ground stations that ``--gcs`` names, for as long as the context lasts.
 
     Raises:
-        FlightReplayError: A string cannot be understood.
+        FlightReplayError: An address is invalid.
     """
-    made = tuple(Station(name, socket_for(name), link.forward) for name in stations)
+    stations = tuple(GroundStation(name, socket_for(name), link.forward) for name in addresses)
     with ExitStack() as stack:
-        for station in made:
+        for station in stations:
             station.start()
             stack.callback(station.close)
             link.add_receiver(station.receive)
             stack.callback(link.remove_receiver, station.receive)
-        yield made
+        yield stations
 
 
-class Station:
-    """One ``--gcs``: frames queued for it, and a thread that carries them and what it answers."""
+class GroundStation:
+    """One ``--gcs``: frames queued for it, and a thread that sends them and forwards its own."""
 
-    def __init__(self, name: str, sockets: Socket, forward: Callable[[bytes], None]) -> None:
+    def __init__(self, name: str, sockets: GroundStationSocket, forward: Callable[[bytes], None]) -> None:
         self._name, self._sockets, self._forward = name, sockets, forward
         self._queue: deque[bytes] = deque(maxlen=QUEUED_FRAMES)
         self._parsers: dict[Hashable, Any] = {}
@@ -69,22 +67,22 @@ class Station:
         self.opened = threading.Event()
 
     def start(self) -> None:
-        """Begin to carry frames."""
+        """Start the thread."""
         self._thread.start()
 
     def receive(self, message: Message) -> None:
-        """Queue the frame that a message of the vehicle came in."""
+        """Queue the frame of a message of the vehicle."""
         self._queue.append(bytes(message.get_msgbuf()))
 
     def close(self) -> None:
-        """Stop, once what is queued has been sent or the thread's patience ends."""
+        """Stop the thread, after it has sent what is queued or reached its time limit."""
         self._stop.set()
         self._thread.join(_CLOSE_S)
 
     def _run(self) -> None:
         try:
             while not self._stop.is_set():
-                self._carry()
+                self._exchange()
             if self.opened.is_set():
                 self._send_queued()
         except OSError as error:
@@ -92,8 +90,8 @@ class Station:
         finally:
             self._sockets.close()
 
-    def _carry(self) -> None:
-        """Send and hear once; a connection that broke is opened anew, after a while."""
+    def _exchange(self) -> None:
+        """Send and receive once; a broken connection is reopened after a pause."""
         try:
             if not self.opened.is_set():
                 self._sockets.open()
@@ -101,7 +99,7 @@ class Station:
                 self.opened.set()
             self._send_queued()
             for source, data in self._sockets.read(_READ_S):
-                self._hear(source, data)
+                self._forward_frames(source, data)
         except OSError as error:
             _log.debug("ground station %s: %s", self._name, error)
             self.opened.clear()
@@ -111,7 +109,7 @@ class Station:
         while self._queue:
             self._sockets.write(self._queue.popleft())
 
-    def _hear(self, source: Hashable, data: bytes) -> None:
+    def _forward_frames(self, source: Hashable, data: bytes) -> None:
         """Forward whole frames only: bytes of two senders must not mix on the vehicle's link."""
         for message in self._parser(source).parse_buffer(data) or ():
             if message.get_type() != "BAD_DATA":
@@ -119,8 +117,6 @@ class Station:
 
     def _parser(self, source: Hashable) -> Any:
         if source not in self._parsers:
-            from pymavlink.dialects.v20 import ardupilotmega
-
-            self._parsers[source] = ardupilotmega.MAVLink(None)
+            self._parsers[source] = dialect.MAVLink(None)
             self._parsers[source].robust_parsing = True
         return self._parsers[source]

@@ -1,6 +1,6 @@
-"""A link that outlives its troubles: one thread reads, keeps our heartbeat up and reconnects.
+"""A MAVLink connection that reconnects: one thread receives, sends our heartbeat and reopens the transport.
 
-DroneKit's own connection dies with the first silence of 30 s, and prints; this one does neither.
+DroneKit's own connection ends after 30 s without data, and prints; this one does neither.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from flight_replay.vehicle.link.transport import Transport
 
 _log = logging.getLogger(__name__)
 
-_NAP_S = 0.05
+_READ_S = 0.05
 _REOPEN_S = 0.3
 _CLOSE_S = 5.0  # More than a connection attempt takes.
 _SILENT_S = 6.0  # A vehicle sends a heartbeat every second.
-_BEATS_PER_S = 1.25  # Of the vehicle's time: ArduCopter 3.3 lands after 5 s of its time without one.
-_LEAST_BEAT_S = 0.01
+_HEARTBEAT_HZ = 1.25  # In vehicle time: ArduCopter 3.3 lands after 5 s of its time without a heartbeat.
+_MIN_HEARTBEAT_S = 0.01
 
 Receiver = Callable[[Message], None]
 
 
 class Link:
-    """MAVLink over a transport. Receivers run on the link's thread, in the order of the frames."""
+    """MAVLink over a transport. Receivers are called on the link's thread, in the order of the frames."""
 
     def __init__(
         self, transport: Transport, *, speedup: float = 1.0, recorder: Recorder | None = None
@@ -42,32 +42,32 @@ class Link:
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._broken = False
-        self._heard_s = time.monotonic()
+        self._received_s = time.monotonic()
         self._mavlink1 = True
         self._thread = threading.Thread(target=self._run, name="flight-replay link", daemon=True)
         self.speedup = speedup
 
     def start(self) -> None:
-        """Begin to read, and to send heartbeats."""
+        """Start to receive, and to send heartbeats."""
         self._thread.start()
 
     def add_receiver(self, receiver: Receiver) -> None:
-        """Hand every message that comes to ``receiver``, whoever sent it."""
+        """Call ``receiver`` with every message received, whoever sent it."""
         self._receivers = [*self._receivers, receiver]
 
     def remove_receiver(self, receiver: Receiver) -> None:
-        """Hand ``receiver`` no more messages."""
+        """Call ``receiver`` no longer."""
         self._receivers = [other for other in self._receivers if other != receiver]
 
     def send(self, message: Message) -> None:
-        """Send, in MAVLink 1 until version 2 was heard; on a broken link it is lost like any packet."""
+        """Send, as MAVLink 1 until MAVLink 2 was received; on a broken link the message is lost."""
         with self._lock:
             frame = message.pack(self._mav, force_mavlink1=self._mavlink1)
             self._mav.seq = (self._mav.seq + 1) % 256
             self._write(frame)
 
     def forward(self, frame: bytes) -> None:
-        """Send a frame that a ground station on the same link made, as it is."""
+        """Send a frame of a ground station on the same link, unchanged."""
         with self._lock:
             self._write(frame)
 
@@ -89,15 +89,15 @@ class Link:
         self._transport.close()
 
     def _run(self) -> None:
-        beat_s = float("-inf")
+        heartbeat_s = float("-inf")
         while not self._stop.is_set():
             if self._broken and not self._reopen():
                 continue
-            every_s = max(1.0 / (_BEATS_PER_S * self.speedup), _LEAST_BEAT_S)
-            if time.monotonic() - beat_s >= every_s:
-                beat_s = time.monotonic()
+            interval_s = max(1.0 / (_HEARTBEAT_HZ * self.speedup), _MIN_HEARTBEAT_S)
+            if time.monotonic() - heartbeat_s >= interval_s:
+                heartbeat_s = time.monotonic()
                 self._send_heartbeat()
-            self._receive(min(_NAP_S, every_s))
+            self._receive(min(_READ_S, interval_s))
 
     def _send_heartbeat(self) -> None:
         self.send(
@@ -110,11 +110,11 @@ class Link:
         try:
             self._transport.open()
         except OSError as error:
-            _log.debug("cannot open the link again: %s", error)
+            _log.debug("cannot reopen the link: %s", error)
             self._stop.wait(_REOPEN_S)
             return False
         self._broken = False
-        self._heard_s = time.monotonic()
+        self._received_s = time.monotonic()
         return True
 
     def _receive(self, timeout_s: float) -> None:
@@ -125,15 +125,15 @@ class Link:
             self._broken = True
             return
         if data:
-            self._heard_s = time.monotonic()
-        elif self._transport.dies_silently and time.monotonic() - self._heard_s > _SILENT_S:
-            _log.debug("nothing was heard for %s s", _SILENT_S)
+            self._received_s = time.monotonic()
+        elif self._transport.reopen_if_silent and time.monotonic() - self._received_s > _SILENT_S:
+            _log.debug("no data for %s s", _SILENT_S)
             self._broken = True
         for message in self._mav.parse_buffer(data) or () if data else ():
             if message.get_type() != "BAD_DATA":
-                self._take(message)
+                self._deliver(message)
 
-    def _take(self, message: Message) -> None:
+    def _deliver(self, message: Message) -> None:
         frame = bytes(message.get_msgbuf())
         if self._recorder:
             self._recorder.write(frame)
@@ -143,5 +143,5 @@ class Link:
             try:
                 receiver(message)
             except Exception:
-                # One reader's trouble with one message must not deafen the link in flight.
-                _log.exception("cannot handle %s", message.get_type())
+                # An error in one receiver must not stop the link in flight.
+                _log.exception("cannot process %s", message.get_type())

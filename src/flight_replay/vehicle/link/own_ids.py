@@ -1,8 +1,8 @@
-"""Whom this program is in a MAVLink network."""
+"""The system and component id of this program in a MAVLink network."""
 
 from __future__ import annotations
 
 OUR_SYSTEM = 255
-"""ArduPilot obeys, and counts as present, the ground station of SYSID_MYGCS, 255 unless changed."""
+"""ArduPilot obeys the ground station of SYSID_MYGCS, 255 by default, and counts its heartbeats."""
 OUR_COMPONENT = 25
-"""MAV_COMP_ID_USER1: unlike 190 and 230, not what ground stations on the same link use."""
+"""MAV_COMP_ID_USER1: ground stations on the same link use 190 or 230."""

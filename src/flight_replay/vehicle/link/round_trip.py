@@ -1,7 +1,8 @@
-"""How long to wait for an answer before asking again, and how much to have under way meanwhile.
+"""The round-trip time of a link, and from it: when to send a request again, how many to have in flight.
 
-Both follow from the round-trip times of late. Their median counts: an answer that was lost and
-given again by the vehicle's own clock, a second later, would spoil a mean.
+Both follow from the median of the latest round trips: an answer that was lost and repeated by the
+vehicle a second later would spoil a mean. Who measures applies Karn's rule (RFC 6298, section 3): a
+request that was sent more than once is not measured, because its answer may be to any of them.
 """
 
 from __future__ import annotations
@@ -9,47 +10,47 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
-_FIRST_S = 0.7  # Before the first answer: about the round trip of a slow radio.
-_SHORTEST_S = 0.04
-_LONGEST_S = 3.0
-_MARGIN = 1.5
+_INITIAL_S = 0.7  # Before the first measurement: about the round trip of a slow radio.
+_MIN_RETRY_S = 0.04
+_MAX_RETRY_S = 3.0
+_RETRY_FACTOR = 1.5
 _KEPT = 9
-_PATIENT_LOSSES = 4  # After each so many in a row, wait twice as long: the link may have become slower.
-_LEAST_WINDOW = 2  # One message ahead shows whether a message or its answer was lost.
-_MOST_WINDOW = 24
-_PER_MESSAGE_S = 0.04  # One more message under way for each such part of the round trip.
+_LOSSES_PER_BACKOFF = 4  # After so many losses in a row the wait doubles: the link may have become slower.
+_MIN_WINDOW = 2  # One message ahead shows whether a message or its answer was lost.
+_MAX_WINDOW = 24
+_SECONDS_PER_MESSAGE = 0.04  # One more message in flight for each such part of the round trip.
 
 
 class RoundTrip:
-    """The round-trip time of a link, and what follows from it."""
+    """The round-trip time of a link, and the timing of requests that follows from it."""
 
     def __init__(self) -> None:
         self._times_s: deque[float] = deque(maxlen=_KEPT)
         self._losses = 0
 
     @property
-    def typical_s(self) -> float:
-        """The round-trip time, seconds; a careful guess before the first answer."""
-        return median(self._times_s) if self._times_s else _FIRST_S
+    def median_s(self) -> float:
+        """The round-trip time, seconds; a long one is assumed before the first measurement."""
+        return median(self._times_s) if self._times_s else _INITIAL_S
 
     @property
-    def again_s(self) -> float:
-        """Seconds after which an unanswered request is sent again."""
-        wait_s = max(self.typical_s * _MARGIN, _SHORTEST_S)
-        return min(wait_s * 2.0 ** (self._losses // _PATIENT_LOSSES), _LONGEST_S)
+    def retry_s(self) -> float:
+        """Seconds after which an unanswered request is sent again; backs off while requests are lost."""
+        wait_s = max(self.median_s * _RETRY_FACTOR, _MIN_RETRY_S)
+        return min(wait_s * 2.0 ** (self._losses // _LOSSES_PER_BACKOFF), _MAX_RETRY_S)
 
     @property
     def window(self) -> int:
-        """How many messages may be under way."""
-        fitting = int(self.typical_s / _PER_MESSAGE_S) if self._times_s else _LEAST_WINDOW
-        return max(_LEAST_WINDOW, min(fitting, _MOST_WINDOW))
+        """How many messages may be in flight."""
+        fitting = int(self.median_s / _SECONDS_PER_MESSAGE) if self._times_s else _MIN_WINDOW
+        return max(_MIN_WINDOW, min(fitting, _MAX_WINDOW))
 
-    def guess(self, seconds: float) -> None:
-        """Something took ``seconds`` that may not be the link's alone: better than nothing."""
+    def estimated(self, seconds: float) -> None:
+        """An upper bound of the round trip: counts only if nothing was measured yet."""
         if not self._times_s:
-            self.took(seconds)
+            self.measured(seconds)
 
-    def took(self, seconds: float) -> None:
+    def measured(self, seconds: float) -> None:
         """A request that was sent once was answered after ``seconds``."""
         self._losses = 0
         self._times_s.append(seconds)

@@ -1,29 +1,29 @@
-"""Measures the round trip by TIMESYNC, which comes back with the time at which it was sent.
+"""Measures the round trip by TIMESYNC, whose reply repeats the time at which the request was sent.
 
-No loss and no repetition can blur that, unlike the answers to requests that were sent again.
-ArduCopter 3.3 does not answer it.
+Neither a loss nor a repetition can make that ambiguous, unlike the answers to requests that were
+sent again. ArduCopter 3.3 does not reply.
 """
 
 from __future__ import annotations
 
 from flight_replay.mavlink import Message, dialect
-from flight_replay.vehicle.link.port import Port
+from flight_replay.vehicle.link.vehicle_link import VehicleLink
 
-KIND = "TIMESYNC"
+MESSAGE_TYPE = "TIMESYNC"
 _NS_PER_S = 1e9
 
 
-def ping(port: Port) -> int:
-    """Send a time to be echoed; the time, ns."""
-    now_ns = int(port.now_s() * _NS_PER_S)
-    port.send(dialect.MAVLink_timesync_message(0, now_ns))
+def ping(link: VehicleLink) -> int:
+    """Send a TIMESYNC request; its time stamp, ns, which the reply repeats."""
+    now_ns = int(link.now_s() * _NS_PER_S)
+    link.send(dialect.MAVLink_timesync_message(0, now_ns))
     return now_ns
 
 
-def learn(port: Port, message: Message) -> bool:
-    """Whether a message is of this kind; from an echo the port's round trip is learnt."""
-    if message.get_type() != KIND:
+def measure(link: VehicleLink, message: Message) -> bool:
+    """Whether a message is a TIMESYNC; a reply updates the round trip of the link."""
+    if message.get_type() != MESSAGE_TYPE:
         return False
     if message.tc1 != 0:
-        port.trip.took(port.now_s() - message.ts1 / _NS_PER_S)
+        link.round_trip.measured(link.now_s() - message.ts1 / _NS_PER_S)
     return True

@@ -1,7 +1,8 @@
-"""Bytes to a vehicle and back, over the connection strings that DroneKit's users type.
+"""Bytes to and from a vehicle, over the transports that connection strings name.
 
 ``tcp:HOST:PORT`` connects; ``udp:HOST:PORT``, ``udpin:HOST:PORT`` and plain ``HOST:PORT`` listen, and
-answer whoever was heard; ``udpout:HOST:PORT`` speaks first; anything else is a serial port.
+send to every address that data came from; ``udpout:HOST:PORT`` sends first; anything else is a serial
+port.
 """
 
 from __future__ import annotations
@@ -19,28 +20,28 @@ _CHUNK = 65536
 
 
 class Transport(Protocol):
-    """A way to carry bytes that can be opened again after it broke; ``OSError`` tells that it broke."""
+    """A byte stream or datagrams, which can be reopened after an ``OSError``."""
 
-    dies_silently: bool
-    """Whether it can be dead without telling, so that a long silence is reason to open it again."""
+    reopen_if_silent: bool
+    """Whether it can be dead without an error, so that it has to be reopened after a long silence."""
 
     def open(self) -> None:
-        """Open, or open again."""
+        """Open, or reopen."""
 
     def read(self, timeout_s: float) -> bytes:
-        """What has come, as soon as something has; nothing after the timeout."""
+        """Data as soon as some arrives; empty after the timeout."""
 
     def write(self, data: bytes) -> None:
         """Send, as one datagram where there are datagrams."""
 
     def close(self) -> None:
-        """Close; harmless when closed."""
+        """Close; no effect when closed."""
 
 
-class _Socket:
-    """What the socket transports share: waiting, and closing."""
+class _SocketTransport:
+    """What the socket transports share."""
 
-    dies_silently = False
+    reopen_if_silent = False
 
     def __init__(self, address: tuple[str, int]) -> None:
         self._address = address
@@ -52,7 +53,7 @@ class _Socket:
             raise OSError("the connection is closed")
         return self._socket
 
-    def _new(self, kind: socket.SocketKind) -> tuple[socket.socket, Any]:
+    def _new_socket(self, kind: socket.SocketKind) -> tuple[socket.socket, Any]:
         """A socket of the address's family, and the address in that family's form."""
         family, _, _, _, address = look_up(*self._address, _LOOK_UP_S, kind)[0]
         return socket.socket(family, kind), address
@@ -61,16 +62,16 @@ class _Socket:
         return bool(select.select([self._open_socket], [], [], timeout_s)[0])
 
     def close(self) -> None:
-        """Close; harmless when closed."""
+        """Close; no effect when closed."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None
 
 
-def _connected(places: list[AddressInfo]) -> socket.socket:
-    """A connection to the first of a host's addresses that takes one; the last one's refusal if none does."""
+def _connect_to_first(addresses: list[AddressInfo]) -> socket.socket:
+    """A connection to the first address that accepts one; the error of the last one if none does."""
     refusal: OSError | None = None
-    for family, kind, protocol, _, address in places:
+    for family, kind, protocol, _, address in addresses:
         connection = socket.socket(family, kind, protocol)
         try:
             connection.settimeout(_CONNECT_S)
@@ -83,19 +84,19 @@ def _connected(places: list[AddressInfo]) -> socket.socket:
     raise refusal or OSError("the host has no address")
 
 
-class TcpClient(_Socket):
-    """A stream to a vehicle that listens; a connection that a router forgot stays open and silent."""
+class TcpClient(_SocketTransport):
+    """A TCP connection to a vehicle that listens."""
 
-    dies_silently = True
+    reopen_if_silent = True  # A router that forgot the connection does not say so.
 
     def open(self) -> None:
-        """Connect, in seconds at most."""
+        """Connect, within seconds."""
         self.close()
-        self._socket = _connected(look_up(*self._address, _LOOK_UP_S))
+        self._socket = _connect_to_first(look_up(*self._address, _LOOK_UP_S))
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def read(self, timeout_s: float) -> bytes:
-        """What has come; an end of the stream is an error."""
+        """Data that arrived; the end of the stream is an error."""
         if not self._readable(timeout_s):
             return b""
         data = self._open_socket.recv(_CHUNK)
@@ -104,18 +105,18 @@ class TcpClient(_Socket):
         return data
 
     def write(self, data: bytes) -> None:
-        """Send all of it, in seconds at most."""
+        """Send all of it, within seconds."""
         self._open_socket.sendall(data)
 
 
-class UdpListener(_Socket):
-    """Datagrams from whoever sends them here, and answers to all of those."""
+class UdpListener(_SocketTransport):
+    """UDP that listens at an address, and sends to every address that data came from."""
 
     def open(self) -> None:
         """Listen at the address."""
         self.close()
-        self._heard: set[Any] = set()
-        self._socket, address = self._new(socket.SOCK_DGRAM)
+        self._senders: set[Any] = set()
+        self._socket, address = self._new_socket(socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         self._socket.bind(address)
 
@@ -126,23 +127,23 @@ class UdpListener(_Socket):
         try:
             data, sender = self._open_socket.recvfrom(_CHUNK)
         except ConnectionError:
-            return b""  # An earlier answer was not wanted: the vehicle may be restarting.
-        self._heard.add(sender)
+            return b""  # An earlier datagram was refused: the vehicle may be restarting.
+        self._senders.add(sender)
         return data
 
     def write(self, data: bytes) -> None:
-        """Send to all who were heard."""
-        for sender in self._heard:
+        """Send to every address that data came from."""
+        for sender in self._senders:
             self._open_socket.sendto(data, sender)
 
 
-class UdpClient(_Socket):
-    """Datagrams to a vehicle that waits to be spoken to."""
+class UdpClient(_SocketTransport):
+    """UDP to a vehicle that listens at an address."""
 
     def open(self) -> None:
-        """Make ready to speak."""
+        """Open the socket; nothing is sent yet."""
         self.close()
-        self._socket, address = self._new(socket.SOCK_DGRAM)
+        self._socket, address = self._new_socket(socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         self._socket.connect(address)
 
@@ -151,10 +152,10 @@ class UdpClient(_Socket):
         try:
             return self._open_socket.recv(_CHUNK) if self._readable(timeout_s) else b""
         except ConnectionError:
-            return b""  # Nobody listens there yet, or no more.
+            return b""  # Nothing listens there yet, or no longer.
 
     def write(self, data: bytes) -> None:
-        """Send; whether somebody listens shows only in what comes back."""
+        """Send; no error tells whether anything listens there."""
         try:
             self._open_socket.send(data)
         except ConnectionError:
@@ -162,9 +163,9 @@ class UdpClient(_Socket):
 
 
 class Serial:
-    """A serial port: a telemetry radio, or the autopilot's own USB."""
+    """A serial port: a telemetry radio, or the autopilot's USB port."""
 
-    dies_silently = False
+    reopen_if_silent = False
 
     def __init__(self, device: str, baud: int) -> None:
         self._device, self._baud = device, baud
@@ -174,19 +175,19 @@ class Serial:
         """Open the port.
 
         Raises:
-            VehicleError: pyserial is missing.
+            VehicleError: pyserial is not installed.
         """
         try:
             import serial
         except ImportError as error:
             raise VehicleError(
-                f"the serial port {self._device} needs pyserial; install it with: pip install pyserial"
+                f"serial port {self._device} needs pyserial; install it with: pip install pyserial"
             ) from error
         self.close()
         self._port = serial.Serial(self._device, self._baud, timeout=0.05, write_timeout=1.0)
 
     def read(self, timeout_s: float) -> bytes:
-        """What has come."""
+        """Data that arrived."""
         self._port.timeout = timeout_s
         first: bytes = self._port.read(1)
         return first + self._port.read(self._port.in_waiting) if first else b""
@@ -196,7 +197,7 @@ class Serial:
         self._port.write(data)
 
     def close(self) -> None:
-        """Close; harmless when closed."""
+        """Close; no effect when closed."""
         if self._port is not None:
             self._port.close()
             self._port = None

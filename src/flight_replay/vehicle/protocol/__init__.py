@@ -1,1 +1,1 @@
-"""MAVLink's services, seen by a ground station: commands, parameters, missions, telemetry."""
+"""MAVLink services from the side of a ground station: commands, parameters, missions, telemetry."""

@@ -1,4 +1,4 @@
-"""The mission on board: put there, read back, compared, saved."""
+"""The mission on board: uploaded, downloaded, compared."""
 
 from __future__ import annotations
 
@@ -7,64 +7,68 @@ from collections.abc import Callable, Sequence
 from flight_replay.errors import VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Home, Mission, MissionItem
-from flight_replay.vehicle.link.port import Port
-from flight_replay.vehicle.protocol.mission_download import Reader
+from flight_replay.vehicle.link.vehicle_link import VehicleLink
+from flight_replay.vehicle.protocol.mission_download import MissionDownloader
 from flight_replay.vehicle.protocol.mission_items import difference, home_item
-from flight_replay.vehicle.protocol.mission_upload import Upload, UploadLimits
+from flight_replay.vehicle.protocol.mission_upload import MissionUploader, UploadLimits
 
 _ATTEMPTS = 3
-_NOWHERE = Home(0.0, 0.0, 0.0)
+_UNKNOWN_HOME = Home(0.0, 0.0, 0.0)
 
 
-class OnBoard:
-    """The vehicle's mission storage; home, its item 0, is not part of a mission here."""
+class MissionStorage:
+    """The vehicle's mission storage; home, its item 0, is not among the items of a ``Mission``."""
 
-    def __init__(self, port: Port, *, as_int: bool, limits: UploadLimits | None = None) -> None:
-        self._port, self._as_int, self._limits = port, as_int, limits
-        self._sent: tuple[MissionItem, ...] | None = None
+    def __init__(self, link: VehicleLink, *, as_int: bool, limits: UploadLimits | None = None) -> None:
+        self._link, self._as_int, self._limits = link, as_int, limits
+        self._uploaded: tuple[MissionItem, ...] | None = None
 
-    def read(self, while_waiting: Callable[[], None] = lambda: None) -> Mission:
-        """What is on board now; ``while_waiting`` is called now and then.
+    def download(self, while_waiting: Callable[[], None] = lambda: None) -> Mission:
+        """The mission on board; ``while_waiting`` is called repeatedly.
 
         Raises:
-            VehicleError: The vehicle does not tell.
+            VehicleError: The vehicle does not send it.
         """
-        items = Reader(self._port, as_int=self._as_int, while_waiting=while_waiting).read()
+        items = MissionDownloader(self._link, as_int=self._as_int, while_waiting=while_waiting).run()
         if not items:
             return Mission(())
         home = Home(items[0].lat_deg, items[0].lon_deg, items[0].alt_m)
-        return Mission(tuple(items[1:]), home if home != _NOWHERE else None)
+        return Mission(tuple(items[1:]), home if home != _UNKNOWN_HOME else None)
 
-    def put(self, mission: Mission, progress: Callable[[int], None]) -> None:
-        """Send a mission, read it back and compare; ``progress`` hears how many items are there.
+    def upload(self, mission: Mission, progress: Callable[[int], None]) -> None:
+        """Upload a mission, download it and compare; ``progress`` gets the number of items on board.
 
         Raises:
             MissionError: The vehicle refuses it.
-            VehicleError: The link fails, or what is on board is not what was sent.
+            VehicleError: The link fails, or the mission on board differs from the one sent.
         """
-        items = (home_item(mission.home or _NOWHERE), *mission.items)
-        self._sent = None
+        items = (home_item(mission.home or _UNKNOWN_HOME), *mission.items)
+        self._uploaded = None
         unlike: str | None = None
         for _ in range(_ATTEMPTS):
-            upload = Upload(self._port, items, as_int=self._as_int, limits=self._limits)
-            upload.run(lambda taken: progress(max(0, min(taken, len(items)) - 1)))
-            unlike = _first_difference(mission.items, self.read().items, as_int=self._as_int)
+            uploader = MissionUploader(self._link, items, as_int=self._as_int, limits=self._limits)
+            uploader.run(lambda taken: progress(max(0, min(taken, len(items)) - 1)))
+            unlike = _first_difference(mission.items, self.download().items, as_int=self._as_int)
             if unlike is None:
-                self._sent = mission.items
-                self._rewind()
+                self._uploaded = mission.items
+                self._restart_mission()
                 return
-        raise VehicleError(f"the mission on board is not the one sent: {unlike}; try again on a better link")
+        raise VehicleError(
+            f"the mission on board differs from the one sent: {unlike}; try again over a better link"
+        )
 
     def verified(self, while_waiting: Callable[[], None] = lambda: None) -> bool:
-        """Whether what is on board still is what was put there; ``while_waiting`` is called now and then."""
-        if self._sent is None:
+        """Whether the mission on board is still the one uploaded; ``while_waiting`` is called repeatedly."""
+        if self._uploaded is None:
             return False
-        return _first_difference(self._sent, self.read(while_waiting).items, as_int=self._as_int) is None
+        return (
+            _first_difference(self._uploaded, self.download(while_waiting).items, as_int=self._as_int) is None
+        )
 
-    def _rewind(self) -> None:
-        """Start at the first item, wherever a mission before this one was left; told by MISSION_CURRENT."""
-        port = self._port
-        port.send(dialect.MAVLink_mission_set_current_message(port.system, port.component, 0))
+    def _restart_mission(self) -> None:
+        """Set the current item to the first one, wherever a mission before this one was left."""
+        link = self._link
+        link.send(dialect.MAVLink_mission_set_current_message(link.system, link.component, 0))
 
 
 def _first_difference(

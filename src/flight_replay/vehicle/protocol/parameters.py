@@ -1,7 +1,7 @@
-"""Parameters of the vehicle, one by one: a radio needs minutes for all 1,340 of them.
+"""Reads and sets single parameters of the vehicle: a radio needs minutes for all 1,340 of them.
 
 ArduCopter 4.7 renamed and rescaled many (ardupilot PR 32147); the table of both schemes is in
-``simulator.limits``.
+``simulator.dynamics.limits``.
 """
 
 from __future__ import annotations
@@ -14,42 +14,42 @@ from flight_replay.errors import VehicleError
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.dynamics.limits import PARAMETERS
 from flight_replay.vehicle.link import timesync
-from flight_replay.vehicle.link.port import Inbox, Port
+from flight_replay.vehicle.link.vehicle_link import Inbox, VehicleLink
 
-_SHORTEST_AGAIN_S = 0.1  # ArduPilot reads parameters in a thread that is slower than its main loop.
-_PAUSE_S = 0.01  # Between requests, so that a slow radio keeps up.
+_MIN_RETRY_S = 0.1  # ArduPilot reads parameters in a thread that is slower than its main loop.
+_REQUEST_INTERVAL_S = 0.01  # Between requests, so that a slow radio keeps up.
 _TOLERANCE = 1e-4  # Relative: parameters are float32.
-_DOUBT = 1e-3  # Odds of taking a lost answer for an unknown name.
-_PUT_BACK_S = 4.0
-_SMALL_UNIT = 0.1
+_MAX_ERROR = 1e-3  # Probability of taking a lost answer for an unknown name.
+_RESTORE_S = 4.0
+_MAX_INTEGER_UNIT = 0.1
 
 
-def read_parameters(port: Port, names: Iterable[str], limit_s: float = 15.0) -> dict[str, float]:
+def read_parameters(link: VehicleLink, names: Iterable[str], limit_s: float = 15.0) -> dict[str, float]:
     """Values by name; names that the vehicle does not have are left out.
 
     ArduPilot does not answer for a parameter that it does not have: a name counts as unknown when
-    its silence is very unlikely to be lost packets, by how often a known one was answered meanwhile.
+    lost packets are a very unlikely cause, by how often a known name was answered meanwhile.
     """
-    reader = _Reader(port, list(dict.fromkeys(names)))
-    end_s = port.now_s() + limit_s
-    with port.inbox("PARAM_VALUE", timesync.KIND) as inbox:
-        while reader.missing and not reader.sure and port.now_s() < end_s:
-            reader.ask(inbox)
+    reader = _ParameterReader(link, list(dict.fromkeys(names)))
+    end_s = link.now_s() + limit_s
+    with link.inbox("PARAM_VALUE", timesync.MESSAGE_TYPE) as inbox:
+        while reader.missing and not reader.missing_is_unknown and link.now_s() < end_s:
+            reader.request_missing(inbox)
     return reader.values
 
 
-def _again_s(port: Port) -> float:
-    return max(2 * port.trip.again_s, _SHORTEST_AGAIN_S)
+def _retry_s(link: VehicleLink) -> float:
+    return max(2 * link.round_trip.retry_s, _MIN_RETRY_S)
 
 
-class _Reader:
-    """Rounds of requests for what is missing, each with one for a name that is known to be there."""
+class _ParameterReader:
+    """Rounds of requests for the missing parameters, each with one for a known parameter."""
 
-    def __init__(self, port: Port, names: list[str]) -> None:
-        self._port = port
+    def __init__(self, link: VehicleLink, names: list[str]) -> None:
+        self._link = link
         self._names = names
         self._rounds = self._answered = 0  # Rounds with a known name, and those in which it was answered.
-        self._asked_s: dict[str, float] = {}  # When each name was asked for first.
+        self._requested_s: dict[str, float] = {}  # When each name was first requested.
         self.values: dict[str, float] = {}
 
     @property
@@ -58,107 +58,108 @@ class _Reader:
         return [name for name in self._names if name not in self.values]
 
     @property
-    def sure(self) -> bool:
-        """Whether what is missing is unknown to the vehicle rather than lost on the way."""
-        odds = (self._answered + 1) / (self._rounds + 2)  # Laplace's rule of succession.
-        return bool(self.values) and (1.0 - odds) ** self._rounds < _DOUBT
+    def missing_is_unknown(self) -> bool:
+        """Whether the vehicle does not have the missing names, rather than their packets being lost."""
+        answer_rate = (self._answered + 1) / (self._rounds + 2)  # Laplace's rule of succession.
+        return bool(self.values) and (1.0 - answer_rate) ** self._rounds < _MAX_ERROR
 
-    def ask(self, inbox: Inbox) -> None:
-        """One request for each missing name, and the time it takes to answer them."""
+    def request_missing(self, inbox: Inbox) -> None:
+        """Send one request for each missing name, and wait for the answers."""
         known = next(iter(self.values), None)
-        asked = [*self.missing, known] if known else self.missing
-        awaited = set(asked)
-        timesync.ping(self._port)
-        for name in asked:
-            self._asked_s.setdefault(name, self._port.now_s())
-            self._port.send(
+        requested = [*self.missing, known] if known else self.missing
+        awaited = set(requested)
+        timesync.ping(self._link)
+        for name in requested:
+            self._requested_s.setdefault(name, self._link.now_s())
+            self._link.send(
                 dialect.MAVLink_param_request_read_message(
-                    self._port.system, self._port.component, name.encode(), -1
+                    self._link.system, self._link.component, name.encode(), -1
                 )
             )
-            self._take(inbox, awaited, self._port.now_s() + _PAUSE_S)
-        self._take(inbox, awaited, self._port.now_s() + _again_s(self._port))
+            self._take(inbox, awaited, self._link.now_s() + _REQUEST_INTERVAL_S)
+        self._take(inbox, awaited, self._link.now_s() + _retry_s(self._link))
         if known:
             self._rounds += 1
             self._answered += known not in awaited
 
     def _take(self, inbox: Inbox, awaited: set[str], until_s: float) -> None:
-        """Strike from ``awaited`` what comes, until a time or until all came."""
-        while awaited and (message := inbox.get(until_s - self._port.now_s())) is not None:
-            if not timesync.learn(self._port, message) and message.param_id in self._names:
-                # ArduCopter 3.3 sends no echoes: without this, waits for names it lacks would be guesses.
-                if message.param_id in self._asked_s:
-                    self._port.trip.guess(self._port.now_s() - self._asked_s[message.param_id])
+        """Remove from ``awaited`` the names whose values come, until a time or until all came."""
+        while awaited and (message := inbox.get(until_s - self._link.now_s())) is not None:
+            if not timesync.measure(self._link, message) and message.param_id in self._names:
+                # ArduCopter 3.3 does not reply to TIMESYNC: nothing else measures the round trip there.
+                if message.param_id in self._requested_s:
+                    self._link.round_trip.estimated(self._link.now_s() - self._requested_s[message.param_id])
                 self.values[message.param_id] = message.param_value
                 awaited.discard(message.param_id)
 
 
-def write_parameters(port: Port, wanted: Mapping[str, float], limit_s: float = 10.0) -> None:
-    """Set parameters and see each confirmed.
+def write_parameters(link: VehicleLink, wanted: Mapping[str, float], limit_s: float = 10.0) -> None:
+    """Set parameters, each confirmed by the vehicle.
 
     Raises:
         VehicleError: The vehicle does not confirm all values in time.
     """
-    told: dict[str, float] = {}
-    end_s = port.now_s() + limit_s
-    with port.inbox("PARAM_VALUE") as inbox:
-        while missing := [name for name, value in wanted.items() if not _is(told.get(name), value)]:
-            if port.now_s() >= end_s:
-                raise VehicleError(_refused(missing[0], wanted[missing[0]], told.get(missing[0])))
+    reported: dict[str, float] = {}
+    end_s = link.now_s() + limit_s
+    with link.inbox("PARAM_VALUE") as inbox:
+        while missing := [name for name, value in wanted.items() if not _equal(reported.get(name), value)]:
+            if link.now_s() >= end_s:
+                raise VehicleError(_refused(missing[0], wanted[missing[0]], reported.get(missing[0])))
             for name in missing:
-                port.send(_set_message(port, name, wanted[name]))
-            again_s = min(end_s, port.now_s() + _again_s(port))
-            while missing and (message := inbox.get(again_s - port.now_s())) is not None:
-                told[message.param_id] = message.param_value
-                missing = [name for name in missing if not _is(told.get(name), wanted[name])]
+                link.send(_set_message(link, name, wanted[name]))
+            retry_at_s = min(end_s, link.now_s() + _retry_s(link))
+            while missing and (message := inbox.get(retry_at_s - link.now_s())) is not None:
+                reported[message.param_id] = message.param_value
+                missing = [name for name in missing if not _equal(reported.get(name), wanted[name])]
 
 
-def _is(told: float | None, value: float) -> bool:
-    return told is not None and math.isclose(told, value, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
+def _equal(reported: float | None, value: float) -> bool:
+    return reported is not None and math.isclose(reported, value, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
 
 
-def _refused(name: str, value: float, told: float | None) -> str:
-    answer = "does not answer" if told is None else f"keeps {told:g}"
-    return f"parameter {name} cannot be set to {value:g}: the vehicle {answer}; check the link"
+def _refused(name: str, value: float, reported: float | None) -> str:
+    why = "the vehicle does not answer" if reported is None else f"it stays {reported:g}"
+    return f"cannot set parameter {name} to {value:g}: {why}; check the link"
 
 
-def _set_message(port: Port, name: str, value: float) -> Message:
+def _set_message(link: VehicleLink, name: str, value: float) -> Message:
     return dialect.MAVLink_param_set_message(
-        port.system, port.component, name.encode(), value, dialect.MAV_PARAM_TYPE_REAL32
+        link.system, link.component, name.encode(), value, dialect.MAV_PARAM_TYPE_REAL32
     )
 
 
 @contextmanager
-def parameters_set(port: Port, wanted: Mapping[str, float]) -> Iterator[None]:
-    """Set parameters for a while, and put the old values back on every way out.
+def parameters_set(link: VehicleLink, wanted: Mapping[str, float]) -> Iterator[None]:
+    """Set parameters for as long as the context lasts, and restore their values on every way out.
 
     Raises:
-        VehicleError: The vehicle has no such parameter, or does not take a value or take it back.
+        VehicleError: The vehicle has no such parameter, or does not accept or restore a value.
     """
-    before = read_parameters(port, wanted)
+    before = read_parameters(link, wanted)
     unknown = [name for name in wanted if name not in before]
     if unknown:
         raise VehicleError(
-            f"the vehicle has no parameter {', '.join(unknown)}; its firmware is too old or new"
+            f"the vehicle has no parameter {', '.join(unknown)}: its firmware is too old or too new; "
+            "fly without --limits recorded"
         )
     try:
-        write_parameters(port, wanted)
+        write_parameters(link, wanted)
         yield
     except BaseException:
-        # What went wrong is what counts; and Ctrl-C has to end within 10 s.
+        # The first error counts; and Ctrl-C has to end the program within 10 s.
         with suppress(VehicleError):
-            write_parameters(port, before, _PUT_BACK_S)
+            write_parameters(link, before, _RESTORE_S)
         raise
-    write_parameters(port, before)
+    write_parameters(link, before)
 
 
-def limits_as_parameters(port: Port, limits: Mapping[str, float]) -> dict[str, float]:
-    """Parameters, in the vehicle's own naming scheme and units, that set fields of ``Limits`` (SI units)."""
+def limits_as_parameters(link: VehicleLink, limits: Mapping[str, float]) -> dict[str, float]:
+    """Parameters in the vehicle's own names and units, for fields of ``Limits`` in SI units."""
     names = [name for name, (field, _) in PARAMETERS.items() if field in limits]
-    there = read_parameters(port, names)
-    return {name: _in_own_units(limits[PARAMETERS[name][0]], PARAMETERS[name][1]) for name in there}
+    known = read_parameters(link, names)
+    return {name: _in_own_units(limits[PARAMETERS[name][0]], PARAMETERS[name][1]) for name in known}
 
 
 def _in_own_units(value: float, scale: float) -> float:
-    """A value in units of ``scale``, whole in small ones: parameters in hundredths may be integers."""
-    return float(round(value / scale)) if scale < _SMALL_UNIT else value / scale
+    """A value in units of ``scale``, rounded if they are small: parameters in hundredths may be integers."""
+    return float(round(value / scale)) if scale < _MAX_INTEGER_UNIT else value / scale

@@ -1,4 +1,4 @@
-"""ArduPilot's software-in-the-loop simulator: found, downloaded, started and stopped."""
+"""ArduPilot SITL: found, downloaded, started and stopped; or the built-in copter in its place."""
 
 from flight_replay.vehicle.sitl.choose import simulator
 

@@ -1,7 +1,7 @@
 """Parameters without which a bare ArduCopter SITL binary cannot be armed: it boots uncalibrated.
 
-The values answer what the simulated sensors show: SIM_MAG1_OFS is (5, 13, -18), the accelerometers
-have no error (any offset but zero counts as calibrated), and the simulated pilot sends 1000 to 2000.
+The values match the simulated sensors: SIM_MAG1_OFS is (5, 13, -18), the accelerometers have no
+error (any offset other than zero counts as calibrated), and the simulated RC input is 1000 to 2000.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from collections.abc import Iterator
 
 _COMPASSES = ("", "2", "3")
 _COMPASS_OFFSETS = {"X": 5, "Y": 13, "Z": -18}
-_IMUS = ("", "2")  # A calibrated sensor that is not there counts as uncalibrated.
+_IMUS = ("", "2")  # A third sensor, which does not exist, would count as uncalibrated.
 _CHANNELS = range(1, 9)
 _CHANNEL_RANGE = {"MIN": 1000, "MAX": 2000, "TRIM": 1500}
 
 
 def bench_parameters() -> Iterator[tuple[str, float]]:
-    """Names and values, for ArduCopter 3.3 and later; a firmware leaves out the names it does not know."""
+    """Names and values, for ArduCopter 3.3 and later; a firmware ignores the names it does not know."""
     yield "FRAME_CLASS", 1
     yield "FRAME_TYPE", 0
     yield "FRAME", 0
@@ -38,5 +38,5 @@ def bench_parameters() -> Iterator[tuple[str, float]]:
 
 
 def bench_text() -> str:
-    """The same as a file for ``--defaults``."""
+    """The same as the content of a parameter file for ``--defaults``."""
     return "".join(f"{name} {value:g}\n" for name, value in bench_parameters())

@@ -1,4 +1,4 @@
-"""The simulator for a replay: ArduPilot's where one is at hand, else the built-in copter."""
+"""Chooses the simulator of a replay: ArduPilot SITL if one is found, else the built-in copter."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from flight_replay.errors import SimulatorError
 from flight_replay.events import Listener, Notice, ignore
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl import process
-from flight_replay.vehicle.sitl.download import Source, download, dronekit_sitl_source
-from flight_replay.vehicle.sitl.locate import Binary, at_hand
+from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
+from flight_replay.vehicle.sitl.locate import SitlBinary, find_binary
 
 
 @contextmanager
 def simulator(
     kind: str, path: Path | None, start: Start, *, speedup: float = 1.0, listener: Listener = ignore
 ) -> Iterator[str]:
-    """Run a simulator for as long as the context lasts; its connection string.
+    """Run a simulator for as long as the context lasts; yields its connection string.
 
     Args:
         kind: "auto", "sitl" or "builtin".
-        path: An ArduPilot SITL binary, or None to look for one.
-        start: Where the copter stands.
-        speedup: Vehicle seconds per second.
-        listener: Hears which simulator it is where that was not asked for, and of a download.
+        path: An ArduPilot SITL binary, or None to search for one.
+        start: The copter's position and heading.
+        speedup: How fast the vehicle's clock runs.
+        listener: Gets the progress of a download, and a notice if "auto" falls back to the built-in copter.
 
     Raises:
-        SimulatorError: No simulator of that kind can be had or started, or the one named fails.
+        SimulatorError: No simulator of that kind can be found or started, or the one named fails.
     """
     with ExitStack() as stack:
         if kind == "sitl" or path is not None:
             running = stack.enter_context(process.run(_binary(path, listener), start, speedup=speedup))
             yield running.connection
             return
-        if kind == "auto" and (connection := _auto(stack, start, speedup, listener)) is not None:
+        if kind == "auto" and (connection := _start_auto(stack, start, speedup, listener)) is not None:
             yield connection
             return
         from flight_replay.simulator.server import launch
@@ -43,10 +43,10 @@ def simulator(
         yield stack.enter_context(launch.run(start, speedup=speedup)).connection
 
 
-def _auto(stack: ExitStack, start: Start, speedup: float, listener: Listener) -> str | None:
-    """ArduPilot's simulator, unless only one that the user did not name fails."""
-    source, missing = _source()
-    binary = at_hand(None, source)
+def _start_auto(stack: ExitStack, start: Start, speedup: float, listener: Listener) -> str | None:
+    """The connection string of ArduPilot SITL; None if it fails and the user did not name it."""
+    source, missing = _download_source()
+    binary = find_binary(None, source)
     try:
         binary = binary or _downloaded(source, missing, listener)
         return stack.enter_context(process.run(binary, start, speedup=speedup)).connection
@@ -57,21 +57,23 @@ def _auto(stack: ExitStack, start: Start, speedup: float, listener: Listener) ->
         return None
 
 
-def _binary(path: Path | None, listener: Listener) -> Binary:
-    """The binary to run, downloaded if there is no other."""
-    source, missing = _source()
-    return at_hand(path, source) or _downloaded(source, missing, listener)
+def _binary(path: Path | None, listener: Listener) -> SitlBinary:
+    """The binary to run, downloaded if none is found."""
+    source, missing = _download_source()
+    return find_binary(path, source) or _downloaded(source, missing, listener)
 
 
-def _source() -> tuple[Source | None, SimulatorError | None]:
-    """Where dronekit-sitl's binaries are, or why there are none."""
+def _download_source() -> tuple[DownloadSource | None, SimulatorError | None]:
+    """Where dronekit-sitl stores its binaries, or why it has none."""
     try:
         return dronekit_sitl_source(), None
     except SimulatorError as error:
         return None, error
 
 
-def _downloaded(source: Source | None, missing: SimulatorError | None, listener: Listener) -> Binary:
+def _downloaded(
+    source: DownloadSource | None, missing: SimulatorError | None, listener: Listener
+) -> SitlBinary:
     if source is None:
-        raise missing or SimulatorError("no ArduPilot SITL is at hand; name one with --sitl")
-    return Binary(download(source, listener))
+        raise missing or SimulatorError("no ArduPilot SITL found; name a binary with --sitl")
+    return SitlBinary(download(source, listener))

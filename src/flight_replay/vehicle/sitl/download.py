@@ -1,7 +1,7 @@
-"""dronekit-sitl's ArduCopter binaries: its cache, and its download made safe.
+"""dronekit-sitl's ArduCopter binaries: its cache, and a safe download into it.
 
-dronekit-sitl fetches over plain http, without a time limit, leaves a broken download where it takes
-it for a good one, and unpacks whatever the archive says. Only its addresses are used here.
+dronekit-sitl downloads over plain http without a time limit, takes a broken download for a good one,
+and unpacks files outside its folder if the archive says so. Only its addresses are used here.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ _SILENCE_S = 8.0
 _LIMIT_S = 120.0
 _CHUNK = 1 << 16
 _LARGEST_BYTES = 1 << 29
-_BROKEN = (
+_DOWNLOAD_ERRORS = (
     OSError, EOFError, ValueError, tarfile.TarError, zlib.error, lzma.LZMAError, http.client.HTTPException,
 )  # fmt: skip
-"""What servers and archives that are not as they should be make of Python's libraries."""
+"""Errors that faulty servers and archives cause in Python's libraries."""
 _PLATFORMS = {"linux": "linux", "darwin": "osx", "win32": "win"}
 _MACHINES = frozenset({"x86_64", "amd64", "i386", "i686"})
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
-    """Where the binaries come from and are kept; ``target`` is the platform in their names."""
+class DownloadSource:
+    """Where the binaries are downloaded from and stored; ``target`` is the platform in their names."""
 
     base_url: str
     cache: Path
@@ -50,16 +50,16 @@ class Source:
 
     @property
     def url(self) -> str:
-        """The archive for this platform."""
+        """The address of the archive for this platform."""
         return f"{self.base_url}/{_SYSTEM}/sitl-{self.target}-{_SYSTEM}-{_VERSION}.tar.gz"
 
     @property
     def folder(self) -> Path:
-        """Where dronekit-sitl unpacks it."""
+        """The folder in which dronekit-sitl unpacks it."""
         return self.cache / f"{_SYSTEM}-{_VERSION}"
 
     def cached(self) -> Path | None:
-        """The binary, if it is there."""
+        """The binary, if it was downloaded before."""
         return _binary_in(self.folder)
 
 
@@ -68,7 +68,7 @@ def _binary_in(folder: Path) -> Path | None:
     return next((path for path in binaries if path.is_file()), None)
 
 
-def dronekit_sitl_source() -> Source:
+def dronekit_sitl_source() -> DownloadSource:
     """dronekit-sitl's addresses for this machine, over https.
 
     Raises:
@@ -89,16 +89,20 @@ def dronekit_sitl_source() -> Source:
             "name one with --sitl"
         )
     base_url = dronekit_sitl.sitl_host.replace("http://", "https://")
-    return Source(base_url, Path(dronekit_sitl.sitl_target), target)
+    return DownloadSource(base_url, Path(dronekit_sitl.sitl_target), target)
 
 
 def download(
-    source: Source, listener: Listener = ignore, *, limit_s: float = _LIMIT_S, silence_s: float = _SILENCE_S
+    source: DownloadSource,
+    listener: Listener = ignore,
+    *,
+    limit_s: float = _LIMIT_S,
+    silence_s: float = _SILENCE_S,
 ) -> Path:
-    """Fetch and unpack the binary; it appears in the cache whole or not at all.
+    """Download and unpack the binary; it appears in the cache complete or not at all.
 
     Raises:
-        SimulatorError: It cannot be fetched in time, or the archive is broken or unsafe.
+        SimulatorError: The download fails or is too slow, or the archive is broken or unsafe.
     """
     try:
         source.cache.mkdir(parents=True, exist_ok=True)
@@ -108,25 +112,27 @@ def download(
             unpacked = scratch / "unpacked"
             _unpack(archive, unpacked)
             return _install(unpacked, source, scratch)
-    except _BROKEN as error:
-        raise SimulatorError(f"cannot download ArduPilot SITL from {source.url}: {_line(error)}") from error
+    except _DOWNLOAD_ERRORS as error:
+        raise SimulatorError(
+            f"cannot download ArduPilot SITL from {source.url}: {_reason(error)}; name a binary with --sitl"
+        ) from error
 
 
-def _line(error: Exception) -> str:
-    """What went wrong; tarfile tells on many lines of each packing that an archive is not of."""
+def _reason(error: Exception) -> str:
+    """The error on one line; tarfile writes a line for each compression that it tried."""
     no_archive = isinstance(error, tarfile.ReadError) and "\n" in str(error)
-    return "it is no archive" if no_archive else " ".join(str(error).split())
+    return "not an archive" if no_archive else " ".join(str(error).split())
 
 
-def _install(unpacked: Path, source: Source, scratch: Path) -> Path:
-    """Put what was unpacked where it is looked for; the binary there.
+def _install(unpacked: Path, source: DownloadSource, scratch: Path) -> Path:
+    """Move the unpacked folder into the cache; the path of the binary there.
 
-    A folder without one makes way: dronekit-sitl leaves such where its own download broke off. One
-    with a binary stays: another run was faster.
+    A folder without a binary, which an interrupted download of dronekit-sitl leaves behind, is
+    replaced. A folder with one is kept: another run was faster.
     """
     binary = _binary_in(unpacked)
     if binary is None:
-        raise SimulatorError(f"the archive {source.url} holds no simulator; name a binary with --sitl")
+        raise SimulatorError(f"the archive {source.url} contains no simulator; name a binary with --sitl")
     binary.chmod(0o755)
     if source.folder.exists() and source.cached() is None:
         source.folder.replace(scratch / "broken")
@@ -148,32 +154,32 @@ def _scratch(folder: Path) -> Iterator[Path]:
 
 
 def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: float) -> None:
-    """Copy what the address gives to a file, whole and in time."""
+    """Download an address to a file, completely and in time."""
     _resolve(url, silence_s)
     with urllib.request.build_opener().open(url, timeout=silence_s) as answer, path.open("wb") as file:
         total = int(answer.headers.get("Content-Length") or 0)
         done = 0
-        # Not "read", which waits for a whole chunk however slowly it comes.
+        # read1, because read waits for a whole chunk, however slow the server is.
         while chunk := answer.read1(_CHUNK):
             done += file.write(chunk)
             if time.monotonic() > end_s:
-                raise TimeoutError("it takes too long")
+                raise TimeoutError("the download takes too long")
             if done > _LARGEST_BYTES:
-                raise OSError("it is too large to be a simulator")
+                raise OSError("the file is too large to be a simulator")
             listener(Progress("ArduPilot SITL", done, total, "bytes"))
     if total and done != total:
-        raise OSError(f"it ended after {done} of {total} bytes")
+        raise OSError(f"the download ended after {done} of {total} bytes")
 
 
 def _resolve(url: str, limit_s: float) -> None:
-    """Find the host's address in time; a proxy does it itself."""
+    """Check in time that the host name resolves; a proxy resolves it itself."""
     parts = urllib.parse.urlsplit(url)
     if parts.scheme in urllib.request.getproxies():
         return
     try:
         look_up(parts.hostname or "", parts.port or parts.scheme, limit_s)
     except socket.gaierror as error:
-        raise OSError(f"the name {parts.hostname} is not known here") from error
+        raise OSError(f"unknown host name {parts.hostname}") from error
 
 
 def _unpack(archive: Path, folder: Path) -> None:
@@ -183,7 +189,7 @@ def _unpack(archive: Path, folder: Path) -> None:
         for member in tar:
             name = PurePosixPath(member.name.replace("\\", "/"))
             if name.is_absolute() or ".." in name.parts or ":" in member.name:
-                raise tarfile.TarError(f"it would write outside its folder: {member.name}")
+                raise tarfile.TarError(f"the archive would write outside its folder: {member.name}")
             place = folder.joinpath(*name.parts)
             if member.isdir():
                 place.mkdir(parents=True, exist_ok=True)
@@ -192,6 +198,6 @@ def _unpack(archive: Path, folder: Path) -> None:
                 with content, place.open("wb") as file:
                     shutil.copyfileobj(content, file)
             else:
-                raise tarfile.TarError(f"it holds something that is neither file nor folder: {member.name}")
+                raise tarfile.TarError(f"the archive entry {member.name} is neither file nor folder")
         while tar.fileobj and tar.fileobj.read(_CHUNK):
-            continue  # To the end, where the checksum of it all stands.
+            continue  # To the end, where the checksum is.

@@ -1,4 +1,4 @@
-"""Fills the storage of a simulator too old for parameter files, by telling it each parameter."""
+"""Sets each parameter of a simulator that is too old for parameter files."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from flight_replay.vehicle.sitl.bench_parameters import bench_parameters
 
 
 def store_bench_parameters(connection: str, defaults: Path | None) -> None:
-    """Set what makes the simulated vehicle fit to fly; it counts from the next boot on.
+    """Set the parameters with which the simulated vehicle can be armed; valid from the next boot on.
 
     Args:
         connection: The simulator's connection string.
-        defaults: A parameter file to use in place of the built-in ones.
+        defaults: A parameter file to use instead of ``bench_parameters``.
 
     Raises:
-        VehicleError: The simulator does not take them.
+        VehicleError: The simulator does not accept a value.
     """
     wanted = dict(_parameters_of(defaults) if defaults else bench_parameters())
     with connect(connection) as vehicle:
@@ -25,7 +25,7 @@ def store_bench_parameters(connection: str, defaults: Path | None) -> None:
 
 
 def _parameters_of(path: Path) -> Iterator[tuple[str, float]]:
-    """Names and values of a parameter file: pairs between blanks, commas or tabs, ``#`` comments."""
+    """Names and values of a parameter file: pairs separated by blanks, commas or tabs; ``#`` comments."""
     for line in path.read_text().splitlines():
         fields = line.partition("#")[0].replace(",", " ").split()
         if len(fields) >= 2:

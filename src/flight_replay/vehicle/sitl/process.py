@@ -1,4 +1,4 @@
-"""Runs an ArduCopter SITL binary in a scratch folder, and leaves neither behind."""
+"""Runs an ArduCopter SITL binary in a temporary folder, and removes both in the end."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from pathlib import Path
 from flight_replay.errors import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl.bench_parameters import bench_text
-from flight_replay.vehicle.sitl.locate import Binary
+from flight_replay.vehicle.sitl.locate import SitlBinary
 
 _HELP_S = 10.0
 _READY_S = 30.0
 _STOP_S = 3.0
-_LOOK_S = 0.02
+_POLL_S = 0.02
 _READY = "Waiting for connection"
 _BASE_PORT = 5760
 _PORTS_PER_INSTANCE = 10
 _SERIAL_PORTS = (0, 2, 3)  # SERIAL0 to SERIAL2 listen here, from the instance's first port.
 _INSTANCES = 200
-_LAST_WORDS = 3
-_STARTS = 20  # As many simulators that start at once find ports each.
+_SHOWN_LINES = 3
+_STARTS = 20  # So many simulators that start at once each find free ports.
 
 
 @dataclass(frozen=True, slots=True)
-class Process:
-    """A simulator that runs and waits for its first client."""
+class SitlProcess:
+    """A simulator that is running and waits for a connection."""
 
     port: int
     process: subprocess.Popen[bytes]
@@ -40,16 +40,16 @@ class Process:
 
     @property
     def connection(self) -> str:
-        """Where to connect to."""
+        """Its connection string."""
         return f"tcp:127.0.0.1:{self.port}"
 
 
 @contextlib.contextmanager
-def run(binary: Binary, start: Start, *, speedup: float = 1.0) -> Iterator[Process]:
-    """Run ``binary`` for as long as the context lasts, with a copter that stands at ``start``.
+def run(binary: SitlBinary, start: Start, *, speedup: float = 1.0) -> Iterator[SitlProcess]:
+    """Run ``binary`` for as long as the context lasts, with a copter at ``start``.
 
     Raises:
-        SimulatorError: It does not start, or ended while the context lasted; with its last words.
+        SimulatorError: It does not start, or ended while the context lasted; with its last output.
     """
     scratch = Path(tempfile.mkdtemp(prefix="flight-replay-sitl-"))
     try:
@@ -62,7 +62,7 @@ def run(binary: Binary, start: Start, *, speedup: float = 1.0) -> Iterator[Proce
 
 
 def _options(path: Path) -> str:
-    """What the binary says of its options; a binary that cannot run at all shows it here."""
+    """The output of ``--help``, to know the options of the binary."""
     try:
         shown = subprocess.run(
             [path, "--help"],
@@ -73,19 +73,21 @@ def _options(path: Path) -> str:
             check=False,
         )
     except OSError as error:
-        raise SimulatorError(f"{path} cannot be run: {error.strerror}; is it for this machine?") from error
+        raise SimulatorError(
+            f"cannot run {path}: {error.strerror}; is it a binary for this machine?"
+        ) from error
     except subprocess.TimeoutExpired as error:
-        raise SimulatorError(f"{path} does not answer --help; is it an ArduCopter SITL binary?") from error
+        raise SimulatorError(f"{path} does not end after --help; is it an ArduCopter SITL binary?") from error
     text = shown.stdout.decode(errors="replace")
     if "--home" not in text or "--model" not in text:
         raise SimulatorError(
-            f"{path} is no ArduCopter SITL binary of 3.3 or later; it says: {_last_words(text)}"
+            f"{path} is not an ArduCopter SITL binary of 3.3 or later; its output: {_last_lines(text)}"
         )
     return text
 
 
-def _prepare(binary: Binary, options: str, scratch: Path, start: Start) -> None:
-    """Lay out what the binary boots with: a parameter file, or storage where it takes no such file."""
+def _prepare(binary: SitlBinary, options: str, scratch: Path, start: Start) -> None:
+    """Provide the parameters: as a file, or in the EEPROM of a binary that takes no such file."""
     if "--defaults" in options:
         (scratch / "bench.parm").write_text(bench_text())
         return
@@ -100,12 +102,14 @@ def _prepare(binary: Binary, options: str, scratch: Path, start: Start) -> None:
 
 
 @contextlib.contextmanager
-def _started(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> Iterator[Process]:
-    """The simulator while it runs; what goes wrong once it has ended is told as its end."""
+def _started(
+    binary: SitlBinary, options: str, scratch: Path, start: Start, speedup: float
+) -> Iterator[SitlProcess]:
+    """Run the simulator; if it ended, an error in the context becomes an error of the simulator."""
     log = scratch / "console.txt"
     instance, process = _ready(binary, _arguments(binary, options, scratch, start, speedup), log)
     try:
-        yield Process(_first_port(instance), process, log)
+        yield SitlProcess(_first_port(instance), process, log)
     except SimulatorError:
         raise
     except Exception as error:
@@ -116,10 +120,10 @@ def _started(binary: Binary, options: str, scratch: Path, start: Start, speedup:
         _stop(process)
 
 
-def _ready(binary: Binary, arguments: Sequence[str], log: Path) -> tuple[int, subprocess.Popen[bytes]]:
-    """The instance and process of a simulator that waits for us.
+def _ready(binary: SitlBinary, arguments: Sequence[str], log: Path) -> tuple[int, subprocess.Popen[bytes]]:
+    """The instance and process of a simulator that waits for a connection.
 
-    It is started anew where another one was faster to take its ports.
+    It is started again if another simulator took its ports first.
     """
     for tries_left in reversed(range(_STARTS)):
         instance = _free_instance()
@@ -128,14 +132,14 @@ def _ready(binary: Binary, arguments: Sequence[str], log: Path) -> tuple[int, su
             _wait_ready(binary.path, process, log)
             return instance, process
         except BaseException as error:
-            outrun = process.poll() is not None and not _is_unused(instance)
+            ports_taken = process.poll() is not None and not _is_free_instance(instance)
             _stop(process)
-            if not (isinstance(error, SimulatorError) and outrun and tries_left):
+            if not (isinstance(error, SimulatorError) and ports_taken and tries_left):
                 raise
-    raise AssertionError("the last try returns or raises")
+    raise AssertionError("the last start returns or raises")
 
 
-def _arguments(binary: Binary, options: str, scratch: Path, start: Start, speedup: float) -> list[str]:
+def _arguments(binary: SitlBinary, options: str, scratch: Path, start: Start, speedup: float) -> list[str]:
     arguments = [
         "--model", "+",
         f"--home={start.lat_deg:.8f},{start.lon_deg:.8f},{start.alt_amsl_m:.3f},{start.heading_deg:.2f}",
@@ -147,7 +151,7 @@ def _arguments(binary: Binary, options: str, scratch: Path, start: Start, speedu
     return arguments
 
 
-def _spawn(binary: Binary, arguments: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
+def _spawn(binary: SitlBinary, arguments: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
     with log.open("wb") as output:
         return subprocess.Popen(
             [binary.path, *arguments],
@@ -155,7 +159,7 @@ def _spawn(binary: Binary, arguments: Sequence[str], log: Path) -> subprocess.Po
             stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=subprocess.STDOUT,
-            # Ctrl-C at the terminal must reach the program, which needs the copter to fly home.
+            # Ctrl-C at the terminal must not end the simulator: the copter has to fly RTL first.
             start_new_session=True,
         )
 
@@ -169,22 +173,22 @@ def _absolute(defaults: Path | None) -> str | None:
 
 
 def _free_instance() -> int:
-    """The lowest instance whose ports nobody uses: other simulators may run."""
+    """The lowest instance whose ports are free: other simulators may be running."""
     for instance in range(_INSTANCES):
-        if _is_unused(instance):
+        if _is_free_instance(instance):
             return instance
-    raise SimulatorError(f"all ports from {_BASE_PORT} on are in use; stop other simulators")
+    raise SimulatorError(f"all SITL ports from {_BASE_PORT} on are in use; stop other simulators")
 
 
 def _first_port(instance: int) -> int:
     return _BASE_PORT + _PORTS_PER_INSTANCE * instance
 
 
-def _is_unused(instance: int) -> bool:
-    return all(_is_free(_first_port(instance) + offset) for offset in _SERIAL_PORTS)
+def _is_free_instance(instance: int) -> bool:
+    return all(_is_free_port(_first_port(instance) + offset) for offset in _SERIAL_PORTS)
 
 
-def _is_free(port: int) -> bool:
+def _is_free_port(port: int) -> bool:
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -202,28 +206,28 @@ def _wait_ready(path: Path, process: subprocess.Popen[bytes], log: Path) -> None
         if time.monotonic() > end_s:
             raise SimulatorError(
                 f"{path} does not wait for a connection after {_READY_S:.0f} s; "
-                f"its last words: {_last_words_of(log)}"
+                f"its last output: {_last_output(log)}"
             )
-        time.sleep(_LOOK_S)
+        time.sleep(_POLL_S)
 
 
 def _ended(path: Path, process: subprocess.Popen[bytes], log: Path) -> SimulatorError:
-    words = _last_words_of(log) or "nothing"
-    return SimulatorError(f"{path} ended with status {process.returncode}; its last words: {words}")
+    output = _last_output(log) or "nothing"
+    return SimulatorError(f"{path} ended with status {process.returncode}; its last output: {output}")
 
 
-def _last_words_of(log: Path) -> str:
-    return _last_words(log.read_text(errors="replace"))
+def _last_output(log: Path) -> str:
+    return _last_lines(log.read_text(errors="replace"))
 
 
-def _last_words(text: str) -> str:
-    """The last lines of an output, as one."""
+def _last_lines(text: str) -> str:
+    """The last lines of a text, on one line."""
     lines: Sequence[str] = [line.strip() for line in text.splitlines() if line.strip()]
-    return " / ".join(lines[-_LAST_WORDS:])
+    return " / ".join(lines[-_SHOWN_LINES:])
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
-    """End the process, by force if it does not listen."""
+    """Terminate the process; kill it if it does not end."""
     process.terminate()
     try:
         process.wait(_STOP_S)

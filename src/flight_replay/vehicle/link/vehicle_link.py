@@ -1,7 +1,7 @@
-"""A conversation with one vehicle: send, and wait for what it sends to us.
+"""A link to one vehicle: messages to it, and its messages to us.
 
-The protocols (mission, parameters, commands) need no more than the two interfaces here, so tests
-give them a port with a clock of its own.
+The protocols (mission, parameters, commands) need only the two interfaces here, so that tests can
+run them against a simulated link in virtual time.
 """
 
 from __future__ import annotations
@@ -19,35 +19,35 @@ from flight_replay.vehicle.link.round_trip import RoundTrip
 
 
 class Inbox(Protocol):
-    """Messages of chosen kinds, kept until fetched."""
+    """Received messages of chosen types, in order."""
 
     def get(self, timeout_s: float) -> Message | None:
-        """The oldest message not yet fetched; None if none comes in time."""
+        """The oldest message not yet taken; None if none comes in time."""
 
 
-class Port(Protocol):
-    """One vehicle as a correspondent."""
+class VehicleLink(Protocol):
+    """A link to the vehicle with this system and component id."""
 
     system: int
     component: int
-    trip: RoundTrip
-    """What is known of the link's round-trip time; who asks and gets an answer tells it."""
+    round_trip: RoundTrip
+    """Measured by whoever sends a request and receives its answer."""
 
     def send(self, message: Message) -> None:
         """Send a message."""
 
-    def inbox(self, *kinds: str) -> AbstractContextManager[Inbox]:
-        """Collect messages of these kinds from the vehicle to us, from now until the context ends."""
+    def inbox(self, *types: str) -> AbstractContextManager[Inbox]:
+        """Collect the vehicle's messages of these types to us, from now until the context ends."""
 
     def now_s(self) -> float:
-        """Seconds that never run backwards."""
+        """Wall-clock seconds that never run backwards."""
 
 
 def is_for_us(message: Message) -> bool:
     """Whether a message is addressed to us, to all of our system, or to nobody.
 
-    Other stations share the link. ArduCopter 3.3 asks for mission items, and MAVLink 1 answers commands,
-    without an address.
+    Other stations share the link. ArduCopter 3.3 requests mission items, and MAVLink 1 answers
+    commands, without an address.
     """
     system = getattr(message, "target_system", 0)
     component = getattr(message, "target_component", 0)
@@ -59,34 +59,34 @@ class _QueueInbox:
         self.queue: queue.SimpleQueue[Message] = queue.SimpleQueue()
 
     def get(self, timeout_s: float) -> Message | None:
-        """The oldest message not yet fetched; None if none comes in time."""
+        """The oldest message not yet taken; None if none comes in time."""
         try:
             return self.queue.get(timeout=max(timeout_s, 0.0))
         except queue.Empty:
             return None
 
 
-class LinkPort:
-    """A port over a link, sending through a DroneKit vehicle."""
+class DroneKitLink:
+    """A ``VehicleLink`` that sends through a DroneKit vehicle and receives from its link."""
 
     def __init__(self, link: Link, drone: Any, system: int, component: int) -> None:
-        """``drone`` is the ``dronekit.Vehicle`` through which is sent."""
+        """``drone`` is the ``dronekit.Vehicle``."""
         self._link, self._drone = link, drone
         self.system, self.component = system, component
-        self.trip = RoundTrip()
+        self.round_trip = RoundTrip()
 
     def send(self, message: Message) -> None:
         """Send a message."""
         self._drone.send_mavlink(message)
 
     @contextmanager
-    def inbox(self, *kinds: str) -> Iterator[Inbox]:
-        """Collect messages of these kinds from the vehicle to us, from now until the context ends."""
+    def inbox(self, *types: str) -> Iterator[Inbox]:
+        """Collect the vehicle's messages of these types to us, from now until the context ends."""
         inbox = _QueueInbox()
 
         def receive(message: Message) -> None:
             source = (message.get_srcSystem(), message.get_srcComponent())
-            if message.get_type() in kinds and source == (self.system, self.component) and is_for_us(message):
+            if message.get_type() in types and source == (self.system, self.component) and is_for_us(message):
                 inbox.queue.put(message)
 
         self._link.add_receiver(receive)
@@ -96,5 +96,5 @@ class LinkPort:
             self._link.remove_receiver(receive)
 
     def now_s(self) -> float:
-        """Seconds that never run backwards."""
+        """Wall-clock seconds that never run backwards."""
         return time.monotonic()

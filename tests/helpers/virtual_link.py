@@ -18,8 +18,8 @@ from flight_replay.simulator.autopilot.model_flight import STEP_S
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from flight_replay.simulator.protocol.ground_link import GroundLink
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
-from flight_replay.vehicle.link.port import is_for_us
 from flight_replay.vehicle.link.round_trip import RoundTrip
+from flight_replay.vehicle.link.vehicle_link import is_for_us
 
 START = Start(47.397742, 8.545594, 488.0, 90.0)
 
@@ -37,7 +37,7 @@ class Weather:
 class VirtualInbox:
     """Messages of chosen kinds; fetching lets time pass."""
 
-    def __init__(self, port: VirtualPort, kinds: tuple[str, ...]) -> None:
+    def __init__(self, port: VirtualLink, kinds: tuple[str, ...]) -> None:
         self._port, self.kinds = port, kinds
         self.messages: deque[Any] = deque()
 
@@ -49,7 +49,7 @@ class VirtualInbox:
         return self.messages.popleft() if self.messages else None
 
 
-class VirtualPort:
+class VirtualLink:
     """A ``Port``; the vehicle's time runs ``speedup`` times as fast as ``now_s``."""
 
     system, component = 1, 1
@@ -71,8 +71,8 @@ class VirtualPort:
         )
         self.ground_link = GroundLink(self.autopilot)
         self.channel = self.ground_link.open_channel(self._to_us)
-        self.trip = RoundTrip()
-        self.trip.took(2 * self.weather.delay_s + self.weather.jitter_s + 0.005)
+        self.round_trip = RoundTrip()
+        self.round_trip.measured(2 * self.weather.delay_s + self.weather.jitter_s + 0.005)
         self.sent: list[Any] = []
         self.heard: list[Any] = []
         self._mav = dialect.MAVLink(None, OUR_SYSTEM, OUR_COMPONENT)
