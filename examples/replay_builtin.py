@@ -38,5 +38,5 @@ with (
 
 outcome = compare_flight(route, record)
 print(f"{record.waypoints_reached} waypoints in {record.auto_s:.0f} s of AUTO, ended by: {record.ended}")
-if outcome.in_space is not None:
-    print(f"from the recorded fixes: mean {outcome.in_space.mean:.2f} m, max {outcome.in_space.max:.2f} m")
+if outcome.path_error is not None:
+    print(f"path error: mean {outcome.path_error.mean:.2f} m, max {outcome.path_error.max:.2f} m")

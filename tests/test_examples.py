@@ -35,7 +35,7 @@ def test_replay_builtin_flies(tmp_path: Path) -> None:
     said = run("replay_builtin.py", tmp_path)
     assert "waypoint 5 at" in said
     assert "ended by: duration" in said
-    found = re.search(r"from the recorded fixes: mean ([\d.]+) m", said)
+    found = re.search(r"path error: mean ([\d.]+) m", said)
     assert found is not None
     assert float(found[1]) < 1
 

@@ -1,9 +1,10 @@
-"""A made-up replay for the tests of what shows one: a figure of eight, flown a little late and aside."""
+"""A made-up replay for the tests of output: a figure of eight, flown late and beside the path."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from flight_replay.events import VehicleState
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.output.outcome import Outcome, compare_flight
@@ -14,7 +15,7 @@ from flight_replay.supervisor.flight_plan import FlightRecord
 FRAME = LocalFrame(47.3977, 8.5456)
 
 
-def eight(n: int = 300, aside_m: float = 0.0, begin_s: float = 100.0, slower: float = 1.0) -> Track:
+def figure_of_eight(n: int = 300, aside_m: float = 0.0, begin_s: float = 100.0, slower: float = 1.0) -> Track:
     """A figure of eight of 120 m by 60 m, n fixes 0.4 s apart."""
     turn = np.linspace(0, 2 * np.pi, n)
     north_east_m = np.column_stack([30 * np.sin(2 * turn) + aside_m * np.cos(5 * turn), 60 * np.sin(turn)])
@@ -27,10 +28,10 @@ def eight(n: int = 300, aside_m: float = 0.0, begin_s: float = 100.0, slower: fl
     )
 
 
-def replay() -> tuple[Route, FlightRecord, Outcome]:
-    """The eight in 60 waypoints, flown 10 % slower and 1 m aside, all but the last reached."""
-    route = spaced_route(eight(), spacing_m=6.0, max_points=60)
-    flown = eight(aside_m=1.0, begin_s=1000.0, slower=1.1)
+def made_replay() -> tuple[Route, FlightRecord, Outcome]:
+    """The figure of eight in 60 waypoints, flown 10 % slower and 1 m aside, all but the last reached."""
+    route = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60)
+    flown = figure_of_eight(aside_m=1.0, begin_s=1000.0, slower=1.1)
     record = FlightRecord(
         waypoints_reached=len(route.mission.waypoints) - 1,
         ended="duration",
@@ -43,3 +44,13 @@ def replay() -> tuple[Route, FlightRecord, Outcome]:
         flown=flown,
     )
     return route, record, compare_flight(route, record)
+
+
+def vehicle_at(
+    north_m: float, east_m: float, time_s: float, *, mode: str = "AUTO", heading_deg: float | None = 90.0
+) -> VehicleState:
+    """The state of a vehicle at a position of ``FRAME``."""
+    lat_deg, lon_deg = FRAME.to_degrees([north_m, east_m])
+    return VehicleState(
+        time_s, float(lat_deg), float(lon_deg), 29.8, (3.0, 4.0, 0.0), heading_deg, mode, True, 12.4, 83.0
+    )

@@ -1,4 +1,4 @@
-"""journal.py: what a report tells of the flight."""
+"""event_log.py: the events that the report lists."""
 
 from flight_replay.events import (
     Climbing,
@@ -12,12 +12,12 @@ from flight_replay.events import (
     VehicleState,
     Waiting,
 )
-from flight_replay.output.event_log import Entry, Journal
+from flight_replay.output.event_log import EventLog, LoggedEvent
 
 
-def test_a_journal_keeps_what_happened_once_with_the_vehicles_time() -> None:
-    """Readings that repeat themselves are left out, a repeated wait is kept once, warnings are marked."""
-    journal = Journal()
+def test_each_event_is_logged_once_with_the_vehicles_time() -> None:
+    """Repeated readings are left out, a repeated wait is logged once, problems are marked."""
+    log = EventLog()
     waiting = Waiting(Phase.PREARM, "EKF is not ready")
     events: list[Event] = [
         PhaseStarted(Phase.PREARM),
@@ -32,11 +32,11 @@ def test_a_journal_keeps_what_happened_once_with_the_vehicles_time() -> None:
         LinkLost(4.0),
     ]
     for event in events:
-        journal.listener(event)
-    assert journal.entries == [
-        Entry(None, "Arm and Takeoff", False),
-        Entry(None, "Waiting for vehicle to initialise... (EKF is not ready)", False),
-        Entry(12.5, "Waiting for vehicle to initialise... (no fix)", False),
-        Entry(12.5, "Autopilot: Arming motors", False),
-        Entry(12.5, "Warning: nothing heard from the vehicle for 4.0 s", True),
+        log.listener(event)
+    assert log.entries == [
+        LoggedEvent(None, "Arm and Takeoff", False),
+        LoggedEvent(None, "Waiting for vehicle to initialise... (EKF is not ready)", False),
+        LoggedEvent(12.5, "Waiting for vehicle to initialise... (no fix)", False),
+        LoggedEvent(12.5, "Autopilot: Arming motors", False),
+        LoggedEvent(12.5, "Warning: link lost, no message from the vehicle for 4.0 s", True),
     ]

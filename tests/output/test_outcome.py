@@ -1,4 +1,4 @@
-"""A flight is measured against what it was due to fly."""
+"""outcome.py: path error and position error of a flight."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from tests.helpers.made_tracks import FRAME, dash
 
 
 def flight(route: Route, waypoints: int, aside_m: float = 0.0, late_s: float = 0.0) -> FlightRecord:
-    """A flight along the dash at 4 m/s, from 20 m before it, that got to so many waypoints."""
+    """A flight along the straight track at 4 m/s, from 20 m before it to waypoint ``waypoints``."""
     seconds = np.arange(0, waypoints - 1 + 1e-9 + 5, 0.1)
     north_m = (seconds - 5) * 4.0
     lat, lon = FRAME.to_degrees(np.column_stack([north_m, np.full(len(seconds), aside_m)]))
@@ -29,36 +29,36 @@ def flight(route: Route, waypoints: int, aside_m: float = 0.0, late_s: float = 0
     )
 
 
-def test_a_perfect_replay_has_no_distance() -> None:
-    """The same path at the same times is 0 m away in space and in time."""
+def test_a_perfect_replay_has_no_error() -> None:
+    """The same path at the same times has a path error and a position error of 0."""
     route = spaced_route(dash())
     outcome = compare_flight(route, flight(route, 51))
-    assert outcome.in_space is not None and outcome.in_space.max < 0.01
-    assert outcome.in_time is not None and outcome.in_time.max < 0.01
-    assert len(outcome.space_m) == len(outcome.time_m) == 51
+    assert outcome.path_error is not None and outcome.path_error.max < 0.01
+    assert outcome.position_error is not None and outcome.position_error.max < 0.01
+    assert len(outcome.path_errors_m) == len(outcome.position_errors_m) == 51
 
 
-def test_distances_tell_aside_from_late() -> None:
-    """A path 3 m beside is 3 m off in space; one 2 s late at 4 m/s is 8 m off in time, not in space."""
+def test_a_late_flight_has_a_position_error_only() -> None:
+    """3 m beside the path is a path error of 3 m; 2 s late at 4 m/s is a position error of 8 m."""
     route = spaced_route(dash())
     beside = compare_flight(route, flight(route, 51, aside_m=3.0))
-    assert beside.in_space is not None and beside.in_space.mean == pytest.approx(3.0, abs=0.01)
+    assert beside.path_error is not None and beside.path_error.mean == pytest.approx(3.0, abs=0.01)
     late = compare_flight(route, flight(route, 51, late_s=2.0))
-    assert late.in_space is not None and late.in_space.max < 0.01
-    assert late.in_time is not None and late.in_time.mean == pytest.approx(8.0, abs=0.01)
+    assert late.path_error is not None and late.path_error.max < 0.01
+    assert late.position_error is not None and late.position_error.mean == pytest.approx(8.0, abs=0.01)
 
 
-def test_a_flight_cut_short_is_held_to_what_it_reached() -> None:
-    """Fixes behind the last waypoint reached were never due."""
+def test_a_short_flight_is_compared_up_to_its_last_waypoint() -> None:
+    """Fixes after the last waypoint reached do not count."""
     route = spaced_route(dash())
     outcome = compare_flight(route, flight(route, 11))
-    assert len(outcome.space_m) == 11
-    assert outcome.in_space is not None and outcome.in_space.max < 0.01
+    assert len(outcome.path_errors_m) == 11
+    assert outcome.path_error is not None and outcome.path_error.max < 0.01
 
 
-def test_nothing_reached_is_nothing_compared() -> None:
-    """A flight that reached no waypoint has no distances, rather than wrong ones."""
+def test_a_flight_that_reached_no_waypoint_has_no_position_error() -> None:
+    """There is no time to compare from."""
     route = spaced_route(dash())
     record = flight(route, 0)
     outcome = compare_flight(route, record)
-    assert outcome.in_time is None
+    assert outcome.position_error is None

@@ -126,7 +126,7 @@ def _check(
     if options.limits == "recorded":
         raise VehicleError(f"{connected.identity.name} is real: --limits recorded is for simulated vehicles")
     for line in briefing.lines:
-        console.say(line)
+        console.print(line)
     if not options.yes:
         ask_consent(console)
         # Who takes the time to think may have carried it elsewhere, or armed it.

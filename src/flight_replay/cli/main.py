@@ -26,7 +26,7 @@ from flight_replay.errors import FlightReplayError
 from flight_replay.events import combine_listeners
 from flight_replay.output.console.console import Console, open_console
 from flight_replay.output.console.terminal import write_error
-from flight_replay.output.event_log import Journal
+from flight_replay.output.event_log import EventLog
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import Flown
@@ -82,7 +82,7 @@ def _explained(error: Exception) -> str:
 def replay(options: Options, arguments: Sequence[str], console: Console) -> str | None:
     """From log to landing; returns what went otherwise than asked, once everything is written down."""
     output_step.check_outputs(options)
-    journal = Journal()
+    journal = EventLog()
     listener = combine_listeners(console.listener, journal.listener)
     log, flights, track = plan_step.read(options, listener)
     route = plan_step.plan(options, track, listener)
@@ -113,7 +113,7 @@ def _say(options: Options, result: Replay, console: Console) -> None:
             sys.stdout.write(json.dumps(output_step.summary(result)) + "\n")
     else:
         for line in output_step.words(result):
-            console.say(line)
+            console.print(line)
 
 
 def _finish_stdout() -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flight_replay.geometry.distances import ErrorStatistics
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
-    from flight_replay.output.event_log import Entry
+    from flight_replay.output.event_log import LoggedEvent
     from flight_replay.planning.route import Route
 
 
@@ -74,7 +74,7 @@ def save_mission(options: Options, route: Route) -> None:
 
 
 def save_pictures(
-    options: Options, result: Replay, events: Sequence[Entry], arguments: Sequence[str]
+    options: Options, result: Replay, events: Sequence[LoggedEvent], arguments: Sequence[str]
 ) -> None:
     """Draw and report the replay."""
     record, outcome = (result.flown.record, result.flown.outcome) if result.flown else (None, None)
@@ -83,10 +83,10 @@ def save_pictures(
 
         save_plot(options.plot, result.route, record, outcome)
     if options.report:
-        from flight_replay.output.charts.report import Account, save_report
+        from flight_replay.output.charts.report import ReportText, save_report
 
-        account = Account(summary(result), events, arguments)
-        save_report(options.report, account, result.route, record, outcome)
+        text = ReportText(summary(result), events, arguments)
+        save_report(options.report, text, result.route, record, outcome)
 
 
 def summary(result: Replay) -> dict[str, Any]:
@@ -118,8 +118,8 @@ def words(result: Replay) -> list[str]:
         lines += [
             f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
             f"in {record.auto_s:.1f} s of AUTO",
-            f" Distance from the recorded flight in space: {_metres(outcome.in_space)}",
-            f" Distance from the recorded flight in time: {_metres(outcome.in_time)}",
+            f" Distance from the recorded flight in space: {_metres(outcome.path_error)}",
+            f" Distance from the recorded flight in time: {_metres(outcome.position_error)}",
         ]
     return lines
 

@@ -1,1 +1,1 @@
-"""What people and programs get: lines, a live display, a map, pictures, a report, JSON."""
+"""What people and programs get: console lines, a live display, a live map, charts, a report, JSON."""

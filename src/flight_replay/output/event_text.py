@@ -1,4 +1,4 @@
-"""Events in plain words: the lines of DroneKit's flight_replay example where it has one."""
+"""The line of text for each event; where DroneKit's flight_replay example has a line, it is that one."""
 
 from __future__ import annotations
 
@@ -15,14 +15,12 @@ from flight_replay.events import (
     Phase,
     PhaseStarted,
     ReturnCommanded,
+    Severity,
     StatusText,
     TargetAltitudeReached,
     Waiting,
     WaypointReached,
 )
-
-WARNING_SEVERITY = 4
-"""MAV_SEVERITY_WARNING: what the autopilot says from here down is always shown."""
 
 _PHASES = {
     Phase.CONNECT: "Connecting to vehicle on: {}",
@@ -41,8 +39,8 @@ _WAITS = {
 }
 
 
-def went_wrong(event: Event) -> bool:
-    """Whether the event is shown even to those who want to see only what went wrong."""
+def is_problem(event: Event) -> bool:
+    """Whether the event is shown with ``-q`` too."""
     return (
         isinstance(event, LinkLost)
         or (isinstance(event, Notice) and event.warning)
@@ -51,76 +49,78 @@ def went_wrong(event: Event) -> bool:
 
 
 def is_detail(event: Event) -> bool:
-    """Whether the event is shown only to those who want to see everything."""
-    minor_words = isinstance(event, StatusText) and event.severity > WARNING_SEVERITY
-    return minor_words or isinstance(event, WaypointReached)
+    """Whether the event is shown only with ``-v``."""
+    minor_text = isinstance(event, StatusText) and event.severity > Severity.WARNING
+    return minor_text or isinstance(event, WaypointReached)
 
 
 @singledispatch
-def sentence(event: object) -> str | None:
-    """The line that says what happened; None for an event that has no line (progress, position)."""
+def event_line(event: object) -> str | None:
+    """The line for an event; None for an event that has none, such as ``Progress`` or ``VehicleState``."""
     return None
 
 
-@sentence.register
-def _phase(event: PhaseStarted) -> str:
-    return _PHASES[event.phase].format(event.detail or "the").replace("the waypoints", "the mission")
+@event_line.register
+def _phase_started(event: PhaseStarted) -> str:
+    if event.phase is Phase.UPLOAD and not event.detail:
+        return "Uploading the mission to vehicle..."
+    return _PHASES[event.phase].format(event.detail)
 
 
-@sentence.register
+@event_line.register
 def _waiting(event: Waiting) -> str:
-    wait = _WAITS.get(event.phase, f" Waiting ({event.phase.value})...")
-    return f"{wait} ({event.reason})" if event.reason else wait
+    line = _WAITS.get(event.phase, f" Waiting ({event.phase.value})...")
+    return f"{line} ({event.reason})" if event.reason else line
 
 
-@sentence.register
+@event_line.register
 def _climbing(event: Climbing) -> str:
     return f" Altitude: {event.altitude_m:.2f} < {event.threshold_m:.2f}"
 
 
-@sentence.register
-def _up(event: TargetAltitudeReached) -> str:
+@event_line.register
+def _target_altitude_reached(event: TargetAltitudeReached) -> str:
     return f" Reached target altitude of ~{event.target_m:g}"
 
 
-@sentence.register
-def _heading(event: DistanceToWaypoint) -> str:
+@event_line.register
+def _distance_to_waypoint(event: DistanceToWaypoint) -> str:
     distance = "unknown" if event.distance_m is None else f"{event.distance_m:.2f}"
     return f"Distance to waypoint ({event.seq}): {distance}"
 
 
-@sentence.register
-def _reached(event: WaypointReached) -> str:
+@event_line.register
+def _waypoint_reached(event: WaypointReached) -> str:
     return f" Reached waypoint ({event.seq}) at {event.time_s:.1f} s"
 
 
-@sentence.register
-def _words(event: StatusText) -> str:
+@event_line.register
+def _status_text(event: StatusText) -> str:
     return f" Autopilot: {event.text}"
 
 
-@sentence.register
+@event_line.register
 def _notice(event: Notice) -> str:
     return f"Warning: {event.text}" if event.warning else event.text
 
 
-@sentence.register
-def _lost(event: LinkLost) -> str:
-    return f"Warning: nothing heard from the vehicle for {event.silent_s:.1f} s"
+@event_line.register
+def _link_lost(event: LinkLost) -> str:
+    return f"Warning: link lost, no message from the vehicle for {event.silent_s:.1f} s"
 
 
-@sentence.register
-def _back(event: LinkRestored) -> str:
-    return f" The vehicle is heard again after {event.silent_s:.1f} s"
+@event_line.register
+def _link_restored(event: LinkRestored) -> str:
+    return f" Link restored after {event.silent_s:.1f} s"
 
 
-@sentence.register
-def _return(event: ReturnCommanded) -> str:
+@event_line.register
+def _return_commanded(event: ReturnCommanded) -> str:
     if event.confirmed:
         return " The vehicle confirmed RTL"
-    return "Warning: the vehicle has not confirmed RTL"
+    return "Warning: the vehicle did not confirm RTL"
 
 
-@sentence.register
+@event_line.register
 def _finished(event: Finished) -> str:
     return "Completed..."

@@ -1,4 +1,4 @@
-"""The ``--json`` object: a contract with other programs, written down in DESIGN.md.
+"""The ``--json`` object, which other programs read: its keys and units do not change.
 
 Lengths in metres, times in seconds, angles in degrees, unless the key says otherwise.
 """
@@ -23,7 +23,7 @@ Json = Mapping[str, Any]
 
 
 def log_summary(log: Log, flights: Sequence[Flight]) -> Json:
-    """What the log holds; ``fixes`` counts the usable ones of the chosen vehicle."""
+    """The "log" object; ``fixes`` counts the usable fixes of the chosen vehicle."""
     return {
         "path": log.path,
         "bytes": log.bytes,
@@ -47,20 +47,20 @@ def log_summary(log: Log, flights: Sequence[Flight]) -> Json:
 
 
 def route_summary(route: Route) -> Json:
-    """What will be flown; items without home."""
+    """The "route" object; its items do not include home."""
     return {
         "method": route.method,
         "points": len(route.mission.waypoints),
         "items": [_item(seq, item) for seq, item in enumerate(route.mission.items, FIRST_SEQ)],
         "fixes_covered": len(route.covered),
         "length_m": round(route.path.length_m, 3),
-        "planned_error_m": _spread(route.planned_error),
+        "planned_error_m": _statistics(route.planned_error),
         "predicted_duration_s": round(route.predicted_duration_s, 3),
     }
 
 
 def flight_summary(vehicle: str, simulated: bool, record: FlightRecord, outcome: Outcome) -> Json:
-    """How the flight went."""
+    """The "flight" object."""
     return {
         "vehicle": vehicle,
         "simulated": simulated,
@@ -68,8 +68,8 @@ def flight_summary(vehicle: str, simulated: bool, record: FlightRecord, outcome:
         "ended": record.ended,
         "auto_s": round(record.auto_s, 3),
         "rtl_confirmed": record.rtl_confirmed,
-        "distance_in_space_m": _spread(outcome.in_space),
-        "distance_in_time_m": _spread(outcome.in_time),
+        "distance_in_space_m": _statistics(outcome.path_error),
+        "distance_in_time_m": _statistics(outcome.position_error),
     }
 
 
@@ -85,8 +85,8 @@ def _item(seq: int, item: MissionItem) -> Json:
     }
 
 
-def _spread(spread: ErrorStatistics | None) -> Json:
-    """Mean, 95th percentile and largest; null each where there was nothing to compare."""
-    if spread is None:
+def _statistics(error: ErrorStatistics | None) -> Json:
+    """Mean, 95th percentile and maximum; each null where there is nothing to compare."""
+    if error is None:
         return {"mean": None, "p95": None, "max": None}
-    return {name: round(value, 4) for name, value in asdict(spread).items()}
+    return {name: round(value, 4) for name, value in asdict(error).items()}

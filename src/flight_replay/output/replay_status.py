@@ -1,4 +1,4 @@
-"""Where a replay stands: what its events add up to, for displays that show it at a glance."""
+"""The current status of a replay, made of its events, for the live display and the live map."""
 
 from __future__ import annotations
 
@@ -24,30 +24,30 @@ from flight_replay.events import (
     WaypointReached,
 )
 
-WORDS_KEPT = 3
-"""The autopilot's last words on show."""
+STATUS_TEXTS_SHOWN = 3
+"""How many of the autopilot's last texts are shown."""
 
 
 @dataclass(slots=True)
-class Status:
-    """The state of a replay, made of the events so far."""
+class ReplayStatus:
+    """The latest of each kind of event; None or empty before the first."""
 
     phase: Phase | None = None
-    begun: list[Phase] = field(default_factory=list)
+    started: list[Phase] = field(default_factory=list)
     progress: Progress | None = None
     waiting: str = ""
-    target_m: float | None = None
-    heading: DistanceToWaypoint | None = None
+    target_altitude_m: float | None = None
+    current_waypoint: DistanceToWaypoint | None = None
     reached: list[int] = field(default_factory=list)
     vehicle: VehicleState | None = None
-    words: tuple[StatusText, ...] = ()
-    trouble: str = ""
+    status_texts: tuple[StatusText, ...] = ()
+    warning: str = ""
     rtl_confirmed: bool | None = None
     ended: str | None = None
 
     @property
     def speed_m_s(self) -> float:
-        """Ground speed; not a number before the vehicle was heard."""
+        """Ground speed; NaN before the first position."""
         if self.vehicle is None:
             return math.nan
         north_m_s, east_m_s, _ = self.vehicle.velocity_m_s
@@ -55,13 +55,13 @@ class Status:
 
     @singledispatchmethod
     def update(self, event: Event) -> None:
-        """Take an event in; those that change nothing here are ignored."""
+        """Apply an event; events that change nothing here are ignored."""
 
     @update.register
-    def _phase(self, event: PhaseStarted) -> None:
+    def _phase_started(self, event: PhaseStarted) -> None:
         self.phase, self.progress, self.waiting = event.phase, None, ""
-        if event.phase not in self.begun:
-            self.begun.append(event.phase)
+        if event.phase not in self.started:
+            self.started.append(event.phase)
 
     @update.register
     def _progress(self, event: Progress) -> None:
@@ -73,41 +73,51 @@ class Status:
 
     @update.register
     def _climbing(self, event: Climbing) -> None:
-        self.target_m = event.target_m
+        self.target_altitude_m = event.target_m
 
     @update.register
-    def _heading(self, event: DistanceToWaypoint) -> None:
-        self.heading = event
+    def _distance_to_waypoint(self, event: DistanceToWaypoint) -> None:
+        self.current_waypoint = event
 
     @update.register
-    def _reached(self, event: WaypointReached) -> None:
+    def _waypoint_reached(self, event: WaypointReached) -> None:
         self.reached.append(event.seq)
 
     @update.register
-    def _vehicle(self, event: VehicleState) -> None:
+    def _vehicle_state(self, event: VehicleState) -> None:
         self.vehicle = event
 
     @update.register
-    def _words(self, event: StatusText) -> None:
-        self.words = (*self.words, event)[-WORDS_KEPT:]
+    def _status_text(self, event: StatusText) -> None:
+        self.status_texts = (*self.status_texts, event)[-STATUS_TEXTS_SHOWN:]
 
     @update.register
     def _notice(self, event: Notice) -> None:
         if event.warning:
-            self.trouble = event.text
+            self.warning = event.text
 
     @update.register
-    def _lost(self, event: LinkLost) -> None:
-        self.trouble = f"nothing heard for {event.silent_s:.0f} s"
+    def _link_lost(self, event: LinkLost) -> None:
+        self.warning = "link lost"
 
     @update.register
-    def _back(self, event: LinkRestored) -> None:
-        self.trouble = ""
+    def _link_restored(self, event: LinkRestored) -> None:
+        self.warning = ""
 
     @update.register
-    def _returning(self, event: ReturnCommanded) -> None:
+    def _return_commanded(self, event: ReturnCommanded) -> None:
         self.rtl_confirmed = event.confirmed
 
     @update.register
     def _finished(self, event: Finished) -> None:
         self.ended = event.ended
+
+
+def battery_text(vehicle: VehicleState) -> str:
+    """Voltage and remaining percentage, as far as they are known, such as "12.6 V 84 %"."""
+    values = ((vehicle.battery_v, ".1f", "V"), (vehicle.battery_percent, ".0f", "%"))
+    return " ".join(
+        f"{value:{precision}} {unit}"
+        for value, precision, unit in values
+        if value is not None and math.isfinite(value)
+    )

@@ -1,4 +1,4 @@
-"""plot.py: one page of pictures of a replay."""
+"""plot.py: one page of plots of a replay."""
 
 import re
 from pathlib import Path
@@ -9,31 +9,31 @@ import pytest
 from flight_replay.errors import FlightReplayError
 from flight_replay.output.charts.plot import save_plot, scale_bar_m
 from flight_replay.planning.spacing import spaced_route
-from tests.helpers.made_replays import eight, replay
+from tests.helpers.made_replays import figure_of_eight, made_replay
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
 
 
 @pytest.mark.parametrize("suffix", MAGIC)
 def test_the_suffix_decides_the_format(tmp_path: Path, suffix: str) -> None:
-    """Each file begins like its kind and is the same twice."""
+    """Each file has its format's signature and is the same twice."""
     path, again = tmp_path / f"a{suffix}", tmp_path / f"b{suffix.upper()}"
-    save_plot(path, *replay())
-    save_plot(again, *replay())
+    save_plot(path, *made_replay())
+    save_plot(again, *made_replay())
     assert path.read_bytes().startswith(MAGIC[suffix])
     assert path.read_bytes() == again.read_bytes()
 
 
-def words(path: Path, monkeypatch: pytest.MonkeyPatch, *, flown: bool) -> list[str]:
+def texts(path: Path, monkeypatch: pytest.MonkeyPatch, *, flown: bool) -> list[str]:
     """Every text in an SVG of the replay; matplotlib leaves each as a comment beside its outlines."""
-    route, record, outcome = replay()
+    route, record, outcome = made_replay()
     save_plot(path, route, *((record, outcome) if flown else ()))
     return [text.strip() for text in re.findall(r"<!--(.*?)-->", path.read_text(), re.DOTALL)]
 
 
-def test_the_page_says_what_it_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Axes have labels with units, the map a scale bar and north, the lines names, the panels numbers."""
-    said = words(tmp_path / "a.svg", monkeypatch, flown=True)
+def test_lines_axes_and_panels_are_labelled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Axes have units, the map has a scale bar and north, lines have names, panels have statistics."""
+    shown = texts(tmp_path / "a.svg", monkeypatch, flown=True)
     for text in (
         "recorded",
         "planned",
@@ -48,32 +48,32 @@ def test_the_page_says_what_it_shows(tmp_path: Path, monkeypatch: pytest.MonkeyP
         "speed (m/s)",
         "ground speed",
         "altitude above home",
-        "distance in space",
-        "distance in time",
+        "path error",
+        "position error",
     ):
-        assert text in said
-    assert said.count("time since the first fix / first waypoint (s)") == 4
-    assert any(re.fullmatch(r"mean \d+\.\d\d, 95 % \d+\.\d\d, max \d+\.\d\d m", text) for text in said)
+        assert text in shown
+    assert shown.count("time since the first fix / first waypoint (s)") == 4
+    assert any(re.fullmatch(r"mean \d+\.\d\d m, p95 \d+\.\d\d m, max \d+\.\d\d m", text) for text in shown)
 
 
-def test_a_plan_alone_is_drawn_without_flown_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A dry run has a plot too: paths, planned distance, altitude and speed."""
-    said = words(tmp_path / "a.svg", monkeypatch, flown=False)
-    assert "flown" not in said
-    assert "distance in time" not in said
-    assert "planned distance in space" in said
+def test_a_plan_is_drawn_without_flown_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A dry run has a plot too: paths, planned path error, altitude and speed."""
+    shown = texts(tmp_path / "a.svg", monkeypatch, flown=False)
+    assert "flown" not in shown
+    assert "position error" not in shown
+    assert "planned path error" in shown
     Xml.parse(tmp_path / "a.svg")
 
 
 def test_a_single_fix_can_be_drawn(tmp_path: Path) -> None:
-    """A hovering or very short log gives a picture, not an error."""
-    save_plot(tmp_path / "a.png", spaced_route(eight().select(slice(0, 1))))
+    """A log of a hover gives a plot, not an error."""
+    save_plot(tmp_path / "a.png", spaced_route(figure_of_eight().select(slice(0, 1))))
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
-def test_north_and_east_have_the_same_scale_and_the_bar_keeps_to_it(tmp_path: Path) -> None:
-    """A metre is as long up as across, and as on the scale bar, on the page itself."""
-    save_plot(tmp_path / "a.svg", *replay())
+def test_north_and_east_and_the_scale_bar_have_one_scale(tmp_path: Path) -> None:
+    """A metre has one length on the page."""
+    save_plot(tmp_path / "a.svg", *made_replay())
     root = Xml.parse(tmp_path / "a.svg").getroot()
     groups = {group.get("id"): group for group in root.iter("{http://www.w3.org/2000/svg}g")}
     across = tick_step(groups, "xtick", 1) / 20
@@ -93,13 +93,13 @@ def tick_step(groups: dict[str | None, Xml.Element], kind: str, first: int) -> f
     return abs(places[1] - places[0])
 
 
-def test_other_suffixes_are_told(tmp_path: Path) -> None:
-    """One sentence names the file and the formats."""
+def test_other_suffixes_are_refused(tmp_path: Path) -> None:
+    """The error names the file and the formats."""
     with pytest.raises(FlightReplayError, match=r'a\.gif: unknown suffix "\.gif"; use one of \.png, '):
-        save_plot("a.gif", replay()[0])
+        save_plot("a.gif", made_replay()[0])
 
 
 @pytest.mark.parametrize(("width_m", "bar_m"), [(100, 20), (99, 10), (260, 50), (0.4, 0.05), (7e4, 1e4)])
 def test_the_scale_bar_is_round_and_about_a_fifth(width_m: float, bar_m: float) -> None:
-    """1, 2 or 5 and zeros."""
+    """1, 2 or 5 times a power of ten."""
     assert scale_bar_m(width_m) == pytest.approx(bar_m)

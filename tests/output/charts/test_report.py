@@ -1,4 +1,4 @@
-"""report.py: a replay in one self-contained HTML file."""
+"""report.py: the report in one self-contained HTML file."""
 
 import re
 from dataclasses import asdict, replace
@@ -9,16 +9,16 @@ from typing import Any
 import pytest
 
 from flight_replay.errors import FlightReplayError
-from flight_replay.output.charts.report import Account, save_report
-from flight_replay.output.event_log import Entry
+from flight_replay.output.charts.report import ReportText, save_report
+from flight_replay.output.event_log import LoggedEvent
 from flight_replay.planning.spacing import spaced_route
-from tests.helpers.made_replays import eight, replay
+from tests.helpers.made_replays import figure_of_eight, made_replay
 
 
 def summary(*, flown: bool = True) -> dict[str, Any]:
     """A ``--json`` object that fits the made-up replay."""
-    route, record, outcome = replay()
-    assert outcome.in_space is not None
+    route, record, outcome = made_replay()
+    assert outcome.path_error is not None
     flight = {
         "vehicle": "ArduCopter V4.6.0",
         "simulated": True,
@@ -26,7 +26,7 @@ def summary(*, flown: bool = True) -> dict[str, Any]:
         "ended": record.ended,
         "auto_s": record.auto_s,
         "rtl_confirmed": record.rtl_confirmed,
-        "distance_in_space_m": asdict(outcome.in_space),
+        "distance_in_space_m": asdict(outcome.path_error),
         "distance_in_time_m": {"mean": None, "p95": None, "max": None},
     }
     return {
@@ -53,12 +53,12 @@ def summary(*, flown: bool = True) -> dict[str, Any]:
 
 
 class Page(HTMLParser):
-    """The words of a page outside scripts and styles, the files it asks for, and its table rows."""
+    """The texts of a page outside scripts and styles, the files it refers to, and its table rows."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
-        self.asked: list[str] = []
-        self.words: list[str] = []
+        self.references: list[str] = []
+        self.texts: list[str] = []
         self.rows: list[list[str]] = []
         self._silent = 0
         self._in_row = False
@@ -66,7 +66,7 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self._silent += tag in {"script", "style"}
-        self.asked += [value or "" for name, value in attrs if name in {"src", "href"}]
+        self.references += [value or "" for name, value in attrs if name in {"src", "href"}]
         if tag == "tr":
             self.rows.append([])
             self._in_row = True
@@ -77,7 +77,7 @@ class Page(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         if data.strip() and not self._silent:
-            self.words.append(data.strip())
+            self.texts.append(data.strip())
             if self._in_row:
                 self.rows[-1].append(data.strip())
 
@@ -86,68 +86,68 @@ class Page(HTMLParser):
 def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
     """The report of the made-up replay."""
     path = tmp_path_factory.mktemp("report") / "replay.html"
-    route, record, outcome = replay()
-    events = (Entry(None, "Arm and Takeoff", False), Entry(12.3, "Warning: <lost>", True))
-    account = Account(summary(), events, ["--tlog", "my flight.tlog", "--speedup", "10"])
-    save_report(path, account, route, replace(record, problem="the vehicle did not confirm RTL"), outcome)
+    route, record, outcome = made_replay()
+    events = (LoggedEvent(None, "Arm and Takeoff", False), LoggedEvent(12.3, "Warning: <lost>", True))
+    text = ReportText(summary(), events, ["--tlog", "my flight.tlog", "--speedup", "10"])
+    save_report(path, text, route, replace(record, problem="the vehicle did not confirm RTL"), outcome)
     return Page(path.read_text(encoding="utf-8"))
 
 
-def test_the_file_asks_for_nothing(page: Page) -> None:
-    """Scripts, styles and data are inside: no address is opened to show it."""
-    assert page.asked == []
+def test_the_file_refers_to_no_other(page: Page) -> None:
+    """Scripts, styles and data are inside."""
+    assert page.references == []
 
 
-def test_the_report_tells_the_numbers(page: Page) -> None:
+def test_the_report_has_the_results(page: Page) -> None:
     """Log, route and flight as in ``--json``, with units."""
     rows = {row[0]: row[1:] for row in page.rows if row}
     assert rows["usable fixes"] == ["300"]
     assert rows["records without a position"] == ["7"]
     assert rows["waypoints reached"][0].startswith(f"{summary()['flight']['waypoints_reached']} of ")
     assert rows["time in AUTO"] == ["60.0 s"]
-    assert re.fullmatch(r"mean [\d.]+, 95 % [\d.]+, max [\d.]+ m", rows["distance in space"][0])
-    assert rows["distance in time"] == ["nothing to compare"]
+    assert re.fullmatch(r"mean [\d.]+ m, p95 [\d.]+ m, max [\d.]+ m", rows["path error"][0])
+    assert rows["position error"] == ["nothing to compare"]
     assert rows["problem"] == ["the vehicle did not confirm RTL"]
 
 
 def test_the_report_lists_mission_and_events(page: Page) -> None:
-    """Each item with its place and when it was reached; each event with the vehicle's time."""
+    """Each item with its position and the time when it was reached; each event with the vehicle's time."""
     rows = {row[0]: row for row in page.rows if row}
     assert rows["1"] == ["1", "waypoint, 30 m above home", "47.3977000", "8.5456000", "30.0", "0.0"]
     assert rows["2"][-1] == "2.0"
     assert ["12.3", "Warning: <lost>"] in page.rows
 
 
-def test_the_report_says_how_to_repeat_the_run(page: Page) -> None:
-    """The command can be pasted into a shell."""
-    assert "flight-replay --tlog 'my flight.tlog' --speedup 10" in page.words
+def test_the_report_has_the_command(page: Page) -> None:
+    """It can be pasted into a shell."""
+    assert "flight-replay --tlog 'my flight.tlog' --speedup 10" in page.texts
 
 
-def test_names_from_outside_are_text_not_markup(page: Page) -> None:
-    """A file name with markup in it is shown as it is."""
-    assert page.words[0] == "Replay of <b>flight.tlog"
+def test_file_names_are_escaped(page: Page) -> None:
+    """Markup in a file name is shown as text."""
+    assert page.texts[0] == "Replay of <b>flight.tlog"
 
 
-def test_a_plan_alone_has_a_report(tmp_path: Path) -> None:
-    """Nothing flown: no flight table, no events, and the speed changes are told."""
-    route = spaced_route(eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0)
-    save_report(tmp_path / "a.html", Account(summary(flown=False)), route)
+def test_a_plan_has_a_report(tmp_path: Path) -> None:
+    """It has no flight and no events; its mission lists speed changes."""
+    route = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0)
+    save_report(tmp_path / "a.html", ReportText(summary(flown=False)), route)
     page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
-    assert "A plan: nothing was flown." in page.words
-    assert "Flight" not in page.words
-    assert "Events" not in page.words
+    assert "Plan only: nothing was flown." in page.texts
+    assert "Flight" not in page.texts
+    assert "Events" not in page.texts
     assert ["1", "change speed to 3 m/s"] in page.rows
 
 
-def test_an_odd_end_is_told_at_the_top(tmp_path: Path) -> None:
-    """A flight that a pilot took over says so."""
-    route, record, outcome = replay()
-    save_report(tmp_path / "a.html", Account(summary()), route, replace(record, ended="pilot"), outcome)
-    assert "ended otherwise than asked, by: pilot." in (tmp_path / "a.html").read_text(encoding="utf-8")
+def test_an_unplanned_end_is_at_the_top(tmp_path: Path) -> None:
+    """Such as a flight that a pilot took over."""
+    route, record, outcome = made_replay()
+    save_report(tmp_path / "a.html", ReportText(summary()), route, replace(record, ended="pilot"), outcome)
+    assert "did not end as planned: pilot." in (tmp_path / "a.html").read_text(encoding="utf-8")
 
 
-def test_other_suffixes_are_told() -> None:
-    """One sentence names the file and the suffix that it must have."""
-    route, _, _ = replay()
+def test_other_suffixes_are_refused() -> None:
+    """The error names the file and the suffixes."""
+    route, _, _ = made_replay()
     with pytest.raises(FlightReplayError, match=r'a\.pdf: unknown suffix "\.pdf"; use one of \.html'):
-        save_report("a.pdf", Account(summary()), route)
+        save_report("a.pdf", ReportText(summary()), route)

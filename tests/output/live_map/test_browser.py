@@ -1,4 +1,4 @@
-"""The live map in a real Chromium: what a person sees, how late, and what the page asks for."""
+"""The live map in a real Chromium: what it shows, how late, and what it requests."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ from flight_replay.events import (
     Finished,
     Phase,
     PhaseStarted,
-    VehicleState,
     WaypointReached,
 )
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.live_map.server import LiveMap
-from tests.helpers.made_replays import FRAME, replay
+from tests.helpers.made_replays import FRAME, made_replay, vehicle_at
 
 pytestmark = pytest.mark.browser
 
@@ -38,7 +37,7 @@ FLAGS = (
     "disable-component-update",
     "disable-sync",
 )
-MOST_LATE_S = 0.5
+MAX_DELAY_S = 0.5
 SPEEDUP = 20
 
 
@@ -60,7 +59,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 @pytest.fixture
 def no_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """There is no network."""
+    """No tile server is asked."""
     monkeypatch.setattr(map_tiles, "probe", threading.Event)
 
 
@@ -71,14 +70,14 @@ def show(browser: Any, url: str) -> None:
 
 
 def wait_for(browser: Any, script: str) -> None:
-    """Wait until a script in the page returns something true."""
+    """Wait until a script in the page returns a true value."""
     from selenium.webdriver.support.ui import WebDriverWait
 
     WebDriverWait(browser, 20).until(lambda driver: driver.execute_script(script))
 
 
 def requested(browser: Any) -> set[str]:
-    """Every address that pages have asked for since the last call."""
+    """Every address that pages have requested since the last call."""
     events = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
     requests = [
         event["params"]["request"]["url"]
@@ -86,14 +85,6 @@ def requested(browser: Any) -> set[str]:
         if event["method"] == "Network.requestWillBeSent"
     ]
     return {url for url in requests if url.startswith(("http", "ws"))}
-
-
-def state(number: int, time_s: float) -> VehicleState:
-    """The vehicle, ``number`` decimetres east of the origin."""
-    lat_deg, lon_deg = FRAME.to_degrees([0.0, number / 10])
-    return VehicleState(
-        time_s, float(lat_deg), float(lon_deg), 30.0, (0.0, 4.0, 0.0), 90.0, "AUTO", True, 12.4, 83.0
-    )
 
 
 WATCH = """
@@ -109,7 +100,7 @@ WATCH = """
 @pytest.mark.usefixtures("no_tiles")
 def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(browser: Any) -> None:
     """Four positions a second, twenty times faster, for four seconds; measured until they are drawn."""
-    with LiveMap(replay()[0]) as live:
+    with LiveMap(made_replay()[0]) as live:
         show(browser, live.url)
         browser.execute_script(WATCH)
         live.listener(PhaseStarted(Phase.MISSION))
@@ -118,7 +109,7 @@ def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(brow
         begin_s = time.time()
         for number in range(320):
             live.listener(DistanceToWaypoint(1 + number // 6, 3.0, 60))
-            live.listener(state(number, 100 + number / 4))
+            live.listener(vehicle_at(0.0, number / 10, 100 + number / 4))
             sent.append(time.time())
             time.sleep(max(0.0, begin_s + number / (4 * SPEEDUP) - time.time()))
         wait_for(browser, "return window.seen.length && window.seen.at(-1)[0] > 31.8")
@@ -126,18 +117,18 @@ def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(brow
     late_s = np.array([at_s - sent[round(east * 10)] for east, at_s in seen])
     assert len(seen) > 20
     assert np.median(np.diff([at_s for _, at_s in seen])) < 0.25
-    assert np.percentile(late_s, 95) <= MOST_LATE_S
+    assert np.percentile(late_s, 95) <= MAX_DELAY_S
 
 
 @pytest.mark.usefixtures("no_tiles")
-def test_without_a_network_nothing_is_asked_of_anyone_else(browser: Any) -> None:
-    """Page, scripts and websocket come from the map's own server; no error is logged by the page."""
+def test_without_a_network_only_the_map_server_is_asked(browser: Any) -> None:
+    """Page, scripts and websocket come from the map's own server; the page logs no error."""
     browser.get("about:blank")
     requested(browser)
     browser.get_log("browser")
-    with LiveMap(replay()[0]) as live:
+    with LiveMap(made_replay()[0]) as live:
         show(browser, live.url)
-        live.listener(state(5, 100.0))
+        live.listener(vehicle_at(0.0, 0.5, 100.0))
         wait_for(browser, "return Bokeh.documents[0].get_model_by_name('copter').data.east.length == 1")
         asked = requested(browser)
         severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
@@ -147,14 +138,14 @@ def test_without_a_network_nothing_is_asked_of_anyone_else(browser: Any) -> None
 
 
 @pytest.mark.usefixtures("no_tiles")
-def test_a_finished_flight_is_shown_and_fits_a_phone(browser: Any) -> None:
-    """Readings and four parts are there at 400 px of width, and nothing sticks out sideways."""
-    route, record, _ = replay()
+def test_a_finished_flight_fits_a_phone(browser: Any) -> None:
+    """At a width of 400 px the page needs no horizontal scrolling."""
+    route, record, _ = made_replay()
     with LiveMap(route) as live:
         for seq, time_s in record.reached:
             live.listener(WaypointReached(seq, time_s))
         for number in range(50):
-            live.listener(state(number, 1000.0 + number))
+            live.listener(vehicle_at(0.0, number / 10, 1000.0 + number))
         live.listener(Finished("duration"))
         browser.set_window_size(400, 900)
         show(browser, live.url)
@@ -166,11 +157,11 @@ def test_a_finished_flight_is_shown_and_fits_a_phone(browser: Any) -> None:
 
 
 @pytest.mark.usefixtures("no_tiles")
-def test_the_page_outlives_the_program(browser: Any) -> None:
-    """After the flight the page stays as it was, without an alarm that the program is gone."""
-    with LiveMap(replay()[0]) as live:
+def test_the_page_stays_after_the_program_has_exited(browser: Any) -> None:
+    """It reports no lost connection."""
+    with LiveMap(made_replay()[0]) as live:
         show(browser, live.url)
-        live.listener(state(5, 100.0))
+        live.listener(vehicle_at(0.0, 0.5, 100.0))
         live.listener(Finished("duration"))
         wait_for(browser, "return Bokeh.documents[0].get_model_by_name('readings').text.includes('ended')")
     time.sleep(0.5)
@@ -185,9 +176,9 @@ def test_the_page_outlives_the_program(browser: Any) -> None:
 
 
 @pytest.mark.usefixtures("no_tiles")
-def test_closing_the_page_harms_nothing(browser: Any) -> None:
-    """The map notices, goes on taking events, and can be opened again."""
-    with LiveMap(replay()[0]) as live:
+def test_a_closed_page_can_be_opened_again(browser: Any) -> None:
+    """The server goes on without it."""
+    with LiveMap(made_replay()[0]) as live:
         first = browser.current_window_handle
         browser.switch_to.new_window("tab")
         show(browser, live.url)
@@ -199,13 +190,13 @@ def test_closing_the_page_harms_nothing(browser: Any) -> None:
             time.sleep(0.05)
         assert not live.is_watched
         for number in range(100):
-            live.listener(state(number, 100.0 + number))
+            live.listener(vehicle_at(0.0, number / 10, 100.0 + number))
         show(browser, live.url)
         wait_for(browser, "return Bokeh.documents[0].get_model_by_name('trail').data.east.length == 100")
 
 
 class TileServer(BaseHTTPRequestHandler):
-    """Answers every tile with an empty picture, and remembers which were asked for."""
+    """Serves an empty picture for every tile, and keeps the requests."""
 
     asked: list[tuple[int, ...]]
 
@@ -219,13 +210,11 @@ class TileServer(BaseHTTPRequestHandler):
         self.wfile.write(b'<svg xmlns="http://www.w3.org/2000/svg" width="256" height="256"/>')
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing."""
+        """Log nothing."""
 
 
-def test_tiles_of_the_right_place_are_laid_under_the_map(
-    browser: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Where the network answers, the tiles asked for are those around the flight, and only those."""
+def test_the_tiles_around_the_flight_are_requested(browser: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And no others, once the tile server has answered."""
     asked: list[tuple[int, ...]] = []
     handler = type("Handler", (TileServer,), {"asked": asked})
     server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
@@ -237,7 +226,7 @@ def test_tiles_of_the_right_place_are_laid_under_the_map(
         map_tiles.tile_source, "__defaults__", (f"http://127.0.0.1:{server.server_port}/{{Z}}/{{X}}/{{Y}}",)
     )
     try:
-        with LiveMap(replay()[0]) as live:
+        with LiveMap(made_replay()[0]) as live:
             show(browser, live.url)
             browser.get("about:blank")
     finally:
@@ -252,7 +241,7 @@ def test_tiles_of_the_right_place_are_laid_under_the_map(
 
 
 def tile_of(lat_deg: float, lon_deg: float, zoom: int) -> tuple[float, float]:
-    """The tile that OpenStreetMap has a place on (its wiki, "Slippy map tilenames"), with a fraction."""
+    """The tile of a position with its fraction (OpenStreetMap wiki, "Slippy map tilenames")."""
     x = (lon_deg + 180) / 360 * 2**zoom
     y = (1 - np.arcsinh(np.tan(np.radians(lat_deg))) / np.pi) / 2 * 2**zoom
     return float(x), float(y)

@@ -1,1 +1,1 @@
-"""Pictures: one page for matplotlib, interactive charts, the report."""
+"""Charts of a replay: a page of plots, interactive charts, and the HTML report."""

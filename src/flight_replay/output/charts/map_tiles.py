@@ -1,6 +1,6 @@
-"""Map tiles under a chart in local metres, where a network answers quickly; a chart never needs them.
+"""OpenStreetMap tiles below a chart in local metres, shown only if the tile server answers quickly.
 
-Tiles are laid out in web Mercator metres, which are 1 / cos(latitude) too long. Scaled and shifted,
+Tiles are laid out in web Mercator metres, which are too long by 1 / cos(latitude). Scaled and shifted,
 they fit the local frame to a third of a percent: 1 m at 300 m from its origin.
 """
 
@@ -17,23 +17,23 @@ from flight_replay.geometry.geodesy import EQUATORIAL_RADIUS_M, LocalFrame
 HOST = "tile.openstreetmap.org"
 URL = f"https://{HOST}/{{Z}}/{{X}}/{{Y}}.png"
 ATTRIBUTION = "&copy; OpenStreetMap contributors"
-_DEEPEST_ZOOM = 19
+_MAX_ZOOM = 19
 _TILE_PX = 256
-_PROBE_S = 1.5
+_PROBE_TIMEOUT_S = 1.5
 
 
 def probe(host: str = HOST, port: int = 443) -> threading.Event:
-    """An event that is set once the host has answered, if it does so quickly; asked on another thread."""
+    """Connect to the host in another thread; the event is set if it answers in time."""
     answered = threading.Event()
 
-    def ask() -> None:
+    def connect() -> None:
         try:
-            socket.create_connection((host, port), _PROBE_S).close()
+            socket.create_connection((host, port), _PROBE_TIMEOUT_S).close()
         except OSError:
             return
         answered.set()
 
-    threading.Thread(target=ask, name="flight-replay tiles", daemon=True).start()
+    threading.Thread(target=connect, name="flight-replay tiles", daemon=True).start()
     return answered
 
 
@@ -48,7 +48,7 @@ def tile_source(frame: LocalFrame, url: str = URL) -> WMTSTileSource:
         url=url,
         attribution=ATTRIBUTION,
         tile_size=_TILE_PX,
-        max_zoom=_DEEPEST_ZOOM,
+        max_zoom=_MAX_ZOOM,
         initial_resolution=2 * half_turn_m / _TILE_PX * scale,
         x_origin_offset=scale * (half_turn_m + x_m),
         y_origin_offset=scale * (half_turn_m + y_m),

@@ -1,4 +1,4 @@
-"""One page of pictures of a replay: the paths to scale, the distances, altitude and speed over time.
+"""One page of plots of a replay: the paths to scale, errors, altitude and speed over time.
 
 Lines differ in width and style as well as in colour.
 """
@@ -13,7 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.output.charts.series import FLOWN, PLANNED, RECORDED, Curves, Distances, Flown, curves
+from flight_replay.output.charts.series import (
+    FLOWN_COLOUR,
+    PLANNED_COLOUR,
+    RECORDED_COLOUR,
+    ErrorSeries,
+    ReplaySeries,
+    TrackSeries,
+    replay_series,
+)
 from flight_replay.output.outcome import Outcome
 from flight_replay.output_files import check_suffix, write_atomically
 from flight_replay.planning.route import Route
@@ -44,10 +52,10 @@ _STYLE: dict[Any, Any] = {
 def save_plot(
     path: Path | str, route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
 ) -> None:
-    """Draw a route, and the flight that followed it if there was one, on one page.
+    """Plot a route, and the flight that followed it if there was one, on one page.
 
     Raises:
-        FlightReplayError: The suffix is no picture's, or the file cannot be written.
+        FlightReplayError: The suffix is not in ``SUFFIXES``, or the file cannot be written.
     """
     file_format = check_suffix(path, SUFFIXES).removeprefix(".")
     from matplotlib import rc_context
@@ -57,43 +65,43 @@ def save_plot(
     with rc_context(_STYLE):
         figure = Figure(figsize=_PAGE_IN, layout="constrained")
         FigureCanvasAgg(figure)
-        _fill(figure, curves(route, record, outcome))
+        _fill(figure, replay_series(route, record, outcome))
         page = io.BytesIO()
         dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
         figure.savefig(page, format=file_format, dpi=_PNG_DOTS_PER_IN, metadata=dates[file_format])
     write_atomically(path, page.getvalue())
 
 
-def _fill(figure: Figure, shown: Curves) -> None:
+def _fill(figure: Figure, series: ReplaySeries) -> None:
     grid = figure.add_gridspec(3, 2, height_ratios=[2.6, 1, 1])
-    _draw_map(figure.add_subplot(grid[0, :]), shown)
-    panels, places = [_draw_in_space, _draw_altitude, _draw_speed], [grid[1, 0], grid[1, 1], grid[2, :]]
-    if shown.in_time is not None:
-        panels.insert(1, _draw_in_time)
-        places[2:] = [grid[2, 0], grid[2, 1]]
-    for place, draw in zip(places, panels, strict=True):
-        axes = figure.add_subplot(place, sharex=figure.axes[1] if len(figure.axes) > 1 else None)
+    _draw_map(figure.add_subplot(grid[0, :]), series)
+    panels, cells = [_draw_path_error, _draw_altitude, _draw_speed], [grid[1, 0], grid[1, 1], grid[2, :]]
+    if series.position_error is not None:
+        panels.insert(1, _draw_position_error)
+        cells[2:] = [grid[2, 0], grid[2, 1]]
+    for cell, draw in zip(cells, panels, strict=True):
+        axes = figure.add_subplot(cell, sharex=figure.axes[1] if len(figure.axes) > 1 else None)
         axes.set_xlabel("time since the first fix / first waypoint (s)")
-        draw(axes, shown)
+        draw(axes, series)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
-    # Only when everything has its place is a metre's length on the page known.
+    # The length of a metre on the page is known only after the layout.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     _draw_scale_and_north(figure.axes[0])
 
 
-def _draw_map(axes: Axes, shown: Curves) -> None:
-    north_m, east_m = shown.recorded.north_east_m.T
-    axes.plot(east_m, north_m, color=RECORDED, linewidth=3, label="recorded", solid_capstyle="round")
-    axes.plot(
-        shown.planned_m[:, 1], shown.planned_m[:, 0], "--", color=PLANNED, linewidth=1.2, label="planned"
-    )
-    if shown.flown is not None:
-        north_m, east_m = shown.flown.north_east_m.T
-        axes.plot(east_m, north_m, color=FLOWN, linewidth=1.2, label="flown")
-    axes.plot(shown.waypoints_m[:, 1], shown.waypoints_m[:, 0], ".", color=PLANNED, ms=4, label="waypoints")
-    axes.plot(*shown.waypoints_m[0, ::-1], "o", color="black", mfc="none", ms=8, label="first waypoint")
+def _draw_map(axes: Axes, series: ReplaySeries) -> None:
+    north_m, east_m = series.recorded.north_east_m.T
+    axes.plot(east_m, north_m, color=RECORDED_COLOUR, linewidth=3, label="recorded", solid_capstyle="round")
+    north_m, east_m = series.planned_m.T
+    axes.plot(east_m, north_m, "--", color=PLANNED_COLOUR, linewidth=1.2, label="planned")
+    if series.flown is not None:
+        north_m, east_m = series.flown.north_east_m.T
+        axes.plot(east_m, north_m, color=FLOWN_COLOUR, linewidth=1.2, label="flown")
+    north_m, east_m = series.waypoints_m.T
+    axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=4, label="waypoints")
+    axes.plot(east_m[0], north_m[0], "o", color="black", mfc="none", ms=8, label="first waypoint")
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
     axes.set_xlabel("east of the first fix (m)")
@@ -101,14 +109,14 @@ def _draw_map(axes: Axes, shown: Curves) -> None:
 
 
 def scale_bar_m(width_m: float) -> float:
-    """A round length (1, 2 or 5 and zeros) of about a fifth of a map's width."""
-    wanted = width_m / 5
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1, 2, 5) if step * power <= wanted))
+    """Length of the scale bar: 1, 2 or 5 times a power of ten, at most a fifth of the map's width."""
+    limit_m = width_m / 5
+    power = 10.0 ** np.floor(np.log10(limit_m))
+    return float(power * max(step for step in (1, 2, 5) if step * power <= limit_m))
 
 
 def _draw_scale_and_north(axes: Axes) -> None:
-    """A scale bar and an arrow to north, below the map's right end where no line runs."""
+    """A scale bar and a north arrow at the right of the map, outside the lines."""
     left, right = axes.get_xlim()
     length_m = scale_bar_m(right - left)
     share = length_m / (right - left)
@@ -122,40 +130,42 @@ def _draw_scale_and_north(axes: Axes) -> None:
     axes.text(0.985, 0.995, "N", ha="center", va="bottom", weight="bold", transform=axes.transAxes)
 
 
-def _draw_in_space(axes: Axes, shown: Curves) -> None:
-    _draw_distance(axes, shown.planned_distance, PLANNED, "planned distance in space")
-    if shown.in_space is not None:
-        _draw_distance(axes, shown.in_space, FLOWN, "distance in space")
+def _draw_path_error(axes: Axes, series: ReplaySeries) -> None:
+    _draw_error(axes, series.planned_error, PLANNED_COLOUR, "planned path error")
+    if series.path_error is not None:
+        _draw_error(axes, series.path_error, FLOWN_COLOUR, "path error")
 
 
-def _draw_in_time(axes: Axes, shown: Curves) -> None:
-    if shown.in_time is not None:
-        _draw_distance(axes, shown.in_time, FLOWN, "distance in time")
+def _draw_position_error(axes: Axes, series: ReplaySeries) -> None:
+    if series.position_error is not None:
+        _draw_error(axes, series.position_error, FLOWN_COLOUR, "position error")
 
 
-def _draw_distance(axes: Axes, over_time: Distances, colour: str, title: str) -> None:
-    axes.plot(over_time.time_s, over_time.distance_m, color=colour, linewidth=0.9)
-    axes.set_ylabel("from recorded (m)")
-    of_all = over_time.spread
-    axes.set_title(f"{title}\nmean {of_all.mean:.2f}, 95 % {of_all.p95:.2f}, max {of_all.max:.2f} m")
+def _draw_error(axes: Axes, error: ErrorSeries, colour: str, title: str) -> None:
+    axes.plot(error.time_s, error.error_m, color=colour, linewidth=0.9)
+    axes.set_ylabel("error (m)")
+    total = error.statistics
+    axes.set_title(f"{title}\nmean {total.mean:.2f} m, p95 {total.p95:.2f} m, max {total.max:.2f} m")
 
 
-def _draw_altitude(axes: Axes, shown: Curves) -> None:
+def _draw_altitude(axes: Axes, series: ReplaySeries) -> None:
     axes.set_title("altitude above home")
     axes.set_ylabel("altitude (m)")
-    _draw_both(axes, shown, lambda way: way.alt_m)
-    if shown.reached:
-        times_s, heights_m = zip(*shown.reached, strict=True)
-        axes.plot(times_s, heights_m, ".", color=PLANNED, ms=3)
+    _draw_recorded_and_flown(axes, series, lambda track: track.alt_m)
+    if series.reached:
+        times_s, altitudes_m = zip(*series.reached, strict=True)
+        axes.plot(times_s, altitudes_m, ".", color=PLANNED_COLOUR, ms=3)
 
 
-def _draw_speed(axes: Axes, shown: Curves) -> None:
+def _draw_speed(axes: Axes, series: ReplaySeries) -> None:
     axes.set_title("ground speed")
     axes.set_ylabel("speed (m/s)")
-    _draw_both(axes, shown, lambda way: way.speed_m_s)
+    _draw_recorded_and_flown(axes, series, lambda track: track.speed_m_s)
 
 
-def _draw_both(axes: Axes, shown: Curves, pick: Callable[[Flown], Floats]) -> None:
-    axes.plot(shown.recorded.time_s, pick(shown.recorded), color=RECORDED, linewidth=2)
-    if shown.flown is not None:
-        axes.plot(shown.flown.time_s, pick(shown.flown), color=FLOWN, linewidth=0.9)
+def _draw_recorded_and_flown(
+    axes: Axes, series: ReplaySeries, values: Callable[[TrackSeries], Floats]
+) -> None:
+    axes.plot(series.recorded.time_s, values(series.recorded), color=RECORDED_COLOUR, linewidth=2)
+    if series.flown is not None:
+        axes.plot(series.flown.time_s, values(series.flown), color=FLOWN_COLOUR, linewidth=0.9)

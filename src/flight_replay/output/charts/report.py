@@ -1,4 +1,4 @@
-"""A replay in one self-contained HTML file: zoomable charts, numbers, mission, events, how to repeat it."""
+"""The report: one self-contained HTML file with results, zoomable charts, mission, events and command."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from flight_replay.mission.formats.item_text import description
 from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
-from flight_replay.output.charts.series import Curves, curves, start_s
-from flight_replay.output.event_log import Entry
+from flight_replay.output.charts.series import FLOWN_COLOUR, ReplaySeries, flown_start_s, replay_series
+from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.outcome import Outcome
 from flight_replay.output_files import check_suffix, write_atomically
 from flight_replay.planning.route import Route
@@ -25,30 +25,30 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".html", ".htm")
 Summary = Mapping[str, Any]
-_LEADS = {
-    None: "A plan: nothing was flown.",
-    "duration": "Flown for the time asked for.",
+_SUMMARIES = {
+    None: "Plan only: nothing was flown.",
+    "duration": "Flown for the requested duration.",
     "final waypoint": "Flown until the vehicle headed for the final waypoint.",
     "mission complete": "The whole mission was flown.",
 }
 
 
 @dataclass(frozen=True, slots=True)
-class Account:
-    """What the report tells in words.
+class ReportText:
+    """The text of a report.
 
-    ``summary`` is the ``--json`` object, ``events`` what a ``Journal`` kept of the flight, ``argv``
-    the arguments of this run without the program's name.
+    ``summary`` is the ``--json`` object, ``events`` are the entries of an ``EventLog``, ``argv`` the
+    arguments of this run without the program's name.
     """
 
     summary: Summary
-    events: Sequence[Entry] = ()
+    events: Sequence[LoggedEvent] = ()
     argv: Sequence[str] = ()
 
 
 def save_report(
     path: Path | str,
-    account: Account,
+    text: ReportText,
     route: Route,
     record: FlightRecord | None = None,
     outcome: Outcome | None = None,
@@ -56,7 +56,7 @@ def save_report(
     """Write the report of a plan, and of the flight that followed it if there was one.
 
     Raises:
-        FlightReplayError: The suffix is not HTML's, or the file cannot be written.
+        FlightReplayError: The suffix is not in ``SUFFIXES``, or the file cannot be written.
     """
     check_suffix(path, SUFFIXES)
     from bokeh.embed import file_html
@@ -65,17 +65,17 @@ def save_report(
 
     template = files("flight_replay.output.charts").joinpath("report.html").read_text(encoding="utf-8")
     page = file_html(
-        _charts(curves(route, record, outcome)),
+        _charts(replay_series(route, record, outcome)),
         resources=Resources(mode="inline"),
-        title=f"Replay of {PurePath(str(account.summary['log']['path'])).name}",
+        title=f"Replay of {PurePath(str(text.summary['log']['path'])).name}",
         template=Template(template),
         template_variables={
             "lead": _lead(record),
-            "facts": _facts(account.summary, record),
+            "tables": _tables(text.summary, record),
             "mission": _mission_rows(route, record),
-            "events": account.events,
-            "command": shlex.join(["flight-replay", *account.argv]),
-            "made_by": f"Made by flight-replay {version('flight-replay')}. All of it is in this one file.",
+            "events": text.events,
+            "command": shlex.join(["flight-replay", *text.argv]),
+            "made_by": f"Made by flight-replay {version('flight-replay')}.",
         },
     )
     write_atomically(path, page)
@@ -83,63 +83,65 @@ def save_report(
 
 def _lead(record: FlightRecord | None) -> str:
     ended = record.ended if record is not None else None
-    return _LEADS.get(ended, f"The flight ended otherwise than asked, by: {ended}.")
+    return _SUMMARIES.get(ended, f"The flight did not end as planned: {ended}.")
 
 
-def _charts(shown: Curves) -> list[Model]:
+def _charts(series: ReplaySeries) -> list[Model]:
+    """The charts that the template shows: one named "paths", and a column named "over_time"."""
     from bokeh.layouts import column
 
-    from flight_replay.output.charts.bokeh_charts import add_line, map_chart, time_chart
-    from flight_replay.output.charts.series import FLOWN
+    from flight_replay.output.charts.bokeh_charts import map_chart
 
-    paths = map_chart(shown, height=560)
-    if shown.flown is not None:
-        flown = shown.flown.north_east_m
-        paths.line(flown[:, 1], flown[:, 0], color=FLOWN, width=1.8, legend_label="flown")
-    space = time_chart("distance in space of the recorded fixes from the path", "distance (m)")
-    together = space.x_range
-    add_line(space, shown.planned_distance.time_s, shown.planned_distance.distance_m, "planned")
-    altitude = time_chart("altitude above home", "altitude (m)", x_range=together)
-    speed = time_chart("ground speed", "speed (m/s)", x_range=together)
-    add_line(altitude, shown.recorded.time_s, shown.recorded.alt_m, "recorded")
-    add_line(speed, shown.recorded.time_s, shown.recorded.speed_m_s, "recorded")
-    charts = [space, altitude, speed]
-    if shown.in_space is not None:
-        add_line(space, shown.in_space.time_s, shown.in_space.distance_m, "flown")
-    if shown.in_time is not None:
-        late = time_chart(
-            "distance in time of the recorded from the flown position", "distance (m)", x_range=together
-        )
-        add_line(late, shown.in_time.time_s, shown.in_time.distance_m, "flown")
-        charts.insert(1, late)
-    if shown.flown is not None:
-        add_line(altitude, shown.flown.time_s, shown.flown.alt_m, "flown")
-        add_line(speed, shown.flown.time_s, shown.flown.speed_m_s, "flown")
-    over_time = column(*charts, sizing_mode="stretch_width", name="over_time")
+    paths = map_chart(series, height=560)
     paths.name = "paths"
-    return [paths, over_time]
+    if series.flown is not None:
+        north_m, east_m = series.flown.north_east_m.T
+        paths.line(east_m, north_m, color=FLOWN_COLOUR, width=1.8, legend_label="flown")
+    return [paths, column(*_time_charts(series), sizing_mode="stretch_width", name="over_time")]
 
 
-def _facts(summary: Summary, record: FlightRecord | None) -> dict[str, list[tuple[str, str]]]:
-    """Tables of labels and values, by heading."""
-    facts = {"Log": _log_facts(summary["log"]), "Route": _route_facts(summary["route"])}
+def _time_charts(series: ReplaySeries) -> list[Model]:
+    """Errors, altitude and speed over one time axis."""
+    from flight_replay.output.charts.bokeh_charts import add_line, time_chart
+
+    path_error = time_chart("path error of the recorded fixes", "error (m)")
+    charts = [path_error]
+    add_line(path_error, series.planned_error.time_s, series.planned_error.error_m, "planned")
+    if series.path_error is not None:
+        add_line(path_error, series.path_error.time_s, series.path_error.error_m, "flown")
+    if series.position_error is not None:
+        position_error = time_chart("position error at equal times", "error (m)", x_range=path_error.x_range)
+        add_line(position_error, series.position_error.time_s, series.position_error.error_m, "flown")
+        charts.append(position_error)
+    altitude = time_chart("altitude above home", "altitude (m)", x_range=path_error.x_range)
+    speed = time_chart("ground speed", "speed (m/s)", x_range=path_error.x_range)
+    for name, track in (("recorded", series.recorded), ("flown", series.flown)):
+        if track is not None:
+            add_line(altitude, track.time_s, track.alt_m, name)
+            add_line(speed, track.time_s, track.speed_m_s, name)
+    return [*charts, altitude, speed]
+
+
+def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tuple[str, str]]]:
+    """Rows of (label, value) by heading."""
+    tables = {"Log": _log_rows(summary["log"]), "Route": _route_rows(summary["route"])}
     flight = summary.get("flight")
     if flight is not None:
-        facts["Flight"] = [
+        tables["Flight"] = [
             ("vehicle", f"{flight['vehicle']} ({'simulated' if flight['simulated'] else 'real'})"),
             ("waypoints reached", f"{flight['waypoints_reached']} of {summary['route']['points']}"),
-            ("ended by", str(flight["ended"])),
+            ("ended", str(flight["ended"])),
             ("time in AUTO", f"{flight['auto_s']:.1f} s"),
             ("RTL confirmed", "yes" if flight["rtl_confirmed"] else "no"),
-            ("distance in space", _spread(flight["distance_in_space_m"])),
-            ("distance in time", _spread(flight["distance_in_time_m"])),
+            ("path error", _statistics(flight["distance_in_space_m"])),
+            ("position error", _statistics(flight["distance_in_time_m"])),
         ]
         if record is not None and record.problem:
-            facts["Flight"].append(("problem", record.problem))
-    return facts
+            tables["Flight"].append(("problem", record.problem))
+    return tables
 
 
-def _log_facts(log: Summary) -> list[tuple[str, str]]:
+def _log_rows(log: Summary) -> list[tuple[str, str]]:
     vehicles = ", ".join(
         f"{each['system']}/{each['component']}: {each['fixes']} fixes" for each in log["vehicles"]
     )
@@ -147,44 +149,44 @@ def _log_facts(log: Summary) -> list[tuple[str, str]]:
         ("file", str(log["path"])),
         ("usable fixes", str(log["fixes"])),
         ("records without a position", str(log["without_position"])),
-        ("not believable", str(log["rejected"])),
+        ("implausible fixes", str(log["rejected"])),
         ("vehicles", vehicles),
         ("flights", str(len(log["flights"]))),
     ]
 
 
-def _route_facts(route: Summary) -> list[tuple[str, str]]:
+def _route_rows(route: Summary) -> list[tuple[str, str]]:
     return [
-        ("made by", str(route["method"])),
+        ("method", str(route["method"])),
         ("waypoints", str(route["points"])),
         ("recorded fixes covered", str(route["fixes_covered"])),
         ("length", f"{route['length_m']:.1f} m"),
-        ("planned error", _spread(route["planned_error_m"])),
+        ("planned path error", _statistics(route["planned_error_m"])),
         ("predicted duration", f"{route['predicted_duration_s']:.1f} s"),
     ]
 
 
-def _spread(spread: Summary) -> str:
-    if spread["mean"] is None:
+def _statistics(error: Summary) -> str:
+    if error["mean"] is None:
         return "nothing to compare"
-    return f"mean {spread['mean']:.2f}, 95 % {spread['p95']:.2f}, max {spread['max']:.2f} m"
+    return f"mean {error['mean']:.2f} m, p95 {error['p95']:.2f} m, max {error['max']:.2f} m"
 
 
 def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, str]]:
     reached = dict(record.reached) if record is not None else {}
-    zero_s = start_s(route, record) if record is not None else math.nan
+    start_s = flown_start_s(route, record) if record is not None else math.nan
     rows = []
     for seq, item in enumerate(route.mission.items, FIRST_SEQ):
-        row = {"seq": str(seq), "what": _what(item), "lat": "", "lon": "", "alt": "", "reached": ""}
+        row = {"seq": str(seq), "item": _item_text(item), "lat": "", "lon": "", "alt": "", "reached": ""}
         if item.is_waypoint:
             row |= {"lat": f"{item.lat_deg:.7f}", "lon": f"{item.lon_deg:.7f}", "alt": f"{item.alt_m:.1f}"}
         if seq in reached:
-            row["reached"] = f"{reached[seq] - zero_s:.1f}"
+            row["reached"] = f"{reached[seq] - start_s:.1f}"
         rows.append(row)
     return rows
 
 
-def _what(item: MissionItem) -> str:
+def _item_text(item: MissionItem) -> str:
     if item.command == Command.CHANGE_SPEED:
         return f"change speed to {item.params[1]:g} m/s"
     return description(item)

@@ -1,7 +1,7 @@
-"""What pictures of a replay show, in local metres and in seconds since each clock's start.
+"""The series that charts of a replay draw, in local metres and in seconds.
 
 The frame is that of the route's first recorded fix. Recorded time counts from that fix, flown time
-from the reaching of the first waypoint, as the distance in time does (DESIGN.md, "The measures").
+from when the vehicle reached the first waypoint, as the position error does.
 """
 
 from __future__ import annotations
@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.distances import ErrorStatistics, path_errors_m
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import destinations, path_through
@@ -20,17 +19,17 @@ from flight_replay.output.outcome import Outcome
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 
-RECORDED, PLANNED, FLOWN = "#8c8c8c", "#0072B2", "#D55E00"
-"""Line colours in every picture: Okabe and Ito's, which the colour-blind tell apart."""
-DRAWN_WITHIN_M = 0.05
-"""How far the lines that stand for a spline leg may lie from it: nobody sees that in a picture."""
-MOST_POINTS = 4000
-"""No picture shows more points of a line than this."""
+RECORDED_COLOUR, PLANNED_COLOUR, FLOWN_COLOUR = "#8c8c8c", "#0072B2", "#D55E00"
+"""Line colours of every chart, from the colour-blind safe palette of Okabe and Ito."""
+CURVE_TOLERANCE_M = 0.05
+"""Largest distance between a spline leg and the line segments that are drawn for it."""
+MAX_CHART_POINTS = 4000
+"""Most points of a line in a chart."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flown:
-    """One vehicle's way, n points: ground places (n, 2) north and east, seconds, height, ground speed."""
+class TrackSeries:
+    """One vehicle's track, n points: (north, east) as (n, 2), time, altitude above home, ground speed."""
 
     north_east_m: Floats
     time_s: Floats
@@ -39,103 +38,106 @@ class Flown:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Distances:
-    """Distances (n,) in metres over recorded time (n,) in seconds, and the summary of all of them."""
+class ErrorSeries:
+    """Errors (n,) over recorded time (n,), and their statistics before thinning."""
 
     time_s: Floats
-    distance_m: Floats
-    spread: ErrorStatistics
+    error_m: Floats
+    statistics: ErrorStatistics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curves:
-    """All that a picture of a replay draws; what there is nothing of is None."""
+class ReplaySeries:
+    """Everything that the charts of a replay draw; what does not exist is None.
 
-    recorded: Flown
+    ``reached`` holds (time, planned altitude) of each waypoint reached.
+    """
+
+    recorded: TrackSeries
     planned_m: Floats
     waypoints_m: Floats
     waypoint_seqs: tuple[int, ...]
-    planned_distance: Distances
-    flown: Flown | None
-    in_space: Distances | None
-    in_time: Distances | None
+    planned_error: ErrorSeries
+    flown: TrackSeries | None
+    path_error: ErrorSeries | None
+    position_error: ErrorSeries | None
     reached: tuple[tuple[float, float], ...]
-    """(time, planned height) of each waypoint reached."""
 
 
-def curves(route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None) -> Curves:
-    """The curves of a route, and of the flight that followed it if there was one."""
+def replay_series(
+    route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
+) -> ReplaySeries:
+    """The series of a route, and of the flight that followed it if there was one."""
     covered, frame = route.covered, route.covered.frame
     recorded_s = covered.time_s - covered.time_s[0]
     fixes_m = covered.north_east_m(frame)
-    places = route.mission.waypoints
-    planned_line = path_through(destinations(route.mission.items, frame), tolerance_m=DRAWN_WITHIN_M)
-    return Curves(
-        recorded=_way(covered, fixes_m, recorded_s),
-        planned_m=planned_line.north_east_m,
+    waypoints = route.mission.waypoints
+    planned = path_through(destinations(route.mission.items, frame), tolerance_m=CURVE_TOLERANCE_M)
+    planned_errors_m = path_errors_m(fixes_m, route.path.north_east_m)
+    return ReplaySeries(
+        recorded=_track_series(covered, fixes_m, recorded_s),
+        planned_m=planned.north_east_m,
         waypoints_m=frame.to_metres(
-            [item.lat_deg for _, item in places], [item.lon_deg for _, item in places]
+            [item.lat_deg for _, item in waypoints], [item.lon_deg for _, item in waypoints]
         ),
-        waypoint_seqs=tuple(seq for seq, _ in places),
-        planned_distance=_over_time(
-            recorded_s, path_errors_m(fixes_m, route.path.north_east_m), route.planned_error
-        ),
-        flown=_flown(route, record) if record is not None and len(record.flown) else None,
-        in_space=_over_time(recorded_s, outcome.space_m, outcome.in_space)
-        if outcome and outcome.in_space
+        waypoint_seqs=tuple(seq for seq, _ in waypoints),
+        planned_error=_error_series(recorded_s, planned_errors_m, route.planned_error),
+        flown=_flown_series(route, record) if record is not None and len(record.flown) else None,
+        path_error=_error_series(recorded_s, outcome.path_errors_m, outcome.path_error)
+        if outcome and outcome.path_error
         else None,
-        in_time=_over_time(recorded_s, outcome.time_m, outcome.in_time)
-        if outcome and outcome.in_time
+        position_error=_error_series(recorded_s, outcome.position_errors_m, outcome.position_error)
+        if outcome and outcome.position_error
         else None,
         reached=_reached(route, record) if record is not None else (),
     )
 
 
-def start_s(route: Route, record: FlightRecord) -> float:
-    """The vehicle's time when it reached the first waypoint; if it did not, when AUTO began."""
+def flown_start_s(route: Route, record: FlightRecord) -> float:
+    """The vehicle's time when it reached the first waypoint, or when AUTO began if it never did."""
     return dict(record.reached).get(route.mission.waypoints[0][0], record.auto_start_s)
 
 
-def _flown(route: Route, record: FlightRecord) -> Flown:
-    frame = route.covered.frame
-    return _way(record.flown, record.flown.north_east_m(frame), record.flown.time_s - start_s(route, record))
+def _flown_series(route: Route, record: FlightRecord) -> TrackSeries:
+    north_east_m = record.flown.north_east_m(route.covered.frame)
+    return _track_series(record.flown, north_east_m, record.flown.time_s - flown_start_s(route, record))
 
 
 def _reached(route: Route, record: FlightRecord) -> tuple[tuple[float, float], ...]:
-    heights = {seq: item.alt_m for seq, item in route.mission.waypoints}
-    start = start_s(route, record)
-    return tuple((time_s - start, heights[seq]) for seq, time_s in record.reached if seq in heights)
+    altitudes_m = {seq: item.alt_m for seq, item in route.mission.waypoints}
+    start_s = flown_start_s(route, record)
+    return tuple((time_s - start_s, altitudes_m[seq]) for seq, time_s in record.reached if seq in altitudes_m)
 
 
-def _way(track: Track, north_east_m: Floats, time_s: Floats) -> Flown:
-    keep = thinned(len(track))
+def _track_series(track: Track, north_east_m: Floats, time_s: Floats) -> TrackSeries:
+    keep = thin_indices(len(track))
     speed_m_s = ground_speed_m_s(track, north_east_m)
-    return Flown(north_east_m[keep], time_s[keep], track.alt_m[keep], speed_m_s[keep])
+    return TrackSeries(north_east_m[keep], time_s[keep], track.alt_m[keep], speed_m_s[keep])
 
 
-def _over_time(time_s: Floats, distances_m: Floats, summary: ErrorStatistics) -> Distances:
-    keep = peaks(distances_m)
-    return Distances(time_s[keep], distances_m[keep], summary)
+def _error_series(time_s: Floats, errors_m: Floats, statistics: ErrorStatistics) -> ErrorSeries:
+    keep = peak_indices(errors_m)
+    return ErrorSeries(time_s[keep], errors_m[keep], statistics)
 
 
 def ground_speed_m_s(track: Track, north_east_m: Floats) -> Floats:
-    """The vehicle's own ground speed, or where it told none, that of its places; 0 for a single fix."""
-    told = np.hypot(track.north_m_s, track.east_m_s)
-    if np.isfinite(told).all() or len(track) < 2:
-        return np.nan_to_num(told)
-    lasted_s = np.diff(track.time_s)
-    moved_m = np.linalg.norm(np.diff(north_east_m, axis=0), axis=1)
-    between = np.divide(moved_m, lasted_s, out=np.zeros_like(moved_m), where=lasted_s > 0)
-    return np.where(np.isfinite(told), told, np.append(between[:1], between))
+    """Recorded ground speed (n,); where it is missing, that between two positions, 0 for a single fix."""
+    recorded_m_s = np.hypot(track.north_m_s, track.east_m_s)
+    if np.isfinite(recorded_m_s).all() or len(track) < 2:
+        return np.nan_to_num(recorded_m_s)
+    step_s = np.diff(track.time_s)
+    step_m = np.linalg.norm(np.diff(north_east_m, axis=0), axis=1)
+    step_m_s = np.divide(step_m, step_s, out=np.zeros_like(step_m), where=step_s > 0)
+    return np.where(np.isfinite(recorded_m_s), recorded_m_s, np.append(step_m_s[:1], step_m_s))
 
 
-def thinned(n: int, most: int = MOST_POINTS) -> NDArray[np.intp]:
-    """At most ``most`` of ``n`` indices, evenly spread, both ends kept."""
+def thin_indices(n: int, most: int = MAX_CHART_POINTS) -> Indices:
+    """At most ``most`` of ``n`` indices, evenly spaced, first and last included."""
     return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(np.intp))
 
 
-def peaks(values: Floats, most: int = MOST_POINTS) -> NDArray[np.intp]:
-    """At most ``most`` indices, such that the highest value of every stretch is among them."""
+def peak_indices(values: Floats, most: int = MAX_CHART_POINTS) -> Indices:
+    """At most ``most`` indices: that of the highest value in each of ``most`` equal parts."""
     if len(values) <= most:
         return np.arange(len(values))
     edges = np.linspace(0, len(values), most + 1).astype(np.intp)

@@ -1,1 +1,1 @@
-"""Plain lines, or a live display on a terminal."""
+"""Console output: plain lines, or a live display on a terminal."""

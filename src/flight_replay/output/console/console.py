@@ -1,4 +1,4 @@
-"""Events to plain lines, or to a live display on a terminal that can show one."""
+"""Shows events as plain lines, or as a live display on a terminal that supports one."""
 
 from __future__ import annotations
 
@@ -9,39 +9,43 @@ from typing import Protocol, TextIO
 
 from flight_replay.events import Climbing, DistanceToWaypoint, Event, Waiting
 from flight_replay.output.console.terminal import is_capable_terminal, write_line
-from flight_replay.output.event_text import is_detail, sentence, went_wrong
+from flight_replay.output.event_text import event_line, is_detail, is_problem
 
 REPEAT_S = 1.0
-"""DroneKit's example repeats a reading once a second, by the clock here."""
-REASON_REPEAT_S = 5.0
-"""A wait whose reason stays the same is repeated more seldom."""
+"""Wall-clock time between two lines of a repeated reading, as in DroneKit's example."""
+WAIT_REPEAT_S = 5.0
+"""Wall-clock time between two lines of a wait whose reason stays the same."""
 
 
 class Console(Protocol):
-    """What a person sees of a replay."""
+    """Shows a replay to a person."""
 
     def listener(self, event: Event) -> None:
         """Show an event."""
 
-    def say(self, text: str) -> None:
-        """Show text of ours, on lines of its own."""
+    def print(self, text: str) -> None:
+        """Show a line of text."""
 
     def paused(self) -> AbstractContextManager[None]:
-        """The time in which a question is asked at the terminal."""
+        """A context in which the terminal is free for a question."""
 
 
 @contextmanager
 def open_console(
     stream: TextIO, *, quiet: bool = False, verbose: bool = False, live: bool | None = None
 ) -> Iterator[Console]:
-    """A console on ``stream``: live where that is a terminal that can be (or as told), else plain lines.
+    """A console on ``stream``.
 
-    ``quiet`` keeps only what went wrong, ``verbose`` adds everything that the autopilot says.
+    Args:
+        stream: Where to write.
+        quiet: Show warnings only.
+        verbose: Show every text of the autopilot.
+        live: Use the live display; by default, where ``stream`` is a terminal that supports it.
     """
     if quiet or not (is_capable_terminal(stream) if live is None else live):
         yield PlainConsole(stream, quiet=quiet, verbose=verbose)
         return
-    # Rich costs a tenth of a second, which a run that is not watched need not pay.
+    # Importing rich takes 0.1 s, which a replay without a terminal saves.
     from flight_replay.output.console.live_console import LiveConsole
 
     with LiveConsole(stream, verbose=verbose) as console:
@@ -49,7 +53,7 @@ def open_console(
 
 
 class PlainConsole:
-    """One line an event; readings that repeat themselves, once a second."""
+    """Writes a line for each event; repeated readings at most once a second."""
 
     def __init__(
         self,
@@ -63,41 +67,41 @@ class PlainConsole:
         self._quiet = quiet
         self._verbose = verbose
         self._clock = clock
-        self._said: dict[object, tuple[object, float]] = {}
+        self._last_shown: dict[object, tuple[object, float]] = {}
 
-    def say(self, text: str) -> None:
-        """Write text of ours, unless quiet."""
+    def print(self, text: str) -> None:
+        """Write a line of text, unless quiet."""
         if not self._quiet:
             write_line(self._stream, text)
 
     def paused(self) -> AbstractContextManager[None]:
-        """Lines need no pause."""
+        """Plain lines leave the terminal free."""
         return nullcontext()
 
     def listener(self, event: Event) -> None:
-        """Write the event's line, if it has one worth a line now."""
-        hidden = not went_wrong(event) if self._quiet else is_detail(event) and not self._verbose
-        line = None if hidden or not self._is_due(event) else sentence(event)
+        """Write the event's line, if it has one that is due."""
+        hidden = not is_problem(event) if self._quiet else is_detail(event) and not self._verbose
+        line = None if hidden or not self._is_due(event) else event_line(event)
         if line is not None:
             write_line(self._stream, line)
 
     def _is_due(self, event: Event) -> bool:
-        """Whether a repeated reading says something new, or the last was said long enough ago."""
-        value, every_s = _repeated(event)
-        if every_s == 0:
+        """Whether a reading has changed, or was last shown long enough ago."""
+        key, repeat_s = _repetition(event)
+        if repeat_s == 0:
             return True
         now_s = self._clock()
-        value_before, said_s = self._said.get(type(event), (None, -every_s))
-        if value == value_before and now_s - said_s < every_s:
+        last_key, shown_s = self._last_shown.get(type(event), (None, -repeat_s))
+        if key == last_key and now_s - shown_s < repeat_s:
             return False
-        self._said[type(event)] = (value, now_s)
+        self._last_shown[type(event)] = (key, now_s)
         return True
 
 
-def _repeated(event: Event) -> tuple[object, float]:
-    """What makes a repeated reading new, and the seconds after which an old one is said again."""
+def _repetition(event: Event) -> tuple[object, float]:
+    """A key that changes when the event is new, and the seconds until the same key is shown again."""
     if isinstance(event, Waiting):
-        return event, REASON_REPEAT_S if event.reason else REPEAT_S
+        return event, WAIT_REPEAT_S if event.reason else REPEAT_S
     if isinstance(event, Climbing):
         return event.target_m, REPEAT_S
     if isinstance(event, DistanceToWaypoint):

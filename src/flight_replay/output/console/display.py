@@ -1,8 +1,6 @@
-"""What the live display shows: the steps of the replay, what is under way, and the vehicle's readings."""
+"""The live display: the phases of the replay, progress, and the vehicle's readings."""
 
 from __future__ import annotations
-
-import math
 
 from rich.console import Console as RichConsole
 from rich.console import ConsoleOptions, Group, RenderableType, RenderResult
@@ -10,11 +8,10 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from flight_replay.events import DistanceToWaypoint, Phase, Progress, VehicleState
-from flight_replay.output.event_text import WARNING_SEVERITY
-from flight_replay.output.replay_status import Status
+from flight_replay.events import DistanceToWaypoint, Phase, Progress, Severity, VehicleState
+from flight_replay.output.replay_status import ReplayStatus, battery_text
 
-_STEPS = {
+_PHASE_NAMES = {
     Phase.CONNECT: "Connect",
     Phase.UPLOAD: "Upload",
     Phase.PREARM: "Prepare",
@@ -32,54 +29,54 @@ _BYTES_PER_MB = 1_000_000
 
 
 class Display:
-    """The display at one moment; an empty one before anything has happened."""
+    """Renders a status at the width of the terminal; nothing before the first event."""
 
-    def __init__(self, status: Status) -> None:
+    def __init__(self, status: ReplayStatus) -> None:
         self._status = status
 
     def __rich_console__(self, console: RichConsole, options: ConsoleOptions) -> RenderResult:
-        """The lines that there is something to say in, as wide as the terminal is."""
+        """The lines that have something to show."""
         status = self._status
         parts: list[RenderableType] = []
-        if status.begun:
+        if status.started:
             marks = _ASCII_MARKS if options.ascii_only else _MARKS
-            parts += _rows(_steps(status, marks), options.max_width)
+            parts += _rows(_phases(status, marks), options.max_width)
         if status.progress is not None:
-            parts.append(_work(status.progress))
-        if status.heading is not None:
-            parts.append(_waypoints(status.heading))
+            parts.append(_progress(status.progress))
+        if status.current_waypoint is not None:
+            parts.append(_waypoint(status.current_waypoint, flying=status.ended is None))
         if status.ended is None:
-            parts += _under_way(status, options.max_width)
-        if status.trouble:
-            parts.append(_line("Warning", status.trouble, "bold yellow"))
+            parts += _readings(status, options.max_width)
+        if status.warning:
+            parts.append(_line("Warning", status.warning, "bold yellow"))
         yield Group(*parts)
 
 
-def _under_way(status: Status, width: int) -> list[RenderableType]:
-    """What changes all the time, and says nothing any more once the replay is over."""
+def _readings(status: ReplayStatus, width: int) -> list[RenderableType]:
+    """The readings of a replay that is under way."""
     parts: list[RenderableType] = []
     if status.waiting:
         parts.append(_line("Waiting", status.waiting, "yellow"))
     if status.vehicle is not None:
-        parts += _rows(_readings(status, status.vehicle), width)
-    for words in status.words:
-        style = "yellow" if words.severity <= WARNING_SEVERITY else "dim"
-        parts.append(_line("Autopilot", words.text, style))
+        parts += _rows(_vehicle(status, status.vehicle), width)
+    for status_text in status.status_texts:
+        style = "yellow" if status_text.severity <= Severity.WARNING else "dim"
+        parts.append(_line("Autopilot", status_text.text, style))
     return parts
 
 
-def _steps(status: Status, marks: dict[str, str]) -> list[Text]:
-    steps = []
-    for phase, name in _STEPS.items():
-        state = "ahead" if phase not in status.begun else "done"
+def _phases(status: ReplayStatus, marks: dict[str, str]) -> list[Text]:
+    phases = []
+    for phase, name in _PHASE_NAMES.items():
+        state = "ahead" if phase not in status.started else "done"
         if phase is status.phase and status.ended is None:
             state = "now"
-        steps.append(Text(f"{marks[state]} {name}", style=_MARK_STYLES[state]))
-    return steps
+        phases.append(Text(f"{marks[state]} {name}", style=_MARK_STYLES[state]))
+    return phases
 
 
 def _rows(pieces: list[Text], width: int) -> list[Text]:
-    """The pieces side by side in as few rows as the width allows, none of them broken."""
+    """The pieces side by side in as few rows as the width allows; no piece is broken."""
     rows: list[Text] = []
     for piece in pieces:
         if rows and len(rows[-1]) + len(_GAP) + len(piece) <= width:
@@ -89,13 +86,20 @@ def _rows(pieces: list[Text], width: int) -> list[Text]:
     return rows
 
 
-def _work(progress: Progress) -> RenderableType:
+def _progress(progress: Progress) -> RenderableType:
     done, total, unit = progress.done, progress.total, progress.unit
     if unit == "bytes":
         amount = f"{done / _BYTES_PER_MB:.1f} of {total / _BYTES_PER_MB:.1f} MB"
     else:
         amount = f"{done} of {total} {unit}".rstrip()
     return _bar(progress.what[:1].upper() + progress.what[1:], amount, done, total)
+
+
+def _waypoint(waypoint: DistanceToWaypoint, *, flying: bool) -> RenderableType:
+    amount = f"{waypoint.seq} of {waypoint.last_seq}"
+    if flying and waypoint.distance_m is not None:
+        amount += f", {waypoint.distance_m:.1f} m ahead"
+    return _bar("Waypoint", amount, waypoint.seq, waypoint.last_seq)
 
 
 def _bar(label: str, amount: str, done: int, total: int) -> RenderableType:
@@ -108,26 +112,17 @@ def _bar(label: str, amount: str, done: int, total: int) -> RenderableType:
     return row
 
 
-def _waypoints(heading: DistanceToWaypoint) -> RenderableType:
-    ahead = "" if heading.distance_m is None else f", {heading.distance_m:.1f} m ahead"
-    return _bar("Waypoint", f"{heading.seq} of {heading.last_seq}{ahead}", heading.seq, heading.last_seq)
-
-
-def _readings(status: Status, vehicle: VehicleState) -> list[Text]:
-    climbing = status.phase is Phase.TAKEOFF and status.target_m is not None
-    pairs = {
-        "Altitude": f"{vehicle.alt_m:.1f} of {status.target_m:g} m" if climbing else f"{vehicle.alt_m:.1f} m",
+def _vehicle(status: ReplayStatus, vehicle: VehicleState) -> list[Text]:
+    altitude = f"{vehicle.alt_m:.1f}"
+    if status.phase is Phase.TAKEOFF and status.target_altitude_m is not None:
+        altitude += f" of {status.target_altitude_m:g}"
+    values = {
+        "Altitude": f"{altitude} m",
         "Speed": f"{status.speed_m_s:.1f} m/s",
         "Mode": vehicle.mode,
-        "Battery": _battery(vehicle.battery_v, vehicle.battery_percent),
+        "Battery": battery_text(vehicle),
     }
-    return [Text.assemble((label, "dim"), " ", value) for label, value in pairs.items() if value]
-
-
-def _battery(volts: float | None, percent: float | None) -> str:
-    parts = [f"{volts:.1f} V" if volts is not None and math.isfinite(volts) else ""]
-    parts.append(f"{percent:.0f} %" if percent is not None and math.isfinite(percent) else "")
-    return " ".join(filter(None, parts))
+    return [Text.assemble((label, "dim"), " ", value) for label, value in values.items() if value]
 
 
 def _line(label: str, text: str, style: str) -> Text:

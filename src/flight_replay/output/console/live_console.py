@@ -1,4 +1,4 @@
-"""A console that is drawn over itself, on a terminal that can."""
+"""A console with a live display that is redrawn in place."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ from flight_replay.events import (
 )
 from flight_replay.output.console.display import Display
 from flight_replay.output.console.terminal import printable
-from flight_replay.output.event_text import sentence, went_wrong
-from flight_replay.output.replay_status import Status
+from flight_replay.output.event_text import event_line, is_problem
+from flight_replay.output.replay_status import ReplayStatus
 
 REFRESHES_PER_S = 8
-_SHOWN = PhaseStarted | Progress | Waiting | Climbing | DistanceToWaypoint
-"""What the display itself shows, and need not scroll by as well."""
+_IN_DISPLAY = PhaseStarted | Progress | Waiting | Climbing | DistanceToWaypoint
+"""Events that the display itself shows, so that they need no line above it."""
 
 
 class LiveConsole:
-    """A display that is drawn over itself; text of ours scrolls by above it."""
+    """Shows the status of the replay, and lines of text that scroll above it."""
 
     def __init__(self, stream: TextIO, *, verbose: bool = False) -> None:
         self._rich = RichConsole(file=stream, highlight=False, force_terminal=True)
         self._verbose = verbose
-        self._status = Status()
+        self._status = ReplayStatus()
         self._live = Live(
             get_renderable=lambda: Display(self._status),
             console=self._rich,
@@ -56,36 +56,36 @@ class LiveConsole:
         self._stop()
 
     def _stop(self) -> None:
-        with suppress(OSError):  # A terminal that was closed must not hide what ended the program.
+        with suppress(OSError):  # A closed terminal must not hide the exception that ends the program.
             self._live.stop()
 
     def listener(self, event: Event) -> None:
-        """Take the event into the display; notices, and everything if verbose, also scroll by."""
+        """Show the event in the display; notices, problems and, if verbose, the rest are lines as well."""
         self._status.update(event)
-        line = sentence(event) if self._scrolls(event) else None
+        line = event_line(event) if self._has_line(event) else None
         if line is not None:
-            self._print(Text(printable(line, self._rich.file), style="yellow" if went_wrong(event) else ""))
+            self._write(Text(printable(line, self._rich.file), style="yellow" if is_problem(event) else ""))
         if isinstance(event, Finished):
-            self._stop()  # What is said from now on stands below the display.
+            self._stop()  # The results are printed below the display.
 
-    def _scrolls(self, event: Event) -> bool:
+    def _has_line(self, event: Event) -> bool:
         return (
             isinstance(event, Notice)
-            or went_wrong(event)
-            or (self._verbose and not isinstance(event, _SHOWN))
+            or is_problem(event)
+            or (self._verbose and not isinstance(event, _IN_DISPLAY))
         )
 
-    def say(self, text: str) -> None:
-        """Print text of ours above the display."""
-        self._print(Text(printable(text, self._rich.file)))
+    def print(self, text: str) -> None:
+        """Print a line of text above the display."""
+        self._write(Text(printable(text, self._rich.file)))
 
-    def _print(self, text: Text) -> None:
-        with suppress(OSError):  # A terminal that is gone must not end a flight.
+    def _write(self, text: Text) -> None:
+        with suppress(OSError):  # A closed terminal must not end a flight.
             self._rich.print(text)
 
     @contextmanager
     def paused(self) -> Iterator[None]:
-        """Take the display away while a question is asked."""
+        """Hide the display while a question is asked."""
         self._live.stop()
         try:
             yield

@@ -1,4 +1,4 @@
-"""Writing to a stream that may be a terminal, or gone."""
+"""Writing to a stream that may be a terminal, a file or a closed pipe."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from typing import IO, TextIO
 
 
 def is_capable_terminal(stream: TextIO, environment: Mapping[str, str] = os.environ) -> bool:
-    """Whether the stream is a terminal whose cursor can be moved (TERM=dumb says that it can't)."""
+    """Whether the stream is a terminal that supports cursor movement and colours."""
     return stream.isatty() and environment.get("TERM", "").lower() not in {"dumb", "unknown"}
 
 
 def write_error(stream: TextIO, message: str, environment: Mapping[str, str] = os.environ) -> None:
-    """``flight-replay: error: ...`` in one line, in colour on a terminal unless NO_COLOR is set.
+    """Write ``flight-replay: error: ...`` as one line, in colour on a terminal unless NO_COLOR is set.
 
-    What does not show, as a newline in the name of a file, is written as Python escapes it.
+    Characters that are not printable, such as a newline in a file name, are written as Python escapes.
     """
     coloured = is_capable_terminal(stream, environment) and not environment.get("NO_COLOR")
     error = "\x1b[1;31merror:\x1b[0m" if coloured else "error:"
-    shown = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
-    write_line(stream, f"flight-replay: {error} {shown}")
+    escaped = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
+    write_line(stream, f"flight-replay: {error} {escaped}")
 
 
 def write_line(stream: TextIO, text: str) -> None:
-    """Write lines; a stream that is gone must not end a flight."""
+    """Write a line; a stream that is closed must not end a flight."""
     with suppress(OSError):
         stream.write(printable(text, stream) + "\n")
         stream.flush()
 
 
 def printable(text: str, stream: IO[str]) -> str:
-    """The text in characters that the stream has: names of files need not be text at all."""
+    """The text with escapes for what the stream cannot encode; a file name may hold any bytes."""
     encoding = getattr(stream, "encoding", None) or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)

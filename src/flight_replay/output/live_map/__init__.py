@@ -1,1 +1,1 @@
-"""The live map of ``--map``: server, data and page."""
+"""The live map of ``--map``: its data, its page and its server."""

@@ -1,4 +1,4 @@
-"""One page of the live map: its charts, and what is added to them ten times a second."""
+"""The page of the live map: its charts and readings, updated ten times a second."""
 
 from __future__ import annotations
 
@@ -16,54 +16,58 @@ from jinja2 import Template
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.output.charts.bokeh_charts import map_chart, time_chart
 from flight_replay.output.charts.map_tiles import tile_source
-from flight_replay.output.charts.series import FLOWN, Curves
-from flight_replay.output.live_map.data import LiveData, Point
-from flight_replay.output.replay_status import Status
+from flight_replay.output.charts.series import FLOWN_COLOUR, ReplaySeries
+from flight_replay.output.live_map.data import MapData, MapPoint
+from flight_replay.output.replay_status import ReplayStatus, battery_text
 
 TICK_MS = 100
-"""Between updates; what happens shows on the page at most this, and the browser's own time, later."""
-MOST_POINTS = 20_000
-# Once the flight has ended, the server's going away is what comes next and needs no alarm.
-_CALM = "Object.assign(cb_obj.document.config, {reconnect_session: false, notify_connection_status: false})"
+"""Milliseconds between two updates of the page."""
+MAX_TRAIL_POINTS = 20_000
+# After the flight the server stops, which the page must not report as a lost connection.
+_EXPECT_DISCONNECT = (
+    "Object.assign(cb_obj.document.config, {reconnect_session: false, notify_connection_status: false})"
+)
 _CELL = "display:inline-block;min-width:7.5em;margin:0 14px 6px 0"
 
 
 class Page:
-    """The page of one browser."""
+    """The page in one browser."""
 
-    def __init__(self, data: LiveData, shown: Curves, frame: LocalFrame, tiles: threading.Event) -> None:
+    def __init__(
+        self, data: MapData, series: ReplaySeries, frame: LocalFrame, tiles: threading.Event
+    ) -> None:
         self._data, self._frame, self._tiles = data, frame, tiles
         self._next = 0
         self._trail = ColumnDataSource({"east": [], "north": []}, name="trail")
         self._copter = ColumnDataSource({"east": [], "north": [], "angle": []}, name="copter")
         self._target = ColumnDataSource({"east": [], "north": [], "seq": []}, name="target")
-        self._errors = ColumnDataSource({"time": [], "space": [], "late": []}, name="errors")
+        self._errors = ColumnDataSource({"time": [], "path": [], "position": []}, name="errors")
         self._readings = Div(name="readings", sizing_mode="stretch_width")
-        self._readings.js_on_change("tags", CustomJS(code=_CALM))
-        self._map = map_chart(shown)
+        self._readings.js_on_change("tags", CustomJS(code=_EXPECT_DISCONNECT))
+        self._map = map_chart(series)
         self._draw_vehicle()
 
     def fill(self, document: Document) -> None:
-        """Put the page into a browser's document, and keep it up to date."""
+        """Add the page to a browser's document, and update it from then on."""
         document.title = "Replay in flight"
         document.template = _template()
         self._map.name, self._map.sizing_mode = "map", "stretch_both"
         document.add_root(self._map)
         document.add_root(self._readings)
-        document.add_root(self._error_chart("space", "distance in space from the recorded path"))
-        document.add_root(self._error_chart("time", "distance in time from the recorded position"))
+        document.add_root(self._error_chart("path", "path error"))
+        document.add_root(self._error_chart("position", "position error at equal times"))
         self.tick()
         if self._readings.tags:
             document.config.update(reconnect_session=False, notify_connection_status=False)
         document.add_periodic_callback(self.tick, TICK_MS)
 
     def tick(self) -> None:
-        """Show what has happened since the last tick."""
+        """Show the events since the last tick."""
         points = self._data.points(self._next)
         self._next += len(points)
         if points:
             self._add(points)
-        self._point_out()
+        self._update_target()
         text = readings_html(self._data.status, self._data.points(self._next - 1)[:1] if self._next else [])
         if text != self._readings.text:
             self._readings.text = text
@@ -75,7 +79,7 @@ class Page:
 
     def _draw_vehicle(self) -> None:
         chart = self._map
-        chart.line("east", "north", source=self._trail, color=FLOWN, width=2, legend_label="flown")
+        chart.line("east", "north", source=self._trail, color=FLOWN_COLOUR, width=2, legend_label="flown")
         chart.scatter(
             "east", "north", source=self._target, size=18, fill_color=None, line_color="black", line_width=2
         )
@@ -86,31 +90,31 @@ class Page:
             "east", "north", angle="angle", source=self._copter, length=26, length_units="screen",
             line_width=4, line_color="black",
         )  # fmt: skip
-        chart.scatter("east", "north", source=self._copter, size=13, fill_color=FLOWN, line_color="black")
+        chart.scatter(
+            "east", "north", source=self._copter, size=13, fill_color=FLOWN_COLOUR, line_color="black"
+        )
 
     def _error_chart(self, name: str, title: str) -> Any:
-        chart = time_chart(title, "distance (m)")
+        chart = time_chart(title, "error (m)")
         chart.xaxis[0].axis_label = "time since the first waypoint (s)"
-        chart.line(
-            "time", "space" if name == "space" else "late", source=self._errors, color=FLOWN, width=1.5
-        )
+        chart.line("time", name, source=self._errors, color=FLOWN_COLOUR, width=1.5)
         chart.name, chart.sizing_mode = name, "stretch_both"
         chart.toolbar_location = None
         return chart
 
-    def _add(self, points: list[Point]) -> None:
+    def _add(self, points: list[MapPoint]) -> None:
         self._trail.stream(
-            {"east": [p.east_m for p in points], "north": [p.north_m for p in points]}, MOST_POINTS
+            {"east": [p.east_m for p in points], "north": [p.north_m for p in points]}, MAX_TRAIL_POINTS
         )
         timed = [p for p in points if math.isfinite(p.elapsed_s)]
         if timed:
             self._errors.stream(
                 {
                     "time": [p.elapsed_s for p in timed],
-                    "space": [p.in_space_m for p in timed],
-                    "late": [p.in_time_m for p in timed],
+                    "path": [p.path_error_m for p in timed],
+                    "position": [p.position_error_m for p in timed],
                 },
-                MOST_POINTS,
+                MAX_TRAIL_POINTS,
             )
         vehicle = self._data.status.vehicle
         heading_deg = vehicle.heading_deg if vehicle is not None else None
@@ -118,14 +122,14 @@ class Page:
         last = points[-1]
         self._copter.data = {"east": [last.east_m], "north": [last.north_m], "angle": [angle]}
 
-    def _point_out(self) -> None:
-        """Ring the waypoint that the vehicle flies to."""
-        target, heading = self._data.target_m(), self._data.status.heading
-        shown = {"east": [], "north": [], "seq": []} if target is None or heading is None else {
-            "east": [target[1]], "north": [target[0]], "seq": [str(heading.seq)],
-        }  # fmt: skip
-        if shown != self._target.data:
-            self._target.data = shown
+    def _update_target(self) -> None:
+        """Mark the waypoint that the vehicle flies to."""
+        position_m, current = self._data.current_waypoint_m(), self._data.status.current_waypoint
+        target: dict[str, list[Any]] = {"east": [], "north": [], "seq": []}
+        if position_m is not None and current is not None:
+            target = {"east": [position_m[1]], "north": [position_m[0]], "seq": [str(current.seq)]}
+        if target != self._target.data:
+            self._target.data = target
 
 
 def _template() -> Template:
@@ -134,28 +138,30 @@ def _template() -> Template:
     return template
 
 
-def readings_html(status: Status, last: list[Point]) -> str:
-    """Phase, waypoint, altitude, speed, battery and the distances as they are now."""
-    pairs = {"Phase": _phase(status)}
-    if status.heading is not None:
-        pairs["Waypoint"] = f"{status.heading.seq} of {status.heading.last_seq}"
+def readings_html(status: ReplayStatus, last: list[MapPoint]) -> str:
+    """Phase, waypoint, altitude, speed, mode, battery and errors; ``last`` holds the latest point, if any."""
+    values = {"Phase": _phase(status)}
+    if status.current_waypoint is not None:
+        values["Waypoint"] = f"{status.current_waypoint.seq} of {status.current_waypoint.last_seq}"
     if status.vehicle is not None:
-        vehicle = status.vehicle
-        pairs |= {"Altitude": f"{vehicle.alt_m:.1f} m", "Speed": f"{status.speed_m_s:.1f} m/s"}
-        pairs |= {"Mode": vehicle.mode, "Battery": _battery(vehicle.battery_v, vehicle.battery_percent)}
+        values["Altitude"] = f"{status.vehicle.alt_m:.1f} m"
+        values["Speed"] = f"{status.speed_m_s:.1f} m/s"
+        values["Mode"] = status.vehicle.mode
+        values["Battery"] = battery_text(status.vehicle)
     for point in last:
-        pairs |= {"Off in space": _metres(point.in_space_m), "Off in time": _metres(point.in_time_m)}
-    if status.trouble:
-        pairs["Warning"] = status.trouble
+        values["Path error"] = _metres(point.path_error_m)
+        values["Position error"] = _metres(point.position_error_m)
+    if status.warning:
+        values["Warning"] = status.warning
     cells = (
         f'<span style="{_CELL}"><small style="color:#666">{label}</small><br><b>{escape(value)}</b></span>'
-        for label, value in pairs.items()
+        for label, value in values.items()
         if value
     )
     return f'<div style="font:15px/1.3 system-ui,sans-serif">{"".join(cells)}</div>'
 
 
-def _phase(status: Status) -> str:
+def _phase(status: ReplayStatus) -> str:
     if status.ended is not None:
         return f"ended: {status.ended}"
     name = status.phase.value if status.phase is not None else "planning"
@@ -164,14 +170,3 @@ def _phase(status: Status) -> str:
 
 def _metres(distance_m: float) -> str:
     return f"{distance_m:.1f} m" if math.isfinite(distance_m) else ""
-
-
-def _battery(volts: float | None, percent: float | None) -> str:
-    return " ".join(
-        text
-        for text in (
-            "" if volts is None else f"{volts:.1f} V",
-            "" if percent is None else f"{percent:.0f} %",
-        )
-        if text
-    )

@@ -1,7 +1,7 @@
-"""A live map in the browser, served on loopback only; everything that the page needs comes from here.
+"""The server of the live map, on loopback only; it serves everything that the page needs.
 
-The server has a thread of its own. The flight only hands it events: no page, slow or closed, can
-hold the flight up.
+The server runs in its own thread and only receives events, so that a slow or closed page does not
+hold up the flight.
 """
 
 from __future__ import annotations
@@ -16,22 +16,23 @@ from typing import Any
 from flight_replay.errors import FlightReplayError
 from flight_replay.events import Event
 from flight_replay.output.charts import map_tiles
-from flight_replay.output.charts.series import curves
-from flight_replay.output.live_map.data import LiveData
+from flight_replay.output.charts.series import replay_series
+from flight_replay.output.live_map.data import MapData
 from flight_replay.output.live_map.page import TICK_MS, Page
 from flight_replay.planning.route import Route
 
 _HOST = "127.0.0.1"
-_START_S = 10.0
-_LAST_LOOK_S = 3 * TICK_MS / 1000
+_START_TIMEOUT_S = 10.0
+_FINAL_UPDATE_S = 3 * TICK_MS / 1000
+"""Wall-clock time in which open pages show the last events."""
 
 
 class LiveMap:
-    """The map of one replay, from ``with`` until its end; ``url`` is where the page is."""
+    """Serves the map of one replay at ``url`` while the context is open."""
 
     def __init__(self, route: Route) -> None:
-        self._data = LiveData(route)
-        self._shown = curves(route)
+        self._data = MapData(route)
+        self._series = replay_series(route)
         self._frame = route.covered.frame
         self._ready = threading.Event()
         self._thread = threading.Thread(target=self._serve, name="flight-replay map", daemon=True)
@@ -42,26 +43,28 @@ class LiveMap:
     def __enter__(self) -> LiveMap:
         self._tiles = map_tiles.probe()
         self._thread.start()
-        if not self._ready.wait(_START_S):
-            raise FlightReplayError("the map's server does not start; leave out --map, see -v")
+        if not self._ready.wait(_START_TIMEOUT_S):
+            raise FlightReplayError(
+                "the live map's server did not start; try again with -v, or leave out --map"
+            )
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Stop, after open pages have had the time to show the end."""
+        """Stop once open pages have shown the last events."""
         if self.is_watched:
-            time.sleep(_LAST_LOOK_S)
+            time.sleep(_FINAL_UPDATE_S)
         self._loop.add_callback(self._loop.stop)
-        self._thread.join(_START_S)
+        self._thread.join(_START_TIMEOUT_S)
 
     def listener(self, event: Event) -> None:
-        """Take an event to the map; costs microseconds."""
+        """Pass an event to the map; takes microseconds."""
         self._data.listener(event)
 
     @property
     def is_watched(self) -> bool:
-        """Whether a page is open."""
+        """Whether a browser has the page open."""
         return any(session.connection_count for session in self._bokeh.get_sessions("/"))
 
     def _serve(self) -> None:
@@ -73,7 +76,7 @@ class LiveMap:
         from tornado.httpserver import HTTPServer
         from tornado.ioloop import IOLoop
 
-        # A browser asks for icons that are not there; nobody needs to read that.
+        # Browsers request icons that do not exist, which tornado would log.
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
         asyncio.set_event_loop(asyncio.new_event_loop())
         sockets, port = bind_sockets(_HOST, 0)
@@ -94,4 +97,4 @@ class LiveMap:
         self._loop.close(all_fds=True)
 
     def _open_page(self, document: Any) -> None:
-        Page(self._data, self._shown, self._frame, self._tiles).fill(document)
+        Page(self._data, self._series, self._frame, self._tiles).fill(document)

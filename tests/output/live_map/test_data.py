@@ -1,0 +1,84 @@
+"""data.py: the data of the live map."""
+
+import math
+
+import numpy as np
+import pytest
+
+from flight_replay.events import DistanceToWaypoint, Finished, WaypointReached
+from flight_replay.output.live_map.data import LivePathError, MapData
+from tests.helpers.made_replays import FRAME, figure_of_eight, made_replay, vehicle_at
+
+
+@pytest.fixture
+def data() -> MapData:
+    """The map data of the made-up replay."""
+    return MapData(made_replay()[0])
+
+
+def test_errors_start_at_the_first_waypoint(data: MapData) -> None:
+    """Before it, and outside AUTO, errors are NaN."""
+    data.listener(vehicle_at(1, 0, 50.0))
+    data.listener(WaypointReached(1, 60.0))
+    data.listener(vehicle_at(0, 0, 60.0))
+    data.listener(vehicle_at(0, 0, 61.0, mode="RTL"))
+    before, at_first, home = data.points(0)
+    assert math.isnan(before.elapsed_s)
+    assert at_first.elapsed_s == 0
+    assert at_first.path_error_m == pytest.approx(0, abs=1e-3)
+    assert at_first.position_error_m == pytest.approx(0, abs=1e-3)
+    assert math.isnan(home.path_error_m)
+    assert [before.north_m, before.east_m] == pytest.approx([1, 0], abs=1e-3)
+
+
+def test_position_error_is_that_of_equal_times(data: MapData) -> None:
+    """A vehicle that flies the same path 10 % slower falls behind by as much."""
+    recorded, slow = figure_of_eight(), figure_of_eight(slower=1.1)
+    data.listener(WaypointReached(1, 100.0))
+    for n in range(0, 300, 5):
+        north_m, east_m = slow.north_east_m(FRAME)[n]
+        data.listener(vehicle_at(north_m, east_m, float(slow.time_s[n])))
+    points = data.points(0)
+    recorded_m = recorded.north_east_m(FRAME)
+    expected_m = [
+        np.interp(points[20].elapsed_s + 100, recorded.time_s, recorded_m[:, axis]) for axis in (0, 1)
+    ]
+    assert points[20].position_error_m == pytest.approx(
+        math.dist(expected_m, slow.north_east_m(FRAME)[100]), abs=0.01
+    )
+    assert math.isnan(points[-1].position_error_m)
+    assert max(point.path_error_m for point in points) < 0.05
+
+
+def test_a_crossing_path_is_matched_in_order() -> None:
+    """At the crossing of the eight, the vehicle is matched to the branch that it flies."""
+    path = figure_of_eight().north_east_m(FRAME)
+    path_error = LivePathError(path)
+    errors_m = [path_error.update(position_m + np.array([0.0, 2.0])) for position_m in path]
+    assert max(errors_m) <= 2.001
+
+
+def test_a_sharp_turn_is_matched_in_order() -> None:
+    """Just before a turn back, the leg after it is near too; the error stays right."""
+    out = np.column_stack([np.linspace(0, 50, 101), np.zeros(101)])
+    back = np.column_stack([np.linspace(50, 0, 101), np.full(101, 0.5)])
+    path_error = LivePathError(np.vstack([out, back]))
+    positions_m = np.vstack([out, back]) + np.array([0.0, 0.4])
+    assert max(path_error.update(position_m) for position_m in positions_m) < 0.6
+
+
+def test_a_single_fix_is_a_path() -> None:
+    """A log of a hover has a map too."""
+    assert LivePathError(np.zeros((1, 2))).update(np.array([3.0, 4.0])) == pytest.approx(5)
+
+
+def test_the_current_waypoint_is_the_one_flown_to(data: MapData) -> None:
+    """Items without a position have none, and there is none after the flight."""
+    assert data.current_waypoint_m() is None
+    data.listener(DistanceToWaypoint(1, 3.0, 60))
+    assert data.current_waypoint_m() == pytest.approx((0, 0), abs=1e-3)
+    data.listener(DistanceToWaypoint(999, 3.0, 60))
+    assert data.current_waypoint_m() is None
+    data.listener(DistanceToWaypoint(1, 3.0, 60))
+    data.listener(Finished("duration"))
+    assert data.current_waypoint_m() is None

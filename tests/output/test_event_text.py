@@ -1,0 +1,103 @@
+"""event_text.py: each event has its line, in the wording of DroneKit's example where that has one."""
+
+import pytest
+
+from flight_replay.events import (
+    Climbing,
+    DistanceToWaypoint,
+    Event,
+    Finished,
+    LinkLost,
+    LinkRestored,
+    Notice,
+    Phase,
+    PhaseStarted,
+    Progress,
+    ReturnCommanded,
+    StatusText,
+    TargetAltitudeReached,
+    VehicleState,
+    Waiting,
+    WaypointReached,
+)
+from flight_replay.output.event_text import event_line, is_detail, is_problem
+
+STATE = VehicleState(1.0, 47.0, 8.0, 30.0, (1.0, 0.0, 0.0), 90.0, "AUTO", armed=True)
+
+EXAMPLE_LINES = [
+    (PhaseStarted(Phase.CONNECT, "tcp:127.0.0.1:5760"), "Connecting to vehicle on: tcp:127.0.0.1:5760"),
+    (PhaseStarted(Phase.UPLOAD, "100"), "Uploading 100 waypoints to vehicle..."),
+    (PhaseStarted(Phase.PREARM), "Arm and Takeoff"),
+    (Waiting(Phase.PREARM, ""), " Waiting for vehicle to initialise..."),
+    (PhaseStarted(Phase.ARM), " Waiting for arming..."),
+    (PhaseStarted(Phase.TAKEOFF), " Taking off!"),
+    (Climbing(1.234, 28.5, 30.0), " Altitude: 1.23 < 28.50"),
+    (TargetAltitudeReached(30.0), " Reached target altitude of ~30"),
+    (PhaseStarted(Phase.MISSION), "Starting mission"),
+    (DistanceToWaypoint(1, 3.02, 100), "Distance to waypoint (1): 3.02"),
+    (PhaseStarted(Phase.RETURN), "Return to launch"),
+    (PhaseStarted(Phase.CLOSE), "Close vehicle object"),
+    (Finished("duration"), "Completed..."),
+]
+OTHER_LINES = [
+    (PhaseStarted(Phase.UPLOAD), "Uploading the mission to vehicle..."),
+    (Waiting(Phase.PREARM, "EKF is not ready"), " Waiting for vehicle to initialise... (EKF is not ready)"),
+    (Waiting(Phase.CONNECT, "no heartbeat"), " Waiting (connect)... (no heartbeat)"),
+    (DistanceToWaypoint(2, None, 3), "Distance to waypoint (2): unknown"),
+    (WaypointReached(1, 12.34), " Reached waypoint (1) at 12.3 s"),
+    (Notice("Flying the built-in copter"), "Flying the built-in copter"),
+    (Notice("the route is long", warning=True), "Warning: the route is long"),
+    (LinkLost(4.0), "Warning: link lost, no message from the vehicle for 4.0 s"),
+    (LinkRestored(6.25), " Link restored after 6.2 s"),
+    (ReturnCommanded(confirmed=True), " The vehicle confirmed RTL"),
+    (ReturnCommanded(confirmed=False), "Warning: the vehicle did not confirm RTL"),
+    (StatusText(4, "PreArm: Compass not calibrated"), " Autopilot: PreArm: Compass not calibrated"),
+]
+
+
+@pytest.mark.parametrize(("event", "line"), EXAMPLE_LINES)
+def test_lines_of_dronekits_example_are_kept(event: Event, line: str) -> None:
+    """The wording is the example's, to the last blank and dot."""
+    assert event_line(event) == line
+
+
+@pytest.mark.parametrize(("event", "line"), OTHER_LINES)
+def test_other_events_have_one_line(event: Event, line: str) -> None:
+    """A wait shows its reason, a warning begins with the word."""
+    assert event_line(event) == line
+
+
+@pytest.mark.parametrize("event", [Progress("log", 1, 2, "bytes"), STATE])
+def test_positions_and_progress_have_no_line(event: Event) -> None:
+    """Only the live display and the map show them."""
+    assert event_line(event) is None
+
+
+@pytest.mark.parametrize(
+    ("event", "expected"),
+    [
+        (LinkLost(4.0), True),
+        (Notice("x", warning=True), True),
+        (ReturnCommanded(confirmed=False), True),
+        (Notice("x"), False),
+        (ReturnCommanded(confirmed=True), False),
+        (PhaseStarted(Phase.MISSION), False),
+    ],
+)
+def test_problems_are_warnings_lost_links_and_unconfirmed_rtl(event: Event, expected: bool) -> None:
+    """These are shown with -q too."""
+    assert is_problem(event) is expected
+
+
+@pytest.mark.parametrize(
+    ("event", "expected"),
+    [
+        (StatusText(5, "x"), True),
+        (StatusText(4, "x"), False),
+        (WaypointReached(1, 2.0), True),
+        (PhaseStarted(Phase.MISSION), False),
+    ],
+)
+def test_details_are_minor_texts_and_reached_waypoints(event: Event, expected: bool) -> None:
+    """These are shown with -v only; a text of MAV_SEVERITY_WARNING is always shown."""
+    assert is_detail(event) is expected
