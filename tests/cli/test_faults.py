@@ -13,7 +13,7 @@ import pytest
 
 from flight_replay.events import LinkLost, LinkRestored, Notice, Waiting
 from flight_replay.simulator.autopilot import faults as sim
-from flight_replay.simulator.autopilot.faults import Faults, Happening, MissionFaults
+from flight_replay.simulator.autopilot.faults import Faults, MissionFaults, ScriptedFault
 from tests.helpers.fault_link import FOREVER_S, FaultLink, Message, Trip, Weather
 from tests.helpers.fault_runs import AUTO, ROUTE, RTL, Outcome, mode_of, replay
 
@@ -169,7 +169,7 @@ def test_a_connection_that_is_closed_is_opened_again(moment: str) -> None:
 
 def at(moment: str, after_s: float, action: sim.Action) -> Faults:
     """A vehicle that is sound until something happens."""
-    return Faults(happenings=(Happening(moment, after_s, action),))
+    return Faults(script=(ScriptedFault(moment, after_s, action),))
 
 
 REBOOT_SPEEDUP = 10.0
@@ -190,8 +190,8 @@ def test_a_reboot_in_the_air_ends_the_flight() -> None:
 def test_a_reboot_on_the_ground_ends_the_flight_before_it_began() -> None:
     """Nothing is armed that rebooted after its mission was verified."""
     faults = Faults(
-        never_armable="Compass not calibrated",
-        happenings=(Happening("upload", 30.0, sim.Reboot()),),
+        prearm_failure="Compass not calibrated",
+        script=(ScriptedFault("upload", 30.0, sim.Reboot()),),
     )
     outcome = replay(faults, speedup=REBOOT_SPEEDUP)
     kept(outcome)
@@ -226,7 +226,7 @@ def test_a_mission_changed_by_another_station_is_not_flown(moment: str) -> None:
 def test_a_vehicle_that_never_is_ready_is_not_armed() -> None:
     """The autopilot's own reason is shown while waiting, and in the line."""
     reason = "PreArm: Compass not calibrated"
-    outcome = replay(Faults(never_armable="Compass not calibrated"))
+    outcome = replay(Faults(prearm_failure="Compass not calibrated"))
     kept(outcome)
     assert reason in (outcome.line or "")
     assert any(isinstance(event, Waiting) and event.reason == reason for event in outcome.events)
@@ -236,7 +236,7 @@ def test_a_vehicle_that_never_is_ready_is_not_armed() -> None:
 @pytest.mark.slow
 def test_an_arming_that_is_refused_ends_the_flight() -> None:
     """The line has the reason that the autopilot gave."""
-    outcome = replay(Faults(refuses_arming="Throttle too high"))
+    outcome = replay(Faults(arm_failure="Throttle too high"))
     kept(outcome)
     assert "did not arm" in (outcome.line or "")
     assert "Throttle too high" in (outcome.line or "")
@@ -264,7 +264,7 @@ def test_rtl_that_is_refused_is_told() -> None:
 @pytest.mark.slow
 def test_a_take_off_that_does_not_climb_ends_in_rtl() -> None:
     """The height at which it stayed is in the line."""
-    outcome = replay(Faults(climbs=False))
+    outcome = replay(Faults(takeoff_climbs=False))
     kept(outcome)
     assert "did not climb above" in (outcome.line or "") or "before take-off" in (outcome.line or "")
     assert AUTO not in outcome.modes_asked()
@@ -312,7 +312,7 @@ OTHERS = {
 @pytest.mark.parametrize("name", rows(list(OTHERS), set(OTHERS) - {"second copter"}))
 def test_heartbeats_of_others_do_not_confuse(name: str) -> None:
     """Neither a gimbal, a radio, an ADS-B receiver nor a second copter changes what is known."""
-    outcome = replay(Faults(others=(OTHERS[name],)))
+    outcome = replay(Faults(other_heartbeats=(OTHERS[name],)))
     kept(outcome)
     assert outcome.line is None
     assert outcome.rtl_confirmed
@@ -321,10 +321,10 @@ def test_heartbeats_of_others_do_not_confuse(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("personality", "word"), [(sim.PLANE, "fixed wing"), (sim.ROVER, "ground rover")])
-def test_other_vehicles_are_refused(personality: sim.Personality, word: str) -> None:
+@pytest.mark.parametrize(("firmware", "word"), [(sim.PLANE, "fixed wing"), (sim.ROVER, "ground rover")])
+def test_other_vehicles_are_refused(firmware: sim.Firmware, word: str) -> None:
     """A plane or a rover is refused before anything is uploaded."""
-    outcome = replay(Faults(personality=personality))
+    outcome = replay(Faults(firmware=firmware))
     kept(outcome)
     assert f"{word}, system 1) is not a multicopter" in (outcome.line or "")
     assert not [m for m in outcome.link.to_vehicle if m.get_type() == "MISSION_COUNT"]

@@ -8,8 +8,8 @@ from typing import Any
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.faults import Faults
+from flight_replay.simulator.autopilot.flight_model import STEP_S
 from flight_replay.simulator.autopilot.location import Start
-from flight_replay.simulator.autopilot.model_flight import STEP_S
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from flight_replay.simulator.protocol.ground_link import GroundLink
 
@@ -129,7 +129,7 @@ def place(
     north_m: float, east_m: float, up_m: float = 20.0, *, command: int = 16, hold_s: float = 0.0
 ) -> Item:
     """An item at a place so far from START, above home."""
-    there = START.place_of((north_m, east_m, 0.0))
+    there = START.location_of((north_m, east_m, 0.0))
     return command, 3, (hold_s, 0.0, 0.0, 0.0), there.lat_e7, there.lon_e7, up_m
 
 

@@ -14,7 +14,7 @@ import pytest
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Event, Notice, Phase, PhaseStarted, Progress, Waiting
 from flight_replay.mavlink import dialect
-from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Personality, old_copter
+from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Firmware, old_copter
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
 from flight_replay.vehicle import ConnectedVehicle, connect
@@ -87,7 +87,7 @@ def test_an_old_copter_is_known_by_what_it_can_do() -> None:
 def test_of_several_vehicles_the_first_is_flown() -> None:
     """The lowest system id; the others are named."""
     events: list[Event] = []
-    with copter(Faults(others=(SECOND_COPTER,)), events=events) as vehicle:
+    with copter(Faults(other_heartbeats=(SECOND_COPTER,)), events=events) as vehicle:
         assert vehicle.identity.system == 1
     assert Notice("vehicle 2 is also on this link; it is ignored", warning=True) in events
 
@@ -169,7 +169,7 @@ def test_pace_is_kept_with_a_simulator_whatever_it_says(
 
 def test_a_vehicle_of_another_make_is_named_as_what_it_is() -> None:
     """The name says plane where it is one."""
-    with copter(Faults(personality=Personality(vehicle_type=1, firmware="ArduPlane"))) as vehicle:
+    with copter(Faults(firmware=Firmware(vehicle_type=1, name="ArduPlane"))) as vehicle:
         assert vehicle.identity.kind == "fixed wing"
         assert not vehicle.identity.is_multicopter
 

@@ -39,7 +39,7 @@ def test_it_is_not_armable_at_once_and_says_why() -> None:
 
 def test_prearm_failures_are_spoken_every_half_minute() -> None:
     """A vehicle that is never armable says so again and again, and refuses with the same words."""
-    _, station = sim(Faults(never_armable="Compass not calibrated"))
+    _, station = sim(Faults(prearm_failure="Compass not calibrated"))
     station.run(65)
     assert station.texts.count("PreArm: Compass not calibrated") == 2
     assert station.command(ARM, 1) == FAILED
@@ -88,7 +88,7 @@ def test_parameters_keep_it_from_arming(parameter: str, value: float, reason: st
 
 def test_force_skips_the_checks() -> None:
     """The magic number arms against a check, but not without a position in a mode that needs one."""
-    _, station = sim(Faults(never_armable="Gyros not healthy"))
+    _, station = sim(Faults(prearm_failure="Gyros not healthy"))
     station.mode(GUIDED)
     assert station.command(ARM, 1, 2989) == FAILED
     station.run(READY_S)
@@ -142,7 +142,7 @@ def test_a_flying_copter_is_not_disarmed_but_by_force() -> None:
 
 def test_an_arm_command_can_be_refused_though_all_checks_pass() -> None:
     """A fault script's reason meets the arm command alone."""
-    autopilot, station = sim(Faults(refuses_arming="Safety Switch"))
+    autopilot, station = sim(Faults(arm_failure="Safety Switch"))
     station.run(READY_S)
     assert autopilot.prearm.passed
     assert station.command(ARM, 1) == FAILED
@@ -151,7 +151,7 @@ def test_an_arm_command_can_be_refused_though_all_checks_pass() -> None:
 
 def test_answers_come_before_the_texts_that_explain_them() -> None:
     """As ArduPilot queues its texts, COMMAND_ACK is there first, the reason a step later."""
-    _, station = sim(Faults(never_armable="Logging failed"))
+    _, station = sim(Faults(prearm_failure="Logging failed"))
     station.run(READY_S)
     station.forget()
     station.command(ARM, 1)

@@ -58,7 +58,7 @@ def test_takeoff_takes_about_as_long_as_arducopters() -> None:
 
 def test_a_takeoff_that_does_not_climb_stays_armed_on_the_ground() -> None:
     """The fault accepts the command and goes nowhere."""
-    autopilot, station = sim(Faults(climbs=False))
+    autopilot, station = sim(Faults(takeoff_climbs=False))
     station.run(READY_S)
     station.mode(GUIDED)
     station.command(ARM, 1)
@@ -114,7 +114,7 @@ def test_the_other_modes_hold_the_place(mode: CopterMode) -> None:
     """Without a pilot's sticks, a copter that flew along comes to rest and stays."""
     autopilot, station = sim()
     station.fly()
-    autopilot.flight.drift((5.0, 0.0, 0.0))
+    autopilot.flight.fly_velocity((5.0, 0.0, 0.0))
     station.run(8)
     station.mode(mode)
     station.run(8)

@@ -6,7 +6,7 @@ import pytest
 
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
-from flight_replay.simulator.autopilot.battery import Battery, Level
+from flight_replay.simulator.autopilot.battery import Battery, BatteryFailsafe
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, Station, place, sim
 
@@ -138,6 +138,6 @@ def test_the_battery_empties_with_the_flight() -> None:
     assert battery.consumed_mah == pytest.approx(468, abs=2)
     assert battery.remaining_percent == 85
     assert 12.0 < battery.voltage_v < 12.6
-    assert battery.level == Level.FINE
+    assert battery.failsafe == BatteryFailsafe.NONE
     parameters.assign("BATT_CAPACITY", 0)
     assert battery.remaining_percent == 0

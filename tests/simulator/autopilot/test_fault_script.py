@@ -14,10 +14,10 @@ from flight_replay.simulator.autopilot.faults import (
     SECOND_COPTER,
     FailsafeMode,
     Faults,
-    Happening,
     MoveItem,
     PilotMode,
     Reboot,
+    ScriptedFault,
     SetParameter,
     old_copter,
 )
@@ -25,8 +25,8 @@ from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, SET_MODE, TAKE
 
 
 def test_the_pilot_takes_over() -> None:
-    """A mode change by the pilot comes at its moment, and only once."""
-    autopilot, station = sim(Faults(happenings=(Happening("AUTO", 5, PilotMode(CopterMode.LOITER)),)))
+    """A mode change by the pilot comes after its trigger, and only once."""
+    autopilot, station = sim(Faults(script=(ScriptedFault("AUTO", 5, PilotMode(CopterMode.LOITER)),)))
     station.fly()
     station.upload([place(500, 0)])
     station.mode(AUTO)
@@ -41,11 +41,11 @@ def test_the_pilot_takes_over() -> None:
 
 def test_the_vehicle_decides_for_itself() -> None:
     """A failsafe of the vehicle's own changes the mode and is announced; parameters can change too."""
-    happenings = (
-        Happening("takeoff", 3, SetParameter("SIM_BATT_VOLTAGE", 11.0)),
-        Happening("armed", 20, FailsafeMode(CopterMode.LAND, "EKF Failsafe: changed to LAND Mode")),
+    script = (
+        ScriptedFault("takeoff", 3, SetParameter("SIM_BATT_VOLTAGE", 11.0)),
+        ScriptedFault("armed", 20, FailsafeMode(CopterMode.LAND, "EKF Failsafe: changed to LAND Mode")),
     )
-    autopilot, station = sim(Faults(happenings=happenings))
+    autopilot, station = sim(Faults(script=script))
     station.fly(10)
     station.run(20)
     assert autopilot.mode == CopterMode.LAND
@@ -55,7 +55,7 @@ def test_the_vehicle_decides_for_itself() -> None:
 
 def test_a_reboot_forgets_the_flight() -> None:
     """After a reboot in the air time begins anew, disarmed in STABILIZE on the ground, mission kept."""
-    autopilot, station = sim(Faults(happenings=(Happening("AUTO", 5, Reboot()),)))
+    autopilot, station = sim(Faults(script=(ScriptedFault("AUTO", 5, Reboot()),)))
     station.send(dialect.MAVLink_request_data_stream_message(1, 1, 0, 4, 1))
     station.fly()
     station.upload([place(500, 0)])
@@ -82,8 +82,8 @@ def test_a_reboot_can_be_asked_for_on_the_ground() -> None:
 
 
 def test_another_station_changes_the_mission() -> None:
-    """A moment after the upload an item is elsewhere on board."""
-    autopilot, station = sim(Faults(happenings=(Happening("upload", 0.5, MoveItem(1)),)))
+    """Shortly after the upload an item is elsewhere on board."""
+    autopilot, station = sim(Faults(script=(ScriptedFault("upload", 0.5, MoveItem(1)),)))
     station.upload([place(50, 0)])
     before = autopilot.store.items[1]
     station.run(1)
@@ -95,7 +95,7 @@ def test_another_station_changes_the_mission() -> None:
 def test_others_are_heard_on_the_same_link() -> None:
     """Heartbeats of gimbal, radio, ADS-B receiver and a second copter come with their own addresses."""
     others = (GIMBAL, RADIO, ADSB_RECEIVER, SECOND_COPTER)
-    _, station = sim(Faults(others=others))
+    _, station = sim(Faults(other_heartbeats=others))
     station.run(3)
     heard = {(m.get_srcSystem(), m.get_srcComponent(), m.type) for m in station.of("HEARTBEAT")}
     assert heard == {(1, 1, 2), *((other.system, other.component, other.vehicle_type) for other in others)}
@@ -104,7 +104,7 @@ def test_others_are_heard_on_the_same_link() -> None:
 
 def test_it_can_be_a_plane() -> None:
     """The heartbeat's type and the banner are another vehicle's."""
-    _, station = sim(Faults(personality=PLANE))
+    _, station = sim(Faults(firmware=PLANE))
     station.run(1)
     assert station.last("HEARTBEAT").type == dialect.MAV_TYPE_FIXED_WING
     station.send(dialect.MAVLink_param_request_list_message(1, 1))

@@ -95,7 +95,7 @@ def test_setting_is_heard_by_every_station() -> None:
 
 def test_copter_4_7_has_other_names_in_other_units() -> None:
     """Speeds are WP_SPD in m/s; the flight goes by them, and the old names are unknown to stations."""
-    autopilot, station = sim(Faults(personality=COPTER_4_7))
+    autopilot, station = sim(Faults(firmware=COPTER_4_7))
     station.send(dialect.MAVLink_param_request_read_message(1, 1, b"WPNAV_SPEED", -1))
     assert station.of("PARAM_VALUE") == []
     station.send(dialect.MAVLink_param_set_message(1, 1, b"WP_SPD", 7.5, 9))

@@ -81,7 +81,7 @@ def test_it_flies_anywhere_on_earth(start: Start) -> None:
     """Near a pole, on the antimeridian and at zero degrees, a mission comes out where it should."""
     autopilot, station = sim(start=start)
     station.fly(10)
-    there = start.place_of((60.0, 60.0, 0.0))
+    there = start.location_of((60.0, 60.0, 0.0))
     station.upload([(16, 3, (0.0, 0.0, 0.0, 0.0), there.lat_e7, there.lon_e7, 10.0)])
     station.mode(AUTO)
     assert station.run(60, lambda: reached(station) == [1])

@@ -233,12 +233,12 @@ def test_a_step_of_another_length_flies_the_same() -> None:
 def test_a_fixed_heading_is_turned_to_at_the_given_rate() -> None:
     """look() turns the given way round, relative or absolute, and no faster than told."""
     copter = hover()
-    copter.look(pi / 2, 0.2, -1.0)
+    copter.set_yaw(pi / 2, 0.2, -1.0)
     fly(copter, lambda: copter.time_s > 5.0)
     assert copter.attitude_rad[2] == pytest.approx(-1.0, abs=0.15)
     fly(copter, lambda: copter.time_s > 30.0)
     assert (cos(copter.attitude_rad[2]), sin(copter.attitude_rad[2])) == pytest.approx((0.0, 1.0), abs=0.01)
-    copter.look(pi / 2, relative=True)
+    copter.set_yaw(pi / 2, relative=True)
     fly(copter, lambda: copter.time_s > 40.0)
     assert abs(copter.attitude_rad[2]) == pytest.approx(pi, abs=0.01)
 

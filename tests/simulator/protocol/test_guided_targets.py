@@ -17,7 +17,7 @@ REPOSITION, CHANGE_SPEED, CONDITION_YAW, SET_HOME = 192, 178, 115, 179
 
 def item(station: Station, current: int, north_m: float, up_m: float, command: int = 16) -> int:
     """A MISSION_ITEM with the given ``current``, as DroneKit's simple_goto sends it."""
-    there = START.place_of((north_m, 0.0, 0.0))
+    there = START.location_of((north_m, 0.0, 0.0))
     station.send(
         dialect.MAVLink_mission_item_message(
             1, 1, 0, 3, command, current, 0, 0, 0, 0, 0, there.lat_e7 / 1e7, there.lon_e7 / 1e7, up_m
@@ -131,7 +131,7 @@ def test_global_targets_are_flown_to() -> None:
     """SET_POSITION_TARGET_GLOBAL_INT with a place, a velocity, and a place that is none."""
     autopilot, station = sim()
     station.fly()
-    there = START.place_of((25.0, 0.0, 0.0))
+    there = START.location_of((25.0, 0.0, 0.0))
 
     def target(mask: int, frame: int, lat_e7: int, velocity: tuple[float, ...]) -> None:
         station.send(

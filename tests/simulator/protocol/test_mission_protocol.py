@@ -225,7 +225,7 @@ def test_faults_refuse_an_item_the_whole_or_the_newer_form() -> None:
     assert station.upload([place(1, 0)]) == ACCEPTED
     count(station, 4)
     assert ack(station)[0] == dialect.MAV_MISSION_NO_SPACE
-    _, station = sim(Faults(mission=MissionFaults(knows_item_int=False)))
+    _, station = sim(Faults(mission=MissionFaults(supports_item_int=False)))
     count(station, 2)
     station.send(item(0, place(0, 0)))
     assert station.of("MISSION_ACK") == []

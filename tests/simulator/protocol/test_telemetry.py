@@ -135,13 +135,13 @@ def test_telemetry_tells_where_the_copter_is() -> None:
     """Positions, heights, speeds and headings of different messages agree."""
     autopilot, station = sim()
     station.fly()
-    autopilot.flight.drift((3.0, 4.0, 0.0))
+    autopilot.flight.fly_velocity((3.0, 4.0, 0.0))
     station.run(10)
     for name in ("GLOBAL_POSITION_INT", "GPS_RAW_INT", "VFR_HUD", "LOCAL_POSITION_NED", "AHRS2", "SIMSTATE",
                  "ATTITUDE", "ATTITUDE_QUATERNION", "EXTENDED_SYS_STATE"):  # fmt: skip
         station.channel.request(getattr(dialect, f"MAVLINK_MSG_ID_{name}"))
     north_m, east_m, up_m = autopilot.flight.position_m
-    there = START.place_of((north_m, east_m, up_m))
+    there = START.location_of((north_m, east_m, up_m))
     position = station.last("GLOBAL_POSITION_INT")
     assert (position.lat, position.lon, position.alt) == (there.lat_e7, there.lon_e7, there.alt_mm)
     assert position.relative_alt == pytest.approx(up_m * 1000, abs=2)

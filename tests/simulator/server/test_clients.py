@@ -57,7 +57,7 @@ def test_dronekits_stock_behaviour_works() -> None:
         wait(lambda: vehicle.armed)
         vehicle.simple_takeoff(20)
         wait(lambda: vehicle.location.global_relative_frame.alt > 19)
-        there = START.place_of((30.0, 0.0, 0.0))
+        there = START.location_of((30.0, 0.0, 0.0))
         target = dronekit.LocationGlobalRelative(there.lat_e7 / 1e7, there.lon_e7 / 1e7, 20)
         vehicle.simple_goto(target)
         wait(lambda: abs(vehicle.location.global_relative_frame.lat - target.lat) < 1e-5)

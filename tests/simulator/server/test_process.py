@@ -64,7 +64,7 @@ def test_a_launched_copter_can_be_reached_and_leaves_nothing() -> None:
 
 def test_a_launched_copter_has_the_faults_and_parameters_it_was_given() -> None:
     """Both reach the process."""
-    faults = Faults(never_armable="Barometer not healthy")
+    faults = Faults(prearm_failure="Barometer not healthy")
     with run(START, speedup=50, parameters={"FENCE_ENABLE": 1}, faults=faults) as running:
         text = listen(running.connection, "STATUSTEXT")
         while "PreArm" not in text.text:  # type: ignore[attr-defined]
@@ -130,7 +130,7 @@ def test_the_process_ends_with_its_stdin(
 
 def test_settings_travel_as_one_line() -> None:
     """What is sent is what arrives."""
-    settings = Settings(START, ("tcp:127.0.0.1:0",), {"RTL_ALT": 1.5}, Faults(climbs=False))
+    settings = Settings(START, ("tcp:127.0.0.1:0",), {"RTL_ALT": 1.5}, Faults(takeoff_climbs=False))
     assert settings.as_line().count("\n") == 1
     assert settings_of(settings.as_line()) == settings
 

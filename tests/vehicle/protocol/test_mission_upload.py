@@ -216,7 +216,7 @@ def test_positions_on_board_are_within_a_centimetre_anywhere(lat_deg: float, lon
 
 def test_old_firmware_gets_float_items() -> None:
     """ArduCopter 3.3 knows no MISSION_ITEM_INT: floats are sent, asked for, and compared as floats."""
-    link = VirtualLink(faults=Faults(mission=MissionFaults(knows_item_int=False)))
+    link = VirtualLink(faults=Faults(mission=MissionFaults(supports_item_int=False)))
     assert put(link, route(5), as_int=False).verified()
     kinds = {message.get_type() for message in link.sent}
     assert "MISSION_ITEM" in kinds

@@ -1,4 +1,4 @@
-"""Arming and disarming: the command, the checks, and when the motors stop by themselves."""
+"""Arming and disarming: the command, the checks, and when the vehicle disarms itself."""
 
 from __future__ import annotations
 
@@ -8,41 +8,41 @@ from flight_replay.simulator.autopilot.context import AutopilotContext
 from flight_replay.simulator.autopilot.mission_control import MissionControl
 from flight_replay.simulator.autopilot.prearm import Prearm
 
-_LANDS_ITSELF = frozenset({CopterMode.LAND, CopterMode.RTL, CopterMode.AUTO})
-_SURE_AFTER_S = 4.0  # longer than the model takes to stop the motors when it lands by itself
+_LANDING_MODES = frozenset({CopterMode.LAND, CopterMode.RTL, CopterMode.AUTO})
+_DISARMS_LANDED_S = 4.0  # longer than the flight model takes to stop the motors after it has landed itself
 
 
 class Arming:
-    """The motors' state; ``arm`` answers as the command does, the flag may follow later."""
+    """The armed flag; ``arm`` answers as the command does, and the flag may follow later."""
 
     def __init__(self, autopilot: AutopilotContext, prearm: Prearm, mission: MissionControl) -> None:
         self._autopilot, self._prearm, self._mission = autopilot, prearm, mission
         self.armed = False
-        self._arms_at_s: float | None = None
+        self._arm_at_s: float | None = None
         self._idle_since_s = 0.0
         self._flew = False
 
     def arm(self, *, forced: bool = False) -> bool:
-        """Arm if the checks pass; with an old firmware's delay, which each repeat starts again."""
+        """Arm if the checks pass; an old firmware arms after a delay, which every command starts again."""
         autopilot = self._autopilot
         if self.armed:
             return True
-        problems = self._prearm.refusal(forced=forced)
+        problems = self._prearm.arm_problems(forced=forced)
         for problem in problems:
             autopilot.say(Severity.CRITICAL, f"Arm: {problem}")
         if problems:
             return False
         if autopilot.parameters["ARMING_CHECK"] == 0 and not forced:
             autopilot.say(Severity.WARNING, "Warning: Arming Checks Disabled")
-        self._arms_at_s = autopilot.time_s + autopilot.faults.personality.arming_takes_s
+        self._arm_at_s = autopilot.time_s + autopilot.faults.firmware.arming_delay_s
         self._arm_when_due()
         return True
 
     def _arm_when_due(self) -> None:
         autopilot = self._autopilot
-        if self._arms_at_s is None or autopilot.time_s < self._arms_at_s:
+        if self._arm_at_s is None or autopilot.time_s < self._arm_at_s:
             return
-        self._arms_at_s = None
+        self._arm_at_s = None
         self.armed = True
         self._flew = False
         self._idle_since_s = autopilot.time_s
@@ -53,12 +53,12 @@ class Arming:
         autopilot.trigger("armed")
 
     def may_disarm(self) -> bool:
-        """Whether a station may disarm: not while it flies."""
+        """Whether a station may disarm: not while the vehicle flies."""
         return not self.armed or self._autopilot.flight.landed
 
     def disarm(self) -> None:
         """Stop the motors, whatever the copter does."""
-        self._arms_at_s = None
+        self._arm_at_s = None
         if not self.armed:
             return
         self.armed = False
@@ -67,7 +67,7 @@ class Arming:
         self._mission.reset()
 
     def update(self) -> None:
-        """Arm when due; disarm after a landing, or when nothing has happened for DISARM_DELAY seconds."""
+        """Arm when due; disarm after a landing, or after DISARM_DELAY seconds idle on the ground."""
         self._arm_when_due()
         if not self.armed:
             return
@@ -81,6 +81,6 @@ class Arming:
             return
         delay_s = min(max(autopilot.parameters["DISARM_DELAY"], 0), 127)
         idle_s = autopilot.time_s - self._idle_since_s
-        landed_itself = self._flew and autopilot.mode in _LANDS_ITSELF and idle_s >= _SURE_AFTER_S
+        landed_itself = self._flew and autopilot.mode in _LANDING_MODES and idle_s >= _DISARMS_LANDED_S
         if landed_itself or (delay_s > 0 and idle_s >= delay_s):
             self.disarm()

@@ -1,7 +1,7 @@
 """The autopilot: modes, arming, home, and what it says; no I/O, and no clock but the vehicle's.
 
 Time passes only in ``step``; what happens on board is reported to ``observers``. The behaviour is
-ArduCopter 4.6's; the flight itself is ``model_flight``'s.
+ArduCopter 4.6's; the flight itself is ``flight_model``'s.
 """
 
 from __future__ import annotations
@@ -13,24 +13,25 @@ from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot.arming import Arming
 from flight_replay.simulator.autopilot.battery import Battery
 from flight_replay.simulator.autopilot.context import AutopilotObserver
-from flight_replay.simulator.autopilot.ekf_frame import LocalMap
+from flight_replay.simulator.autopilot.ekf_frame import EkfFrame
 from flight_replay.simulator.autopilot.failsafes import Failsafes
 from flight_replay.simulator.autopilot.fault_script import FaultScript
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.location import HomePlace, Metres, Place, Start
+from flight_replay.simulator.autopilot.flight_model import STEP_S, FlightModel
+from flight_replay.simulator.autopilot.location import HomeLocation, Location, Start
 from flight_replay.simulator.autopilot.mission_control import MissionControl
 from flight_replay.simulator.autopilot.mode_switch import ModeSwitch
-from flight_replay.simulator.autopilot.model_flight import STEP_S, ModelFlight
 from flight_replay.simulator.autopilot.parameter_table import Parameter, Parameters
 from flight_replay.simulator.autopilot.prearm import Prearm
 from flight_replay.simulator.autopilot.sensors import Sensors
+from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.mission.store import MissionStore
 
 _HAS_TARGET = frozenset({CopterMode.AUTO, CopterMode.GUIDED, CopterMode.RTL})
 
 
 class Autopilot:
-    """One simulated ArduCopter; ``unix_s`` is the wall clock's time at boot, for SYSTEM_TIME only."""
+    """One simulated ArduCopter; ``unix_s`` is the wall-clock time at boot, for SYSTEM_TIME only."""
 
     def __init__(
         self,
@@ -41,7 +42,7 @@ class Autopilot:
         unix_s: float = 0.0,
     ) -> None:
         self.faults = faults or Faults()
-        self.parameters = parameters or self.faults.personality.table()
+        self.parameters = parameters or self.faults.firmware.parameter_table()
         self.observers: list[AutopilotObserver] = []
         self._unix_s = unix_s
         for name, value in (
@@ -51,19 +52,19 @@ class Autopilot:
             ("SIM_OPOS_HDG", start.heading_deg),
         ):
             self.parameters.assign(name, value)
-        self.parameters.changed.append(self._parameter_changed)
-        self.store = MissionStore(lambda: self.local.home_item, self._mission_counted)
+        self.parameters.on_change.append(self._parameter_changed)
+        self.store = MissionStore(lambda: self.ekf_frame.home_item, self._mission_length_changed)
         self._script = FaultScript(self)
         self.boot(start)
 
     def boot(self, at: Start) -> None:
-        """Start anew at a place: everything is forgotten but the parameters and the mission."""
+        """Boot at a location: everything is forgotten but the parameters and the mission."""
         self._steps = 0
-        self.local = LocalMap(at)
-        self._velocity_ends_s = math.inf
+        self.ekf_frame = EkfFrame(at)
+        self._velocity_timeout_s = math.inf
         self.sensors = Sensors()
         self.battery = Battery(self.parameters)
-        self.flight = ModelFlight(self.parameters, at, takeoff_climbs=self.faults.climbs)
+        self.flight = FlightModel(self.parameters, at, takeoff_climbs=self.faults.takeoff_climbs)
         self.mission = MissionControl(self)
         self.modes = ModeSwitch(self, self.mission)
         self.failsafes = Failsafes(self)
@@ -72,10 +73,10 @@ class Autopilot:
         self.trigger("boot")
 
     def reboot(self) -> None:
-        """Start anew where it is; what flies falls."""
-        place, yaw_rad = self.place, self.flight.attitude_rad[2]
+        """Boot again where the vehicle is; in the air it falls."""
+        location, yaw_rad = self.location, self.flight.attitude_rad[2]
         ground_m = self.start.alt_amsl_m
-        self.boot(Start(place.lat_e7 / 1e7, place.lon_e7 / 1e7, ground_m, math.degrees(yaw_rad)))
+        self.boot(Start(location.lat_e7 / 1e7, location.lon_e7 / 1e7, ground_m, math.degrees(yaw_rad)))
         for observer in self.observers:
             observer.rebooted()
 
@@ -90,9 +91,9 @@ class Autopilot:
         if self.home is None and self.sensors.origin_set:
             self.set_home((0.0, 0.0, 0.0))
             self.say(Severity.INFO, f"Field Elevation Set: {self.start.alt_amsl_m:.0f}m")
-        if self.mode == CopterMode.GUIDED and self.time_s > self._velocity_ends_s:
-            self._velocity_ends_s = math.inf
-            self.flight.stop()
+        if self.mode == CopterMode.GUIDED and self.time_s > self._velocity_timeout_s:
+            self._velocity_timeout_s = math.inf
+            self.flight.hold()
         self.flight.step()
         self.mission.update()
         self.arming.update()
@@ -138,28 +139,28 @@ class Autopilot:
     def _parameter_changed(self, parameter: Parameter) -> None:
         self.flight.parameters_changed()
 
-    def _mission_counted(self, count: int) -> None:
+    def _mission_length_changed(self, count: int) -> None:
         self.parameters.assign("MIS_TOTAL", count)
 
-    # places
+    # positions
 
     @property
     def start(self) -> Start:
         """Where it was booted, which is the EKF's origin."""
-        return self.local.start
+        return self.ekf_frame.start
 
     @property
-    def home(self) -> HomePlace | None:
+    def home(self) -> HomeLocation | None:
         """Home, once the EKF has an origin."""
-        return self.local.home
+        return self.ekf_frame.home
 
     @property
-    def place(self) -> Place:
+    def location(self) -> Location:
         """Where the copter is."""
-        return self.start.place_of(self.flight.position_m)
+        return self.start.location_of(self.flight.position_m)
 
     @property
-    def target_m(self) -> Metres | None:
+    def target_m(self) -> Vector | None:
         """Where the vehicle is heading, around the EKF's origin; None in modes without a target."""
         return self.flight.target_m if self.armed and self.mode in _HAS_TARGET else None
 
@@ -168,14 +169,14 @@ class Autopilot:
         """Height above home."""
         return self.flight.position_m[2] - (self.home.position_m[2] if self.home else 0.0)
 
-    def move_home(self, position_m: Metres) -> None:
-        """Home, and the point that RTL flies to, become another place."""
+    def move_home(self, position_m: Vector) -> None:
+        """Move home, and with it the point that RTL flies to."""
         self.flight.move_home(position_m, self.mode)
         self.set_home(position_m)
 
-    def set_home(self, position_m: Metres) -> None:
-        """Home is a place, and all stations hear of it."""
-        self.local.set_home(position_m)
+    def set_home(self, position_m: Vector) -> None:
+        """Make a position home, and report it."""
+        self.ekf_frame.set_home(position_m)
         for observer in self.observers:
             observer.home_changed()
 
@@ -192,18 +193,18 @@ class Autopilot:
         return self.modes.mode
 
     def request_mode(self, number: int) -> bool:
-        """A station asks for a mode by its number; whether it was entered."""
+        """Enter a mode that a station asks for by its number; whether it was entered."""
         return self.modes.request(number)
 
     def set_mode(self, mode: CopterMode) -> bool:
-        """The pilot or the vehicle itself chooses a mode; whether it was entered."""
+        """Enter a mode, as the pilot or the vehicle itself does; whether it was entered."""
         return self.modes.enter(mode)
 
     def disarm(self) -> None:
         """Stop the motors."""
         self.arming.disarm()
 
-    def fly_velocity(self, velocity_m_s: Metres) -> None:
-        """Fly at a velocity, north, east and up, for GUID_TIMEOUT seconds unless it is asked for again."""
-        self.flight.drift(velocity_m_s)
-        self._velocity_ends_s = self.time_s + self.parameters["GUID_TIMEOUT"]
+    def fly_velocity(self, velocity_m_s: Vector) -> None:
+        """Fly at a velocity, north, east and up, in GUIDED, until GUID_TIMEOUT seconds have passed."""
+        self.flight.fly_velocity(velocity_m_s)
+        self._velocity_timeout_s = self.time_s + self.parameters["GUID_TIMEOUT"]

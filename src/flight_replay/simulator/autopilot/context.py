@@ -10,12 +10,13 @@ from typing import Protocol
 from flight_replay.events import Severity
 from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot.battery import Battery
-from flight_replay.simulator.autopilot.ekf_frame import LocalMap
+from flight_replay.simulator.autopilot.ekf_frame import EkfFrame
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.location import HomePlace, Metres
-from flight_replay.simulator.autopilot.model_flight import ModelFlight
+from flight_replay.simulator.autopilot.flight_model import FlightModel
+from flight_replay.simulator.autopilot.location import HomeLocation
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from flight_replay.simulator.autopilot.sensors import Sensors
+from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.mission.store import MissionStore
 
 
@@ -25,10 +26,10 @@ class AutopilotContext(Protocol):
     faults: Faults
     parameters: Parameters
     store: MissionStore
-    local: LocalMap
+    ekf_frame: EkfFrame
     sensors: Sensors
     battery: Battery
-    flight: ModelFlight
+    flight: FlightModel
 
     @property
     def time_s(self) -> float:
@@ -43,13 +44,13 @@ class AutopilotContext(Protocol):
         """The flight mode."""
 
     @property
-    def home(self) -> HomePlace | None:
+    def home(self) -> HomeLocation | None:
         """Home, once the EKF has an origin."""
 
     def say(self, severity: Severity, text: str) -> None:
         """Send a status text to every station."""
 
-    def set_home(self, position_m: Metres) -> None:
+    def set_home(self, position_m: Vector) -> None:
         """Make a position home."""
 
     def set_mode(self, mode: CopterMode) -> bool:

@@ -1,29 +1,30 @@
-"""The ground around the vehicle: where it was booted, where home is, and places relative to them."""
+"""The EKF's local frame: its origin where the copter was booted, home, and positions in it."""
 
 from __future__ import annotations
 
-from flight_replay.simulator.autopilot.location import HomePlace, Metres, Start
+from flight_replay.simulator.autopilot.location import HomeLocation, Start
+from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.mission.stored_items import StoredItem
 
 _ABSOLUTE_FRAMES = frozenset({0, 5})
 # Heights above home, and above terrain, which is level here.
 _RELATIVE_FRAMES = frozenset({3, 6, 10, 11})
 _WAYPOINT = 16
-HIGHEST_M = 83000.0
-"""What fits ArduPilot's 24 bits of centimetres."""
+ALTITUDE_LIMIT_M = 83000.0
+"""What fits ArduPilot's 24 bits of centimetres (LOCATION_ALT_MAX_M)."""
 
 
-class LocalMap:
+class EkfFrame:
     """Metres north, east and up of ``start``, the EKF's origin; home may be elsewhere."""
 
     def __init__(self, start: Start) -> None:
         self.start = start
-        self.home: HomePlace | None = None
+        self.home: HomeLocation | None = None
 
-    def set_home(self, position_m: Metres) -> None:
-        """Home is at a place in metres around the start."""
-        place = self.start.place_of(position_m)
-        self.home = HomePlace(place.lat_e7, place.lon_e7, round(place.alt_mm / 10), position_m)
+    def set_home(self, position_m: Vector) -> None:
+        """Make a position home."""
+        location = self.start.location_of(position_m)
+        self.home = HomeLocation(location.lat_e7, location.lon_e7, round(location.alt_mm / 10), position_m)
 
     @property
     def home_item(self) -> StoredItem:
@@ -33,18 +34,18 @@ class LocalMap:
             return StoredItem(_WAYPOINT)
         return StoredItem(_WAYPOINT, lat_e7=home.lat_e7, lon_e7=home.lon_e7, alt_cm=home.alt_cm)
 
-    def metres_of_frame(self, lat_e7: int, lon_e7: int, alt_m: float, frame: int) -> Metres | None:
-        """A place whose height counts from sea level or home, by MAV_FRAME; None if it is none."""
-        if abs(lat_e7) > 90 * 10**7 or abs(lon_e7) > 180 * 10**7 or not abs(alt_m) < HIGHEST_M:
+    def position_of(self, lat_e7: int, lon_e7: int, alt_m: float, mav_frame: int) -> Vector | None:
+        """The position of a location, its altitude above sea level or home by MAV_FRAME; None if invalid."""
+        if abs(lat_e7) > 90 * 10**7 or abs(lon_e7) > 180 * 10**7 or not abs(alt_m) < ALTITUDE_LIMIT_M:
             return None
-        if frame in _ABSOLUTE_FRAMES:
-            return self.start.metres_of(lat_e7, lon_e7, alt_m)
-        if frame not in _RELATIVE_FRAMES or self.home is None:
+        if mav_frame in _ABSOLUTE_FRAMES:
+            return self.start.position_of(lat_e7, lon_e7, alt_m)
+        if mav_frame not in _RELATIVE_FRAMES or self.home is None:
             return None
-        return self.start.metres_of(lat_e7, lon_e7, alt_m + self.home.alt_cm / 100)
+        return self.start.position_of(lat_e7, lon_e7, alt_m + self.home.alt_cm / 100)
 
     def metres_from_home(self, lat_e7: int, lon_e7: int) -> tuple[float, float]:
         """North and east of home."""
-        north_m, east_m, _ = self.start.metres_of(lat_e7, lon_e7, 0.0)
+        north_m, east_m, _ = self.start.position_of(lat_e7, lon_e7, 0.0)
         home_m = self.home.position_m if self.home else (0.0, 0.0, 0.0)
         return north_m - home_m[0], east_m - home_m[1]

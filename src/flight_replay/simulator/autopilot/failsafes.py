@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flight_replay.events import Severity
 from flight_replay.flight_modes import CopterMode
-from flight_replay.simulator.autopilot.battery import Level
+from flight_replay.simulator.autopilot.battery import BatteryFailsafe
 from flight_replay.simulator.autopilot.context import AutopilotContext
 
 # Options::GCS_CONTINUE_IF_AUTO and the other bits of FS_OPTIONS.
@@ -12,53 +12,54 @@ _GCS_CONTINUES_AUTO, _CONTINUES_LANDING, _GCS_CONTINUES_PILOT = 1 << 1, 1 << 3, 
 _PILOT_MODES = frozenset(
     {CopterMode.STABILIZE, CopterMode.ACRO, CopterMode.ALT_HOLD, CopterMode.LOITER, CopterMode.POSHOLD}
 )
+# Copter::FailsafeAction.
 _NONE, _LAND, _RTL, _TERMINATE, _BRAKE_LAND = 0, 1, 2, 5, 7
 # FS_GCS_ENABLE's values to actions; any other means RTL.
 _GCS_ACTIONS = {4: _RTL, 5: _LAND, 7: _BRAKE_LAND}
 
 
 class Failsafes:
-    """What has tripped, and what was done about it."""
+    """Which failsafes are active, and what they do."""
 
     def __init__(self, autopilot: AutopilotContext) -> None:
         self._autopilot = autopilot
-        self._gcs_heard_s: float | None = None
+        self._gcs_heartbeat_s: float | None = None
         self.gcs_lost = False
 
     @property
     def any_active(self) -> bool:
         """Whether the heartbeat shows a critical state."""
-        return self.gcs_lost or self._autopilot.battery.level > Level.FINE
+        return self.gcs_lost or self._autopilot.battery.failsafe > BatteryFailsafe.NONE
 
-    def hear_gcs(self) -> None:
-        """A heartbeat of SYSID_MYGCS came in."""
-        self._gcs_heard_s = self._autopilot.time_s
+    def gcs_heartbeat(self) -> None:
+        """A heartbeat of the ground station SYSID_MYGCS has come."""
+        self._gcs_heartbeat_s = self._autopilot.time_s
 
     def update(self) -> None:
-        """Trip and clear failsafes by the vehicle's clock."""
+        """Trigger and clear failsafes by the vehicle's clock."""
         autopilot = self._autopilot
-        if autopilot.armed and autopilot.battery.worsened(autopilot.time_s):
-            self._battery_tripped()
-        if autopilot.parameters["FS_GCS_ENABLE"] and self._gcs_heard_s is not None:
-            lost = autopilot.time_s - self._gcs_heard_s > autopilot.parameters["FS_GCS_TIMEOUT"]
+        if autopilot.armed and autopilot.battery.failsafe_triggered(autopilot.time_s):
+            self._battery_failsafe()
+        if autopilot.parameters["FS_GCS_ENABLE"] and self._gcs_heartbeat_s is not None:
+            lost = autopilot.time_s - self._gcs_heartbeat_s > autopilot.parameters["FS_GCS_TIMEOUT"]
             if lost and not self.gcs_lost:
                 self.gcs_lost = True
-                self._gcs_tripped()
+                self._gcs_failsafe()
             elif self.gcs_lost and not lost:
                 self.gcs_lost = False
                 autopilot.say(Severity.WARNING, "GCS Failsafe Cleared")
 
-    def _battery_tripped(self) -> None:
+    def _battery_failsafe(self) -> None:
         autopilot, battery = self._autopilot, self._autopilot.battery
-        level = "critical" if battery.level == Level.CRITICAL else "low"
+        name = "critical" if battery.failsafe == BatteryFailsafe.CRITICAL else "low"
         autopilot.say(
             Severity.WARNING,
-            f"Battery 1 is {level} {battery.voltage_v:.2f}V used {battery.consumed_mah:.0f} mAh",
+            f"Battery 1 is {name} {battery.voltage_v:.2f}V used {battery.consumed_mah:.0f} mAh",
         )
-        name = "BATT_FS_CRT_ACT" if battery.level == Level.CRITICAL else "BATT_FS_LOW_ACT"
-        self._act("Battery", int(autopilot.parameters[name]))
+        action = "BATT_FS_CRT_ACT" if battery.failsafe == BatteryFailsafe.CRITICAL else "BATT_FS_LOW_ACT"
+        self._trigger("Battery", int(autopilot.parameters[action]))
 
-    def _gcs_tripped(self) -> None:
+    def _gcs_failsafe(self) -> None:
         autopilot = self._autopilot
         options = int(autopilot.parameters["FS_OPTIONS"])
         action = _GCS_ACTIONS.get(int(autopilot.parameters["FS_GCS_ENABLE"]), _RTL)
@@ -69,9 +70,9 @@ class Failsafes:
         elif autopilot.mode in _PILOT_MODES and options & _GCS_CONTINUES_PILOT:
             autopilot.say(Severity.WARNING, "GCS Failsafe - Continuing Pilot Control")
         else:
-            self._act("GCS", action)
+            self._trigger("GCS", action)
 
-    def _act(self, kind: str, action: int) -> None:
+    def _trigger(self, kind: str, action: int) -> None:
         autopilot = self._autopilot
         landing = (
             autopilot.mode == CopterMode.LAND and int(autopilot.parameters["FS_OPTIONS"]) & _CONTINUES_LANDING
@@ -83,9 +84,9 @@ class Failsafes:
             autopilot.say(Severity.WARNING, f"{kind} Failsafe - Continuing Landing")
         else:
             autopilot.say(Severity.WARNING, f"{kind} Failsafe")
-            self._fly(action)
+            self._do(action)
 
-    def _fly(self, action: int) -> None:
+    def _do(self, action: int) -> None:
         autopilot = self._autopilot
         if action == _TERMINATE:
             autopilot.disarm()

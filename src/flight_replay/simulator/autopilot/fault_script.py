@@ -10,10 +10,10 @@ from flight_replay.simulator.autopilot.context import AutopilotContext
 from flight_replay.simulator.autopilot.faults import (
     Action,
     FailsafeMode,
-    Happening,
     MoveItem,
     PilotMode,
     Reboot,
+    ScriptedFault,
     SetParameter,
 )
 
@@ -25,17 +25,17 @@ class FaultScript:
 
     def __init__(self, autopilot: AutopilotContext) -> None:
         self._autopilot = autopilot
-        self._waiting: list[Happening] = list(autopilot.faults.happenings)
+        self._waiting: list[ScriptedFault] = list(autopilot.faults.script)
         self._due: list[tuple[float, Action]] = []
 
     def trigger(self, name: str) -> None:
-        """Start the clock of the faults that wait for this trigger."""
-        for fault in [each for each in self._waiting if each.moment == name]:
+        """Schedule the faults that wait for this trigger."""
+        for fault in [each for each in self._waiting if each.trigger == name]:
             self._waiting.remove(fault)
             self._due.append((self._autopilot.time_s + fault.after_s, fault.action))
 
     def update(self) -> None:
-        """Do what is due."""
+        """Carry out what is due."""
         now_s = self._autopilot.time_s
         ready = [action for at_s, action in self._due if at_s <= now_s]
         self._due = [(at_s, action) for at_s, action in self._due if at_s > now_s]

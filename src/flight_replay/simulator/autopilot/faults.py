@@ -1,7 +1,7 @@
 """What can be wrong with the simulated vehicle, as plain data for tests and rehearsals.
 
-``Faults()`` is a sound ArduCopter 4.6. Each field makes one thing different; ``happenings`` are
-things that befall the flight at a moment of it.
+``Faults()`` is a sound ArduCopter 4.6. Each field makes one thing different; ``script`` lists what
+goes wrong in flight, and when.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from flight_replay.simulator.mission.store import CAPACITY
 
 @dataclass(frozen=True, slots=True)
 class MissionFaults:
-    """How the mission protocol errs: results are MAV_MISSION_RESULT values.
+    """What is wrong with the mission protocol: results are MAV_MISSION_RESULT values.
 
     ``result_of_item`` answers the item of that sequence number instead of storing it,
     ``result_of_upload`` the whole upload after its last item.
     """
 
-    knows_item_int: bool = True
+    supports_item_int: bool = True
     capacity: int = CAPACITY
     result_of_item: Mapping[int, int] = field(default_factory=dict)
     result_of_upload: int = 0
@@ -29,9 +29,9 @@ class MissionFaults:
 
 @dataclass(frozen=True, slots=True)
 class OtherHeartbeat:
-    """A heartbeat that somebody else sends over the same link, once a second.
+    """A heartbeat of another component or system on the same link, once a second.
 
-    With a ``place`` (degrees times 1e7, millimetres above home) it says where it is as well.
+    With a ``location`` (degrees times 1e7, millimetres above home) its position is sent as well.
     """
 
     system: int
@@ -41,11 +41,11 @@ class OtherHeartbeat:
     base_mode: int = 0
     custom_mode: int = 0
     system_status: int = 4
-    place: tuple[int, int, int] | None = None
+    location: tuple[int, int, int] | None = None
 
     @property
     def fields(self) -> tuple[int, int, int, int, int]:
-        """What HEARTBEAT carries, in its order."""
+        """The fields of HEARTBEAT, in its order."""
         return self.vehicle_type, self.autopilot, self.base_mode, self.custom_mode, self.system_status
 
 
@@ -53,7 +53,7 @@ GIMBAL = OtherHeartbeat(1, 154, 26)
 RADIO = OtherHeartbeat(51, 68, 0)
 ADSB_RECEIVER = OtherHeartbeat(1, 156, 27)
 SECOND_COPTER = OtherHeartbeat(
-    2, 1, 2, autopilot=3, base_mode=209, custom_mode=5, place=(473900000, 85400000, 77000)
+    2, 1, 2, autopilot=3, base_mode=209, custom_mode=5, location=(473900000, 85400000, 77000)
 )
 
 
@@ -63,50 +63,52 @@ _CAPABILITIES = 1 | 2 | 4 | 8 | 128 | 256 | 8192
 
 
 @dataclass(frozen=True, slots=True)
-class Personality:
+class Firmware:
     """Which vehicle and firmware it is: ``vehicle_type`` is a MAV_TYPE."""
 
     vehicle_type: int = 2
-    firmware: str = "ArduCopter"
+    name: str = "ArduCopter"
     version: tuple[int, int, int] = (4, 6, 0)
     mavlink1: bool = False
+    """Whether it knows MAVLink 1 only."""
     unknown_commands: frozenset[int] = frozenset()
-    """Numbers of commands that this copter knows and that firmware does not."""
-    answers_set_mode: bool = False
+    """MAV_CMDs of the built-in copter that this firmware lacks."""
+    acks_set_mode: bool = False
     """Whether SET_MODE, a message, is answered with a COMMAND_ACK of its message number."""
     auto_needs_takeoff: bool = True
     """Whether AUTO is refused on the ground without a take-off item."""
-    arming_takes_s: float = 0.0
+    arming_delay_s: float = 0.0
+    """Time between the accepted command and the armed flag."""
     capabilities: int = _CAPABILITIES
     parameters: Mapping[str, float] = field(default_factory=dict)
     """Defaults that differ from those of 4.6."""
     renamed_parameters: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    """New names and factors to new units, by 4.6 name."""
+    """New name and factor to the new unit, by 4.6 name."""
 
-    def table(self, values: Mapping[str, float] | None = None) -> Parameters:
-        """The parameters of this vehicle, some changed; KeyError for names that it does not have."""
+    def parameter_table(self, values: Mapping[str, float] | None = None) -> Parameters:
+        """The parameters of this firmware with some values changed; KeyError for an unknown name."""
         return Parameters({**self.parameters, **(values or {})}, self.renamed_parameters)
 
     @property
     def banner(self) -> str:
         """The firmware's name and version, as its first status text gives it."""
-        return f"{self.firmware} V{'.'.join(str(part) for part in self.version)}"
+        return f"{self.name} V{'.'.join(str(part) for part in self.version)}"
 
 
-PLANE = Personality(vehicle_type=1, firmware="ArduPlane")
-ROVER = Personality(vehicle_type=10, firmware="ArduRover")
-COPTER_3_3 = Personality(
+PLANE = Firmware(vehicle_type=1, name="ArduPlane")
+ROVER = Firmware(vehicle_type=10, name="ArduRover")
+COPTER_3_3 = Firmware(
     version=(3, 3, 0),
     mavlink1=True,
     unknown_commands=frozenset({176, 510, 511, 512, 401, 224, 42428}),
-    answers_set_mode=True,
+    acks_set_mode=True,
     auto_needs_takeoff=False,
-    arming_takes_s=2.5,
+    arming_delay_s=2.5,
     capabilities=2947,
     parameters={"FS_GCS_ENABLE": 1, "WPNAV_SPEED": 500, "WPNAV_ACCEL": 100},
 )
 
-COPTER_4_7 = Personality(
+COPTER_4_7 = Firmware(
     version=(4, 7, 0),
     renamed_parameters={
         "WPNAV_SPEED": ("WP_SPD", 0.01),
@@ -130,14 +132,14 @@ COPTER_4_7 = Personality(
 
 @dataclass(frozen=True, slots=True)
 class PilotMode:
-    """The pilot's switch: a mode number."""
+    """The pilot switches to a mode, by number."""
 
     mode: int
 
 
 @dataclass(frozen=True, slots=True)
 class FailsafeMode:
-    """The vehicle's own decision: a mode number, and the words with which it is announced."""
+    """A failsafe changes to a mode, by number, and sends a status text."""
 
     mode: int
     text: str
@@ -145,7 +147,7 @@ class FailsafeMode:
 
 @dataclass(frozen=True, slots=True)
 class SetParameter:
-    """A parameter takes a value: SIM_BATT_VOLTAGE, say."""
+    """A parameter changes: SIM_BATT_VOLTAGE, say."""
 
     name: str
     value: float
@@ -153,12 +155,12 @@ class SetParameter:
 
 @dataclass(frozen=True, slots=True)
 class Reboot:
-    """The autopilot starts anew; in the air the copter falls, so it is found landed where it was."""
+    """The autopilot reboots; in the air the copter falls, and is on the ground below afterwards."""
 
 
 @dataclass(frozen=True, slots=True)
 class MoveItem:
-    """Another station rewrites a mission item: that many metres north of where it was."""
+    """Another station moves a mission item so many metres north."""
 
     seq: int
     north_m: float = 20.0
@@ -168,14 +170,14 @@ Action = PilotMode | FailsafeMode | SetParameter | Reboot | MoveItem
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
-    """``action`` takes place ``after_s`` of vehicle time behind a moment of the flight.
+class ScriptedFault:
+    """``action`` takes place ``after_s`` seconds of vehicle time after ``trigger``.
 
-    ``moment`` is "boot", "upload" (a mission was received), "armed", "takeoff" (commanded) or a mode
-    entered, by name ("AUTO", "RTL").
+    A trigger is "boot", "upload" (a mission was received), "armed", "takeoff" (commanded) or the name
+    of a mode that is entered ("AUTO", "RTL").
     """
 
-    moment: str
+    trigger: str
     after_s: float
     action: Action
 
@@ -184,20 +186,20 @@ class Happening:
 class Faults:
     """Everything that is wrong with one simulated vehicle."""
 
-    personality: Personality = field(default_factory=Personality)
+    firmware: Firmware = field(default_factory=Firmware)
     mission: MissionFaults = field(default_factory=MissionFaults)
-    never_armable: str = ""
-    """A prearm reason that never goes away."""
-    refuses_arming: str = ""
-    """A reason that only the arm command meets."""
+    prearm_failure: str = ""
+    """A prearm check that always fails, by its text."""
+    arm_failure: str = ""
+    """A check that fails at the arm command only, by its text."""
     refused_modes: Mapping[int, str] = field(default_factory=dict)
-    """Reasons by mode number."""
-    climbs: bool = True
-    """Whether an accepted take-off leaves the ground."""
-    others: tuple[OtherHeartbeat, ...] = ()
-    happenings: tuple[Happening, ...] = ()
+    """Why modes are refused, by mode number."""
+    takeoff_climbs: bool = True
+    """Whether the copter leaves the ground after an accepted take-off command."""
+    other_heartbeats: tuple[OtherHeartbeat, ...] = ()
+    script: tuple[ScriptedFault, ...] = ()
 
 
 def old_copter() -> Faults:
     """ArduCopter 3.3: MAVLink 1, no MISSION_ITEM_INT, modes by SET_MODE only, arming that takes 2.5 s."""
-    return Faults(personality=COPTER_3_3, mission=MissionFaults(knows_item_int=False))
+    return Faults(firmware=COPTER_3_3, mission=MissionFaults(supports_item_int=False))

@@ -1,17 +1,15 @@
-"""Places on the globe as ArduPilot carries them, and the local frame around the simulator's start."""
+"""Locations as ArduPilot carries them, and the local frame around the point where the copter was booted."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from flight_replay.geometry.flat_earth import FlatFrame
-
-Metres = tuple[float, float, float]
-"""North, east and up of the start."""
+from flight_replay.simulator.dynamics.vector import Vector
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class Location:
     """Degrees times 1e7, and millimetres above mean sea level."""
 
     lat_e7: int
@@ -21,7 +19,10 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Where the copter stands at boot: degrees, metres above mean sea level, and where it looks."""
+    """Where the copter stands at boot: degrees, metres above mean sea level, and its heading.
+
+    Positions in metres are north, east and up of here.
+    """
 
     lat_deg: float
     lon_deg: float
@@ -48,25 +49,25 @@ class Start:
         """ArduPilot's metres around the start."""
         return FlatFrame(self.lat_e7 / 1e7, self.lon_e7 / 1e7)
 
-    def place_of(self, position_m: Metres) -> Place:
-        """The place that is so many metres north, east and up of the start."""
+    def location_of(self, position_m: Vector) -> Location:
+        """The location of a position."""
         north_m, east_m, up_m = position_m
         lat_deg, lon_deg = self.frame.to_degrees((north_m, east_m))
-        return Place(
+        return Location(
             round(float(lat_deg) * 1e7), round(float(lon_deg) * 1e7), round((self.alt_cm / 100 + up_m) * 1000)
         )
 
-    def metres_of(self, lat_e7: int, lon_e7: int, alt_amsl_m: float) -> Metres:
-        """Metres north, east and up of the start."""
+    def position_of(self, lat_e7: int, lon_e7: int, alt_amsl_m: float) -> Vector:
+        """The position of a location."""
         north_m, east_m = self.frame.to_metres(lat_e7 / 1e7, lon_e7 / 1e7)
         return float(north_m), float(east_m), alt_amsl_m - self.alt_cm / 100
 
 
 @dataclass(frozen=True, slots=True)
-class HomePlace:
+class HomeLocation:
     """Home: where RTL lands, and what relative altitudes count from."""
 
     lat_e7: int
     lon_e7: int
     alt_cm: int
-    position_m: Metres
+    position_m: Vector

@@ -1,7 +1,7 @@
-"""AUTO's bookkeeping: which item is current, what starts, resumes and ends the mission, what is said.
+"""The state of the mission in AUTO: the current item, start, resume and end, and the status texts.
 
 Sources: AP_Mission.cpp (start, resume, stop, reset, set_current_cmd), mode_auto.cpp (init, run,
-exit_mission). The flying itself is the flight model's ``auto_run``.
+exit_mission). The flying itself is ``simulator/flight/auto.py``.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.simulator.autopilot.context import AutopilotContext
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.mission.item_names import SAYS_REACHED, name_of
-from flight_replay.simulator.mission.item_order import MissionWalk
+from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem, as_flown, is_navigation
 from flight_replay.simulator.mission.stored_items import StoredItem
 
 _NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
 _ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLETE
-_ABSOLUTE, _ABOVE_TERRAIN = 0, 10
+_ABSOLUTE, _ABOVE_TERRAIN = 0, 10  # MAV_FRAME as stored
 # Items from the current one on whose change restarts its leg (ModeAuto::check_for_mission_change).
-_WATCHED = 3
+_CHECKED_ITEMS = 3
 # Conditions, DO_CHANGE_SPEED, _SET_HOME, _RETURN_PATH_START, _LAND_START, _SET_ROI, _MOUNT_CONTROL,
 # _FENCE_ENABLE, _GUIDED_LIMITS and _WINCH.
-_REPORTED = frozenset({112, 114, 115, 178, 179, 188, 189, 201, 205, 207, 222, 42600})
-_TAKES_OFF_BY_ITSELF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottle
+_REPORTED_COMMANDS = frozenset({112, 114, 115, 178, 179, 188, 189, 201, 205, 207, 222, 42600})
+_ALLOWS_TAKEOFF = 1 << 1  # AUTO_OPTIONS: AllowTakeOffWithoutRaisingThrottle
 
 
 class MissionControl:
@@ -39,21 +39,21 @@ class MissionControl:
         self.seq = 0
         self._state = _NOT_STARTED
         self._waiting = False
-        self._may_lift = False
+        self._takeoff_allowed = False
         self._run: MissionRun | None = None
-        self._told = 0
-        self._completed_told = False
+        self._reported = 0
+        self._completed = False
         self._changes = 0
         self._items: list[LocalItem] = []
-        self._walk = MissionWalk(self._items)
-        self._begun_at = self._next_seq = FIRST_SEQ
+        self._order = ItemOrder(self._items)
+        self._start_seq = self._next_seq = FIRST_SEQ
 
     @property
     def state(self) -> int:
         """MISSION_STATE."""
         return int(self._state if len(self._autopilot.store) > 1 else _NO_MISSION)
 
-    # orders
+    # commands
 
     def may_begin(self) -> bool:
         """Whether AUTO may be entered; from the ground, armed, only with a take-off item first."""
@@ -62,14 +62,14 @@ class MissionControl:
             return False
         if not autopilot.armed:
             return True
-        needs_takeoff = autopilot.flight.landed and autopilot.faults.personality.auto_needs_takeoff
+        needs_takeoff = autopilot.flight.landed and autopilot.faults.firmware.auto_needs_takeoff
         if needs_takeoff and not autopilot.store.starts_with_takeoff(self._first()):
             autopilot.say(Severity.CRITICAL, "Auto: Missing Takeoff Cmd")
             return False
         return len(autopilot.store) > 1
 
     def _can_be_simulated(self, items: Sequence[LocalItem]) -> bool:
-        """Whether the flight model does what every item asks for; says which it does not."""
+        """Whether every item is simulated; reports those that are not."""
         for item in items:
             if not item.is_simulated:
                 self._autopilot.say(
@@ -78,21 +78,21 @@ class MissionControl:
         return all(item.is_simulated for item in items)
 
     def _first(self) -> int:
-        """Where the mission would go on: MIS_RESTART 1 begins anew."""
+        """The item to start or resume at: MIS_RESTART 1 starts at the first."""
         restarts = self._autopilot.parameters["MIS_RESTART"] == 1 or self._state == _COMPLETE
         return FIRST_SEQ if restarts or self.seq == 0 else self.seq
 
     def wait_to_start(self) -> None:
-        """AUTO was entered: begin at the next step."""
+        """AUTO was entered: start at the next step."""
         self._waiting = True
-        self._may_lift = bool(int(self._autopilot.parameters["AUTO_OPTIONS"]) & _TAKES_OFF_BY_ITSELF)
+        self._takeoff_allowed = bool(int(self._autopilot.parameters["AUTO_OPTIONS"]) & _ALLOWS_TAKEOFF)
 
-    def lift(self) -> None:
+    def allow_takeoff(self) -> None:
         """MISSION_START: the mission may leave the ground."""
-        self._may_lift = True
+        self._takeoff_allowed = True
 
     def stop(self) -> None:
-        """AUTO was left."""
+        """AUTO was left: stop the mission."""
         self._waiting, self._run = False, None
         if self._state == _ACTIVE:
             self._state = _NOT_STARTED
@@ -100,10 +100,10 @@ class MissionControl:
     def reset(self) -> None:
         """Back to the first item, as disarming does."""
         self.seq, self._run = 0, None
-        self._may_lift = False
+        self._takeoff_allowed = False
 
     def clear(self) -> bool:
-        """Whether the mission may be cleared: not while it runs armed; then it is forgotten here."""
+        """Go back to before the first item; False if the mission may not be cleared, as it is flown."""
         if self._autopilot.armed and self._state == _ACTIVE:
             return False
         self.reset()
@@ -111,7 +111,7 @@ class MissionControl:
         return True
 
     def set_current(self, seq: int) -> bool:
-        """Go to an item, at once if the mission runs."""
+        """Make an item the current one, at once if the mission runs; False if there is no such item."""
         store = self._autopilot.store
         if seq >= len(store) or len(store) == 1:
             return False
@@ -129,72 +129,75 @@ class MissionControl:
     # time
 
     def update(self) -> None:
-        """Start when AUTO waits for it, follow the flight, and speak of what has happened."""
+        """Start when AUTO waits for it, follow the flight, and report its progress."""
         autopilot = self._autopilot
         if autopilot.mode != CopterMode.AUTO:
             return
         if self._waiting and autopilot.sensors.origin_set:
             self._waiting = False
             self._start_at(self._first())
-        elif self._state == _ACTIVE and (self.seq == 0 or self._is_stale()):
+        elif self._state == _ACTIVE and (self.seq == 0 or self._was_rewritten()):
             self._start_at(FIRST_SEQ)
         if self._run is None and self._state == _ACTIVE and self._can_fly():
-            self._run = autopilot.flight.fly_mission(self._items, self._begun_at)
+            self._run = autopilot.flight.fly_mission(self._items, self._start_seq)
         if self._run is not None:
-            self._follow(self._run)
+            self._follow_run(self._run)
 
-    def _is_stale(self) -> bool:
-        """Whether a mission that waits on the ground was written anew."""
+    def _was_rewritten(self) -> bool:
+        """Whether a mission that waits on the ground was changed."""
         store = self._autopilot.store
-        return self._run is None and self._changes != store.changes and not self._autopilot.store.receiving
+        return self._run is None and self._changes != store.changes and not store.receiving
 
     def _can_fly(self) -> bool:
         autopilot = self._autopilot
-        return autopilot.armed and (not autopilot.flight.landed or self._may_lift)
+        return autopilot.armed and (not autopilot.flight.landed or self._takeoff_allowed)
 
     def _start_at(self, seq: int) -> None:
-        """The mission runs from an item on; it is flown as soon as the vehicle may leave the ground."""
+        """Run the mission from an item on; it is flown as soon as the vehicle may leave the ground."""
         self._changes = self._autopilot.store.changes
         self._items = self._local_items()
-        self._walk, self._begun_at, self._next_seq = MissionWalk(self._items), seq, seq
-        self._told, self._completed_told = 0, False
+        self._order, self._start_seq, self._next_seq = ItemOrder(self._items), seq, seq
+        self._reported, self._completed = 0, False
         self._run = None
-        self._state = _ACTIVE if self._tell_started() else _COMPLETE
+        self._state = _ACTIVE if self._announce_next() else _COMPLETE
 
-    def _follow(self, run: MissionRun) -> None:
+    def _follow_run(self, run: MissionRun) -> None:
+        """Report what was reached since the last step, and note the end."""
         autopilot = self._autopilot
         if self._changes != autopilot.store.changes and not autopilot.store.receiving:
-            self._take_over_changes()
+            self._apply_changes()
             return
-        reached = [seq for seq, _ in run.reached[self._told :]]
-        self._told = len(run.reached)
+        reached = [seq for seq, _ in run.reached[self._reported :]]
+        self._reported = len(run.reached)
         for seq in reached:
             item = self._items[seq - FIRST_SEQ]
             if item.command in SAYS_REACHED:
                 autopilot.say(Severity.INFO, f"Reached command #{seq}")
             if item.is_navigation:
-                self._tell_started()
+                self._announce_next()
         self._report(reached)
-        if run.completed and not self._completed_told:
-            self._completed_told = True
+        if run.completed and not self._completed:
+            self._completed = True
             self._state = _COMPLETE
             if autopilot.flight.landed:
                 autopilot.disarm()
 
     def _report(self, reached: Sequence[int]) -> None:
-        """MISSION_ITEM_REACHED, but of DO items only those that are the vehicle's (ModeAuto::verify_command).
+        """Report items as reached, but of DO items only those of ModeAuto::verify_command.
 
-        One that is over at once takes the place of the item flown to before it.
+        A DO item that is done at once replaces the navigation item before it.
         """
         flown = {seq: self._items[seq - FIRST_SEQ].is_navigation for seq in reached}
-        told = [seq for seq in reached if flown[seq] or self._items[seq - FIRST_SEQ].command in _REPORTED]
-        for seq, after in zip_longest(told, told[1:]):
+        reported = [
+            seq for seq in reached if flown[seq] or self._items[seq - FIRST_SEQ].command in _REPORTED_COMMANDS
+        ]
+        for seq, after in zip_longest(reported, reported[1:]):
             if after is None or not flown[seq]:
                 self._autopilot.item_reached(seq)
 
-    def _tell_started(self) -> bool:
-        """Speak of the next item to fly, if there is one, and of those that are done on the way to it."""
-        passed, item = self._walk.advance(self._next_seq)
+    def _announce_next(self) -> bool:
+        """Report the next item to fly, if there is one, and those that are done on the way to it."""
+        passed, item = self._order.advance(self._next_seq)
         for each in [*passed, item] if item else passed:
             self._autopilot.say(Severity.INFO, f"Mission: {each.seq} {name_of(each.command)}")
         if item:
@@ -203,20 +206,20 @@ class MissionControl:
                 self._autopilot.say(Severity.INFO, f"Delaying {item.params[0]:.0f} sec")
         return item is not None
 
-    def _take_over_changes(self) -> None:
-        """Somebody wrote to the mission that is flown (ModeAuto::run, check_for_mission_change)."""
+    def _apply_changes(self) -> None:
+        """A station changed the mission that is flown (ModeAuto::run, check_for_mission_change)."""
         seq, before = self.seq, self._items
         self._changes = self._autopilot.store.changes
         now = self._local_items()
         self._can_be_simulated(now)
         first = max(seq - FIRST_SEQ, 0)
-        if now[first : first + _WATCHED] == before[first : first + _WATCHED]:
+        if now[first : first + _CHECKED_ITEMS] == before[first : first + _CHECKED_ITEMS]:
             before[:] = now
         else:
             self._start_at(seq if 0 < seq <= len(now) else FIRST_SEQ)
             self._autopilot.say(Severity.CRITICAL, "Auto mission changed, restarted command")
 
-    # places
+    # items
 
     def _local_items(self) -> list[LocalItem]:
         items = self._autopilot.store.items[FIRST_SEQ:]
@@ -229,9 +232,9 @@ class MissionControl:
 
     def _local(self, item: StoredItem) -> tuple[tuple[float, float] | None, float | None]:
         autopilot = self._autopilot
-        place: tuple[float, float] | None = None
+        north_east_m: tuple[float, float] | None = None
         if item.lat_e7 or item.lon_e7:
-            place = autopilot.local.metres_from_home(item.lat_e7, item.lon_e7)
+            north_east_m = autopilot.ekf_frame.metres_from_home(item.lat_e7, item.lon_e7)
         home_m = autopilot.home.alt_cm / 100 if autopilot.home else 0.0
         up_m = item.alt_m - home_m if item.frame == _ABSOLUTE else item.alt_m
-        return place, None if item.alt_cm == 0 and is_navigation(item.command) else up_m
+        return north_east_m, None if item.alt_cm == 0 and is_navigation(item.command) else up_m

@@ -1,4 +1,4 @@
-"""Entering flight modes: what is asked, what is refused, what follows (Copter::set_mode)."""
+"""Changes of the flight mode: which are refused, and what they start (Copter::set_mode)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from flight_replay.simulator.autopilot.modes import NEEDS_POSITION, SIMULATED, i
 
 
 class ModeSwitch:
-    """The mode, and the ways to another."""
+    """The flight mode."""
 
     def __init__(self, autopilot: AutopilotContext, mission: MissionControl) -> None:
         self._autopilot, self._mission = autopilot, mission
         self.mode = CopterMode.STABILIZE
 
     def request(self, number: int) -> bool:
-        """A station asks for a mode by its number."""
+        """Enter a mode that a station asks for by its number; whether it was entered."""
         autopilot = self._autopilot
         if number not in SIMULATED:
             autopilot.say(Severity.WARNING, f"No such mode {number}")
@@ -33,7 +33,7 @@ class ModeSwitch:
         return False
 
     def enter(self, mode: CopterMode) -> bool:
-        """Enter a mode if what it needs is there; on the ground, disarmed, any mode may be chosen."""
+        """Enter a mode if it has what it needs; disarmed, any simulated mode may be entered."""
         autopilot = self._autopilot
         if mode == self.mode:
             return True

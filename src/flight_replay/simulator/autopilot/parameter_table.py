@@ -14,35 +14,35 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 
-_KIND_OF_NAME = {"int8": 2, "int16": 4, "int32": 6, "real32": 9}
+_TYPES = {"int8": 2, "int16": 4, "int32": 6, "real32": 9}
 _REAL = 9
-_AGAINST_CUTTING = 0.01  # so that 2.9999 is 3
+_ROUNDING = 0.01  # so that 2.9999 becomes 3
 _INTEGER_LIMITS = {2: (-(2**7), 2**7 - 1), 4: (-(2**15), 2**15 - 1), 6: (-(2**31), 2**31 - 1)}
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter: ``kind`` is its MAV_PARAM_TYPE, ``index`` its place in the full list."""
+    """One parameter: ``param_type`` is its MAV_PARAM_TYPE, ``index`` its position in the full list."""
 
     name: str
-    kind: int
+    param_type: int
     index: int
     value: float
 
 
-def as_kind(value: float, kind: int) -> float:
-    """``value`` as a parameter of ``kind`` holds it: cut to whole numbers and limited, or a 32 bit float.
+def stored_value(value: float, param_type: int) -> float:
+    """``value`` as a parameter of that MAV_PARAM_TYPE stores it: an integer within limits, or a 32-bit float.
 
     Source: AP_Param::set_float.
     """
-    if kind not in _INTEGER_LIMITS:
+    if param_type not in _INTEGER_LIMITS:
         return float(struct.unpack("<f", struct.pack("<f", value))[0])
-    low, high = _INTEGER_LIMITS[kind]
-    return float(min(max(int(value + math.copysign(_AGAINST_CUTTING, value)), low), high))
+    low, high = _INTEGER_LIMITS[param_type]
+    return float(min(max(int(value + math.copysign(_ROUNDING, value)), low), high))
 
 
 class Parameters(Mapping[str, float]):
-    """Values by name, in the autopilot's order; ``changed`` hears each new value once."""
+    """Values by name, in the autopilot's order; ``on_change`` is called with each new value."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class Parameters(Mapping[str, float]):
             KeyError: for a name that is not in the table.
         """
         self._renamed = dict(renamed or {})
-        self.changed: list[Callable[[Parameter], None]] = []
+        self.on_change: list[Callable[[Parameter], None]] = []
         self._parameters: dict[str, Parameter] = {}
         with (
             files("flight_replay.simulator.autopilot")
@@ -68,16 +68,16 @@ class Parameters(Mapping[str, float]):
             .open(encoding="ascii") as lines
         ):
             for index, row in enumerate(csv.DictReader(lines)):
-                self._add(index, row["name"], _KIND_OF_NAME[row["type"]], float(row["value"]))
+                self._add(index, row["name"], _TYPES[row["type"]], float(row["value"]))
         self._order = list(self._parameters)
         for name, value in (values or {}).items():
             self.assign(name, value)
 
-    def _add(self, index: int, name: str, kind: int, value: float) -> None:
+    def _add(self, index: int, name: str, param_type: int, value: float) -> None:
         if name in self._renamed:
             name, factor = self._renamed[name]
-            kind, value = _REAL, value * factor
-        self._parameters[name] = Parameter(name, kind, index, as_kind(value, kind))
+            param_type, value = _REAL, value * factor
+        self._parameters[name] = Parameter(name, param_type, index, stored_value(value, param_type))
 
     def __getitem__(self, name: str) -> float:
         if name in self._renamed:
@@ -96,14 +96,14 @@ class Parameters(Mapping[str, float]):
         return self._parameters.get(name)
 
     def at(self, index: int) -> Parameter | None:
-        """The parameter at a place of the full list, if it is that long."""
+        """The parameter at an index of the full list, if it is that long."""
         return self._parameters[self._order[index]] if 0 <= index < len(self._order) else None
 
     def assign(self, name: str, value: float) -> Parameter:
-        """Set a known parameter as its type holds it, and tell the listeners; KeyError if unknown."""
+        """Set a parameter as its type stores it, and call ``on_change``; KeyError for an unknown name."""
         old = self._parameters[name]
-        new = Parameter(name, old.kind, old.index, as_kind(value, old.kind))
+        new = Parameter(name, old.param_type, old.index, stored_value(value, old.param_type))
         self._parameters[name] = new
-        for listener in self.changed:
+        for listener in self.on_change:
             listener(new)
         return new

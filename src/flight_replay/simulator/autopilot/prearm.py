@@ -1,6 +1,6 @@
 """The checks before arming, with ArduCopter's words (AP_Arming.cpp, AP_Arming_Copter.cpp).
 
-They run once a second while disarmed; failures are spoken every 30 s as "PreArm: ...", and at a
+They run once a second while disarmed; failures are sent every 30 s as "PreArm: ...", and after a
 refused arm command as "Arm: ...".
 """
 
@@ -12,9 +12,9 @@ from flight_replay.simulator.autopilot.context import AutopilotContext
 from flight_replay.simulator.autopilot.failsafes import Failsafes
 from flight_replay.simulator.autopilot.modes import MANUAL_THROTTLE, NEEDS_POSITION, NO_ARMING
 
-_EVERY_S = 1.0
-_SAY_EVERY_S = 30.0
-_AUTO_ALLOWS_ARMING = 1
+_CHECK_EVERY_S = 1.0
+_REPORT_EVERY_S = 30.0
+_AUTO_ALLOWS_ARMING = 1  # AUTO_OPTIONS
 
 
 class Prearm:
@@ -22,24 +22,24 @@ class Prearm:
 
     def __init__(self, autopilot: AutopilotContext, failsafes: Failsafes) -> None:
         self._autopilot, self._failsafes = autopilot, failsafes
-        self._checked_s = 0.0
-        self._said_s = 0.0
+        self._last_check_s = 0.0
+        self._last_report_s = 0.0
         self.passed = False
 
     def update(self) -> None:
-        """Check and speak when it is time."""
+        """Check and report when it is time."""
         now_s = self._autopilot.time_s
-        if self._autopilot.armed or now_s - self._checked_s < _EVERY_S:
+        if self._autopilot.armed or now_s - self._last_check_s < _CHECK_EVERY_S:
             return
-        self._checked_s = now_s
+        self._last_check_s = now_s
         problems = self.problems()
         self.passed = not problems
-        if problems and now_s - self._said_s >= _SAY_EVERY_S:
-            self.say_problems()
+        if problems and now_s - self._last_report_s >= _REPORT_EVERY_S:
+            self.report_problems()
 
-    def say_problems(self) -> None:
-        """Speak every failed check."""
-        self._said_s = self._autopilot.time_s
+    def report_problems(self) -> None:
+        """Send every failed check as a status text."""
+        self._last_report_s = self._autopilot.time_s
         for problem in self.problems():
             self._autopilot.say(Severity.CRITICAL, f"PreArm: {problem}")
 
@@ -49,8 +49,8 @@ class Prearm:
         found = self._position_problems()
         if autopilot.mode not in MANUAL_THROTTLE and not autopilot.sensors.attitude_ok:
             found.append("Need Alt Estimate")
-        if autopilot.faults.never_armable:
-            found.append(autopilot.faults.never_armable)
+        if autopilot.faults.prearm_failure:
+            found.append(autopilot.faults.prearm_failure)
         if autopilot.parameters["ARMING_CHECK"] == 0:
             return found
         if not autopilot.sensors.attitude_ok:
@@ -71,36 +71,36 @@ class Prearm:
 
     def _parameter_problems(self) -> list[str]:
         parameters = self._autopilot.parameters
-        table = {
+        failed = {
             "Check ANGLE_MAX": not 1000 <= parameters["ANGLE_MAX"] <= 8000,
             "Check PILOT_SPEED_UP": parameters["PILOT_SPEED_UP"] <= 0,
             "Check FS_THR_VALUE": bool(parameters["FS_THR_ENABLE"]) and parameters["FS_THR_VALUE"] < 910,
             "FS_GCS_ENABLE=2 removed, see FS_OPTIONS": parameters["FS_GCS_ENABLE"] == 2,
         }
-        return [text for text, is_so in table.items() if is_so]
+        return [text for text, has_failed in failed.items() if has_failed]
 
     def _failsafe_problems(self) -> list[str]:
         autopilot = self._autopilot
-        battery = autopilot.battery.problem()
+        battery = autopilot.battery.arming_problem()
         found = [f"Battery 1 {battery}"] if battery else []
-        if autopilot.battery.level:
+        if autopilot.battery.failsafe:
             found.append("Battery failsafe")
         if self._failsafes.gcs_lost:
             found.append("GCS failsafe on")
         return found
 
-    def refusal(self, *, forced: bool) -> list[str]:
-        """Why the arm command is refused, if it is; a forced one meets the mandatory checks only."""
+    def arm_problems(self, *, forced: bool) -> list[str]:
+        """Why the arm command is refused, if it is; a forced one passes all but the mandatory checks."""
         if forced:
             return self._position_problems()
-        return self.problems() or self._last_problems()
+        return self.problems() or self._arm_check_problems()
 
-    def _last_problems(self) -> list[str]:
+    def _arm_check_problems(self) -> list[str]:
         """What is checked at the arm command only, up to the first failure (AP_Arming_Copter::arm_checks)."""
         autopilot = self._autopilot
-        auto_may = int(autopilot.parameters["AUTO_OPTIONS"]) & _AUTO_ALLOWS_ARMING
+        auto_allowed = int(autopilot.parameters["AUTO_OPTIONS"]) & _AUTO_ALLOWS_ARMING
         if not autopilot.sensors.attitude_ok:
             return ["AHRS not healthy"]
-        if autopilot.mode in NO_ARMING or (autopilot.mode == CopterMode.AUTO and not auto_may):
+        if autopilot.mode in NO_ARMING or (autopilot.mode == CopterMode.AUTO and not auto_allowed):
             return [f"{autopilot.mode.name} mode not armable"]
-        return [autopilot.faults.refuses_arming] if autopilot.faults.refuses_arming else []
+        return [autopilot.faults.arm_failure] if autopilot.faults.arm_failure else []

@@ -1,7 +1,7 @@
 """When GPS and EKF become usable, by the vehicle's clock since boot.
 
 An ArduCopter SITL takes some 42 s of vehicle time until it can be armed. This copter goes through
-the same stages in 9 s, so that replays sped up do not spend their time waiting.
+the same stages in 9 s, so that a fast replay does not spend its time waiting.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ class Sensors:
     _lost_position_s: float | None = None
 
     def advance(self, time_s: float) -> list[str]:
-        """Go on to ``time_s`` since boot; what the sensors said on the way."""
-        said = [text for at_s, text in _TEXTS if self.time_s < at_s <= time_s]
+        """Go on to ``time_s`` since boot; returns the status texts that come on the way."""
+        texts = [text for at_s, text in _TEXTS if self.time_s < at_s <= time_s]
         self.time_s = time_s
         if not self.gps_disabled:
             self._lost_position_s = None
         elif self._lost_position_s is None:
             self._lost_position_s = time_s + 5.0
-        return said
+        return texts
 
     @property
     def fix_type(self) -> int:

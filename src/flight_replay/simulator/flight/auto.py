@@ -17,7 +17,7 @@ from flight_replay.simulator.flight.landing import Landing
 from flight_replay.simulator.flight.phase import Flight, Phase
 from flight_replay.simulator.flight.rtl import Return
 from flight_replay.simulator.flight.takeoff import TakeOff
-from flight_replay.simulator.mission.item_order import MissionWalk
+from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _FIRST_CLIMB_M = 1.0
@@ -31,8 +31,8 @@ class MissionRun:
 
     def __init__(self, flight: Flight, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> None:
         self._flight = flight
-        self._walk = MissionWalk(items)
-        self._legs = MissionLegs(flight, self._walk)
+        self._order = ItemOrder(items)
+        self._legs = MissionLegs(flight, self._order)
         self._do = MissionDoing(flight)
         self.reached: list[tuple[int, float]] = []
         self.completed = False
@@ -103,7 +103,7 @@ class MissionRun:
 
     def _advance(self) -> None:
         """Start the next navigation item, after the first of the DO items before it."""
-        passed, item = self._walk.advance(self._next_seq)
+        passed, item = self._order.advance(self._next_seq)
         self._do.begin([each for each in passed if not each.is_navigation], self.time_s)
         if item is None:
             self.completed = True

@@ -8,7 +8,7 @@ from __future__ import annotations
 from flight_replay.mission.items import Command
 from flight_replay.simulator.dynamics.vector import Vector, minus
 from flight_replay.simulator.flight.phase import Flight
-from flight_replay.simulator.mission.item_order import MissionWalk
+from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _STRAIGHT_NEXT = frozenset({Command.WAYPOINT, Command.LOITER_UNLIMITED, Command.LOITER_TIME})
@@ -18,9 +18,9 @@ _LOITERS = frozenset({Command.LOITER_UNLIMITED, Command.LOITER_TIME})
 class MissionLegs:
     """Legs to the places of a mission's items; a waypoint is a stop unless the leg after it is known."""
 
-    def __init__(self, flight: Flight, walk: MissionWalk) -> None:
+    def __init__(self, flight: Flight, order: ItemOrder) -> None:
         self._flight = flight
-        self._walk = walk
+        self._order = order
 
     def start(self, item: LocalItem) -> None:
         """Fly to an item's place (do_nav_wp, do_spline_wp, do_loiter_unlimited)."""
@@ -44,7 +44,7 @@ class MissionLegs:
 
         It does so between heights above home and above terrain (AC_WPNav::set_wp_destination_next).
         """
-        following = None if item.params[0] >= 1 else self._walk.peek(item.seq + 1)
+        following = None if item.params[0] >= 1 else self._order.peek(item.seq + 1)
         return following if following and following.above_terrain == item.above_terrain else None
 
     def _arriving(self, item: LocalItem, place: Vector, origin: Vector) -> Vector:

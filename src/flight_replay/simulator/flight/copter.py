@@ -181,14 +181,14 @@ class Copter:
         """Fly to a place, as GUIDED does."""
         self._phase = GoTo(self._flight, position_m)
 
-    def drift(self, velocity_m_s: Vector) -> None:
+    def fly_velocity(self, velocity_m_s: Vector) -> None:
         """Fly at a velocity, north, east, up, as GUIDED does."""
         if isinstance(self._phase, Drift):
             self._phase.velocity_m_s = velocity_m_s
         else:
             self._phase = Drift(self._flight, velocity_m_s)
 
-    def look(
+    def set_yaw(
         self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False
     ) -> None:
         """Turn to a heading, or by an angle, until a command looks elsewhere."""

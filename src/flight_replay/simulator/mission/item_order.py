@@ -1,4 +1,4 @@
-"""The order in which AUTO takes a mission's items, jumps included (AP_Mission.cpp)."""
+"""The order in which AUTO runs a mission's items, jumps included (AP_Mission.cpp)."""
 
 from __future__ import annotations
 
@@ -8,35 +8,35 @@ from collections.abc import Callable, Sequence
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.simulator.mission.local_items import DO_JUMP, FLOWN, LocalItem
 
-# AP_Mission.cpp gives up after as many items without one to fly to.
-_MOST_STEPS = 255
+# AP_Mission.cpp gives up after so many items without one to fly to.
+_MAX_ITEMS = 255
 
 
-class MissionWalk:
-    """The items of a mission, and how often each jump has been taken."""
+class ItemOrder:
+    """The items of a mission, and how often each jump was taken."""
 
     def __init__(self, items: Sequence[LocalItem]) -> None:
         self._items = items
         self._jumped: Counter[int] = Counter()
 
     def advance(self, seq: int) -> tuple[list[LocalItem], LocalItem | None]:
-        """From item ``seq`` on: what is done or passed over on the way, and the item to fly; counts jumps.
+        """Go on from item ``seq``: items done or skipped on the way, and the next item to fly; counts jumps.
 
-        What is to be done behind a navigation item that is passed over is left out, unless it is the
-        first of its group (AP_Mission::advance_current_do_cmd).
+        DO items after a navigation item that is skipped are left out, unless they are the first of
+        their group (AP_Mission::advance_current_do_cmd).
         """
-        return self._walk(seq, self._jumped, lambda item: item.command in FLOWN)
+        return self._next(seq, self._jumped, lambda item: item.command in FLOWN)
 
     def peek(self, seq: int) -> LocalItem | None:
         """The next navigation item from item ``seq`` on, flown or not, without going there."""
-        return self._walk(seq, self._jumped.copy(), lambda item: item.is_navigation)[1]
+        return self._next(seq, self._jumped.copy(), lambda item: item.is_navigation)[1]
 
-    def _walk(
+    def _next(
         self, seq: int, jumped: Counter[int], ends: Callable[[LocalItem], bool]
     ) -> tuple[list[LocalItem], LocalItem | None]:
         passed: list[LocalItem] = []
         complete = False
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MAX_ITEMS):
             index = seq - FIRST_SEQ
             if not 0 <= index < len(self._items):
                 break

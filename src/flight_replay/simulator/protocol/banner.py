@@ -17,7 +17,7 @@ def send(autopilot: Autopilot, sender: Sender) -> None:
     frame_class = _CLASSES.get(int(autopilot.parameters["FRAME_CLASS"]), "QUAD")
     frame_type = _TYPES.get(int(autopilot.parameters["FRAME_TYPE"]), "PLUS")
     for text in (
-        f"{autopilot.faults.personality.banner} (builtin)",
+        f"{autopilot.faults.firmware.banner} (builtin)",
         "flight-replay's built-in copter, not ArduPilot",
         f"Frame: {frame_class}/{frame_type}",
     ):

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.autopilot.model_flight import STEP_S
+from flight_replay.simulator.autopilot.flight_model import STEP_S
 from flight_replay.simulator.autopilot.parameter_table import Parameter
 from flight_replay.simulator.protocol.stream_rates import GROUPS, StreamRates
 from flight_replay.simulator.protocol.telemetry import BUILDERS
@@ -40,7 +40,7 @@ class LinkChannel:
         self._decoder = dialect.MAVLink(None)
         self._decoder.robust_parsing = True
         self._encoder = dialect.MAVLink(None, srcComponent=_COMPONENT)
-        self._only_mavlink1 = autopilot.faults.personality.mavlink1
+        self._only_mavlink1 = autopilot.faults.firmware.mavlink1
         protocol = autopilot.parameters["SERIAL0_PROTOCOL"]
         self.mavlink1 = self._only_mavlink1 or protocol == _MAVLINK1_PROTOCOL
         self.systems: set[int] = set()
@@ -93,7 +93,9 @@ class LinkChannel:
         """PARAM_VALUE of one parameter."""
         count = len(self._autopilot.parameters)
         name = parameter.name.encode()
-        self.send(dialect.MAVLink_param_value_message(name, parameter.value, parameter.kind, count, index))
+        self.send(
+            dialect.MAVLink_param_value_message(name, parameter.value, parameter.param_type, count, index)
+        )
 
     def send_parameters(self) -> None:
         """Begin to send the full list; a second request begins anew."""
@@ -123,15 +125,15 @@ class LinkChannel:
 
     def _send_others_heartbeats(self) -> None:
         """Heartbeats, and places, of whoever else the fault script puts on the link."""
-        others = self._autopilot.faults.others
+        others = self._autopilot.faults.other_heartbeats
         if not others or self._autopilot.time_s < self._others_due_s:
             return
         self._others_due_s = self._autopilot.time_s + 1.0
         for other in others:
             self._encoder.srcSystem, self._encoder.srcComponent = other.system, other.component
             self._send_as_is(dialect.MAVLink_heartbeat_message(*other.fields, 3))
-            if other.place is not None:
-                lat_e7, lon_e7, up_mm = other.place
+            if other.location is not None:
+                lat_e7, lon_e7, up_mm = other.location
                 self._send_as_is(
                     dialect.MAVLink_global_position_int_message(
                         int(self._autopilot.time_s * 1000), lat_e7, lon_e7, up_mm, up_mm, 0, 0, 0, 0

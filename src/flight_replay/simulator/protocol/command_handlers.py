@@ -8,7 +8,7 @@ from flight_replay.events import Severity
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.autopilot.ekf_frame import HIGHEST_M
+from flight_replay.simulator.autopilot.ekf_frame import ALTITUDE_LIMIT_M
 from flight_replay.simulator.autopilot.modes import USER_TAKEOFF
 from flight_replay.simulator.protocol import banner, telemetry
 from flight_replay.simulator.protocol.channel import Sender
@@ -56,7 +56,7 @@ def takeoff(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     ):
         return DENIED
     above_home_m = autopilot.above_home_m
-    if not autopilot.armed or not autopilot.flight.landed or not above_home_m < command.z < HIGHEST_M:
+    if not autopilot.armed or not autopilot.flight.landed or not above_home_m < command.z < ALTITUDE_LIMIT_M:
         return FAILED
     if autopilot.mode not in USER_TAKEOFF or (
         autopilot.mode == CopterMode.ALT_HOLD and command.params[2] == 0
@@ -71,7 +71,7 @@ def mission_start(autopilot: Autopilot, command: Command, sender: Sender) -> int
     """Enter AUTO and let the mission leave the ground."""
     if not autopilot.request_mode(CopterMode.AUTO):
         return FAILED
-    autopilot.mission.lift()
+    autopilot.mission.allow_takeoff()
     return ACCEPTED
 
 
@@ -100,11 +100,11 @@ def change_speed(autopilot: Autopilot, command: Command, sender: Sender) -> int:
 
 
 def condition_yaw(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Look another way."""
+    """Turn to a heading, or by an angle."""
     angle_deg, rate_deg_s, direction, relative = command.params
     if not 0 <= angle_deg <= 360 or relative not in (0, 1):
         return FAILED
-    autopilot.flight.look(
+    autopilot.flight.set_yaw(
         math.radians(angle_deg), math.radians(rate_deg_s), direction, relative=bool(relative)
     )
     return ACCEPTED
@@ -119,7 +119,7 @@ def set_home(autopilot: Autopilot, command: Command, sender: Sender) -> int:
         return ACCEPTED
     if command.params[0] != 0:
         return FAILED
-    place_m = autopilot.local.metres_of_frame(command.x, command.y, command.z, command.frame)
+    place_m = autopilot.ekf_frame.position_of(command.x, command.y, command.z, command.frame)
     if place_m is None:
         return DENIED
     autopilot.move_home(place_m)
@@ -154,10 +154,10 @@ def reboot(autopilot: Autopilot, command: Command, sender: Sender) -> int:
 
 
 def run_prearm_checks(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Check now, and speak."""
+    """Run the prearm checks, and report those that fail."""
     if autopilot.armed:
         return 1  # MAV_RESULT_TEMPORARILY_REJECTED
-    autopilot.prearm.say_problems()
+    autopilot.prearm.report_problems()
     return ACCEPTED
 
 

@@ -50,7 +50,7 @@ def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
 def _answer(autopilot: Autopilot, command: Command, sender: Sender) -> None:
     handler = COMMANDS.get(command.number)
     result = dialect.MAV_RESULT_UNSUPPORTED
-    if handler is not None and command.number not in autopilot.faults.personality.unknown_commands:
+    if handler is not None and command.number not in autopilot.faults.firmware.unknown_commands:
         result = handler(autopilot, command, sender)
     _acknowledge(sender, command.number, result)
 

@@ -23,7 +23,7 @@ _CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 
 def _heartbeat(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     if sender.system == autopilot.parameters["SYSID_MYGCS"]:
-        autopilot.failsafes.hear_gcs()
+        autopilot.failsafes.gcs_heartbeat()
     return True
 
 
@@ -52,7 +52,7 @@ def _param_set(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
 
 def _set_mode(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     entered = bool(message.base_mode & _CUSTOM_MODE) and autopilot.request_mode(message.custom_mode)
-    if autopilot.faults.personality.answers_set_mode:
+    if autopilot.faults.firmware.acks_set_mode:
         result = dialect.MAV_RESULT_ACCEPTED if entered else dialect.MAV_RESULT_FAILED
         sender.channel.send(dialect.MAVLink_command_ack_message(message.get_msgId(), result))
     return True

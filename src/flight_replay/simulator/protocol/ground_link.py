@@ -31,7 +31,7 @@ class GroundLink:
         self._texts: list[Message] = []
         self._long_texts = 0
         autopilot.observers.append(self)
-        autopilot.parameters.changed.append(self._parameter_changed)
+        autopilot.parameters.on_change.append(self._parameter_changed)
 
     def open_channel(
         self, transmit: Callable[[bytes], None], has_room: Callable[[], bool] = lambda: True, number: int = 0

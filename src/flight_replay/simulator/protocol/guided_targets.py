@@ -11,7 +11,7 @@ import math
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.autopilot.location import Metres
+from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.mission.stored_items import ItemRefused, stored
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command import Command
@@ -31,7 +31,7 @@ def item(autopilot: Autopilot, message: Message) -> int:
         target = stored(message)
     except ItemRefused as refused:
         return refused.result
-    place_m = autopilot.local.metres_of_frame(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
+    place_m = autopilot.ekf_frame.position_of(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
     if message.current == 3:
         if autopilot.mode == CopterMode.GUIDED and place_m is not None and not autopilot.flight.landed:
             north_m, east_m, _ = autopilot.flight.position_m
@@ -47,7 +47,7 @@ def item(autopilot: Autopilot, message: Message) -> int:
     return int(dialect.MAV_MISSION_ACCEPTED)
 
 
-def _fly_to(autopilot: Autopilot, place_m: Metres) -> None:
+def _fly_to(autopilot: Autopilot, place_m: Vector) -> None:
     """Go to a place, if the vehicle is in the air; on the ground the target waits for no one."""
     if autopilot.armed and not autopilot.flight.landed:
         autopilot.flight.goto(place_m)
@@ -58,7 +58,7 @@ def reposition(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     changes = int(command.params[1]) & _CHANGES_MODE
     if autopilot.mode != CopterMode.GUIDED and not changes:
         return _DENIED
-    place_m = autopilot.local.metres_of_frame(command.x, command.y, command.z, command.frame)
+    place_m = autopilot.ekf_frame.position_of(command.x, command.y, command.z, command.frame)
     if place_m is None or (command.x == 0 and command.y == 0):
         return _DENIED
     if not autopilot.request_mode(CopterMode.GUIDED):
@@ -73,7 +73,7 @@ def local_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool
         return True
     frame = message.coordinate_frame
     if frame not in {_LOCAL, *_OFFSET}:
-        autopilot.flight.stop()
+        autopilot.flight.hold()
         return True
     place_m = (message.x, message.y, -message.z)
     velocity_m_s = (message.vx, message.vy, -message.vz)
@@ -86,7 +86,7 @@ def local_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool
     return True
 
 
-def _turned(autopilot: Autopilot, vector: Metres) -> Metres:
+def _turned(autopilot: Autopilot, vector: Vector) -> Vector:
     """A vector forward and right of the nose, as north and east."""
     yaw = autopilot.flight.attitude_rad[2]
     forward, right, up = vector
@@ -101,26 +101,26 @@ def global_target(autopilot: Autopilot, message: Message, sender: Sender) -> boo
     """SET_POSITION_TARGET_GLOBAL_INT."""
     if autopilot.mode != CopterMode.GUIDED or autopilot.flight.landed:
         return True
-    place_m = autopilot.local.metres_of_frame(
+    place_m = autopilot.ekf_frame.position_of(
         message.lat_int, message.lon_int, message.alt, message.coordinate_frame
     )
     if place_m is None and not message.type_mask & _IGNORES_PLACE:
-        autopilot.flight.stop()
+        autopilot.flight.hold()
     else:
         velocity_m_s = (message.vx, message.vy, -message.vz)
         _follow(autopilot, message.type_mask, place_m or (0.0, 0.0, 0.0), velocity_m_s)
     return True
 
 
-def _follow(autopilot: Autopilot, mask: int, place_m: Metres, velocity_m_s: Metres) -> None:
+def _follow(autopilot: Autopilot, mask: int, place_m: Vector, velocity_m_s: Vector) -> None:
     """Fly to the place, or at the velocity; anything else stops the vehicle."""
     if not mask & _IGNORES_PLACE and all(math.isfinite(part) for part in place_m):
         autopilot.flight.goto(place_m)
     elif mask & _IGNORES_PLACE and not mask & _IGNORES_VELOCITY and _is_sane(velocity_m_s):
         autopilot.fly_velocity(velocity_m_s)
     else:
-        autopilot.flight.stop()
+        autopilot.flight.hold()
 
 
-def _is_sane(velocity_m_s: Metres) -> bool:
+def _is_sane(velocity_m_s: Vector) -> bool:
     return all(abs(part) <= _FASTEST_SANE_M_S for part in velocity_m_s)

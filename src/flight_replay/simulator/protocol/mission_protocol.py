@@ -35,7 +35,7 @@ class MissionProtocol:
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot, self._store = autopilot, autopilot.store
-        self._knows_item_int = autopilot.faults.mission.knows_item_int
+        self._knows_item_int = autopilot.faults.mission.supports_item_int
         self._upload = upload = MissionUpload(autopilot, acknowledge)
         self._warned = False
         self.handlers: dict[str, Handler] = {

@@ -102,7 +102,7 @@ class MissionUpload:
 
     def item(self, message: Message, sender: Sender) -> None:
         """MISSION_ITEM or MISSION_ITEM_INT: kept if it is the one that was asked for."""
-        if message.get_type() == "MISSION_ITEM" and self._faults.knows_item_int and not self._warned:
+        if message.get_type() == "MISSION_ITEM" and self._faults.supports_item_int and not self._warned:
             self._warned = True
             self._autopilot.say(Severity.WARNING, "got MISSION_ITEM; GCS should send MISSION_ITEM_INT")
         transfer = self._transfer

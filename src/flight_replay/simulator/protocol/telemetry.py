@@ -40,7 +40,7 @@ def heartbeat(autopilot: Autopilot) -> Message:
     status = dialect.MAV_STATE_STANDBY if autopilot.flight.landed else dialect.MAV_STATE_ACTIVE
     if autopilot.failsafes.any_active:
         status = dialect.MAV_STATE_CRITICAL
-    vehicle_type = autopilot.faults.personality.vehicle_type
+    vehicle_type = autopilot.faults.firmware.vehicle_type
     return dialect.MAVLink_heartbeat_message(
         vehicle_type, dialect.MAV_AUTOPILOT_ARDUPILOTMEGA, flags, int(autopilot.mode), status, 3
     )
@@ -60,7 +60,7 @@ def _sys_status(autopilot: Autopilot) -> Message:
         enabled, healthy = enabled | _LOGGING | control, healthy | control
     if autopilot.armed or autopilot.prearm.passed:
         healthy |= _PREARM
-    if autopilot.battery.level:
+    if autopilot.battery.failsafe:
         healthy &= ~_BATTERY
     battery = autopilot.battery
     return dialect.MAVLink_sys_status_message(
@@ -81,7 +81,7 @@ def _battery_status(autopilot: Autopilot) -> Message:
               dialect.MAV_BATTERY_CHARGE_STATE_CRITICAL)  # fmt: skip
     return dialect.MAVLink_battery_status_message(
         0, 0, 0, 32767, voltages, round(battery.current_a * 100), round(battery.consumed_mah),
-        round(battery.consumed_wh * 36), battery.remaining_percent, 0, states[battery.level],
+        round(battery.consumed_wh * 36), battery.remaining_percent, 0, states[battery.failsafe],
     )  # fmt: skip
 
 
@@ -98,11 +98,11 @@ def mission_current(autopilot: Autopilot, seq: int) -> Message:
 
 def autopilot_version(autopilot: Autopilot) -> Message:
     """AUTOPILOT_VERSION with the capabilities of the firmware that is played."""
-    personality = autopilot.faults.personality
-    major, minor, patch = personality.version
+    firmware = autopilot.faults.firmware
+    major, minor, patch = firmware.version
     version = major << 24 | minor << 16 | patch << 8 | _OFFICIAL_RELEASE
     return dialect.MAVLink_autopilot_version_message(
-        personality.capabilities, version, 0, 0, 0, list(b"builtin\0"), [0] * 8, [0] * 8, 0, 0, 0
+        firmware.capabilities, version, 0, 0, 0, list(b"builtin\0"), [0] * 8, [0] * 8, 0, 0, 0
     )
 
 

@@ -23,7 +23,7 @@ def _heading_deg(autopilot: Autopilot) -> float:
 
 
 def _global_position_int(autopilot: Autopilot) -> Message:
-    place = autopilot.place
+    place = autopilot.location
     north, east, up = (round(speed * 100) for speed in autopilot.flight.velocity_m_s)
     heading = round(_heading_deg(autopilot) * 100) % 36000
     above_home_mm = place.alt_mm - (autopilot.home.alt_cm * 10 if autopilot.home else 0)
@@ -76,7 +76,7 @@ def _vfr_hud(autopilot: Autopilot) -> Message:
     speed = math.hypot(north, east)
     throttle = int(autopilot.flight.throttle * 100) if autopilot.armed else 0
     airspeed = math.hypot(speed, up) if autopilot.sensors.position_ok else 0.0
-    alt_m = autopilot.place.alt_mm / 1000 if autopilot.sensors.origin_set else 0.0
+    alt_m = autopilot.location.alt_mm / 1000 if autopilot.sensors.origin_set else 0.0
     return dialect.MAVLink_vfr_hud_message(airspeed, speed, int(_heading_deg(autopilot)), throttle, alt_m, up)
 
 
@@ -99,7 +99,7 @@ def _position_target_global_int(autopilot: Autopilot) -> Message | None:
     target = autopilot.target_m
     if target is None:
         return None
-    place = autopilot.start.place_of(target)
+    place = autopilot.start.location_of(target)
     return dialect.MAVLink_position_target_global_int_message(
         _boot_ms(autopilot), dialect.MAV_FRAME_GLOBAL, _POSITION_ONLY, place.lat_e7, place.lon_e7,
         place.alt_mm / 1000, 0, 0, 0, 0, 0, 0, 0, 0,
@@ -120,13 +120,13 @@ def _position_target_local_ned(autopilot: Autopilot) -> Message | None:
 def _ahrs2(autopilot: Autopilot) -> Message | None:
     if not autopilot.sensors.attitude_ok:
         return None
-    place = autopilot.place if autopilot.sensors.origin_set else None
+    place = autopilot.location if autopilot.sensors.origin_set else None
     lat_e7, lon_e7, alt_m = (place.lat_e7, place.lon_e7, place.alt_mm / 1000) if place else (0, 0, 0.0)
     return dialect.MAVLink_ahrs2_message(*autopilot.flight.attitude_rad, alt_m, lat_e7, lon_e7)
 
 
 def _simstate(autopilot: Autopilot) -> Message:
-    place = autopilot.place
+    place = autopilot.location
     return dialect.MAVLink_simstate_message(
         *autopilot.flight.attitude_rad, 0.0, 0.0, -9.80665, *autopilot.flight.rates_rad_s,
         place.lat_e7, place.lon_e7,

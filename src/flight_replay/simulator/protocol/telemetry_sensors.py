@@ -8,7 +8,7 @@ from typing import Any
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.autopilot.model_parameters import wind_m_s
+from flight_replay.simulator.autopilot.flight_parameters import wind_m_s
 
 _UNKNOWN_DOP = 65535
 _SATELLITES = 10
@@ -32,7 +32,7 @@ def _gps_raw_int(autopilot: Autopilot) -> Message:
             0, fix_type, 0, 0, 0, dop, 200 if fix_type else _UNKNOWN_DOP, 0, 0, satellites,
             0, accuracy, accuracy,
         )  # fmt: skip
-    place = autopilot.place
+    place = autopilot.location
     north, east, _ = autopilot.flight.velocity_m_s
     course = round(math.degrees(math.atan2(east, north)) % 360 * 100) % 36000
     return dialect.MAVLink_gps_raw_int_message(
@@ -95,7 +95,7 @@ def _scaled_imu3(autopilot: Autopilot) -> Message:
 
 def _pressure_hpa(autopilot: Autopilot) -> float:
     """The standard atmosphere's pressure at the copter's height."""
-    return float(1013.25 * (1 - 2.25577e-5 * autopilot.place.alt_mm / 1000) ** 5.25588)
+    return float(1013.25 * (1 - 2.25577e-5 * autopilot.location.alt_mm / 1000) ** 5.25588)
 
 
 def _scaled_pressure(autopilot: Autopilot) -> Message:

@@ -42,9 +42,9 @@ def open_endpoint(settings: Settings) -> Endpoint:
     Raises:
         SimulatorError: if a parameter is unknown or a link cannot be opened.
     """
-    personality = settings.faults.personality
+    firmware = settings.faults.firmware
     try:
-        parameters = personality.table(settings.parameters)
+        parameters = firmware.parameter_table(settings.parameters)
     except KeyError as error:
         raise SimulatorError(
             f"the built-in copter has no parameter {error.args[0]}; check its name"

@@ -1,0 +1,213 @@
+"""The flight model as the autopilot commands it: modes and targets become commands to ``Copter``.
+
+``Copter`` counts metres from home, which moves when the vehicle is armed somewhere else. The EKF's
+origin stays, and positions here are metres from there; ``_home_m`` is home in that frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import pi, radians
+
+from flight_replay.flight_modes import CopterMode
+from flight_replay.simulator.autopilot.flight_parameters import limits_of, wind_m_s
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.dynamics.vector import Vector, minus
+from flight_replay.simulator.flight.auto import MissionRun
+from flight_replay.simulator.flight.copter import STEP_S, Copter
+from flight_replay.simulator.flight.takeoff import TakeOff
+from flight_replay.simulator.mission.local_items import LocalItem
+
+__all__ = ["STEP_S", "FlightModel"]
+
+
+class FlightModel:
+    """The simulated copter as the autopilot sees it."""
+
+    def __init__(self, parameters: Mapping[str, float], start: Start, *, takeoff_climbs: bool = True) -> None:
+        """On the ground.
+
+        Args:
+            parameters: the autopilot's table, read at every use.
+            start: where the copter is.
+            takeoff_climbs: whether a take-off leaves the ground.
+        """
+        self._parameters, self._start, self._takeoff_climbs = parameters, start, takeoff_climbs
+        self._home_m: Vector = (0.0, 0.0, 0.0)
+        self._limits_changed = False
+        self._copter = self._new_copter((0.0, 0.0, 0.0), radians(start.heading_deg))
+        self._last_attitude = self._copter.attitude_rad
+        self._destination_m: Vector | None = None
+        self._takeoff_stuck = False
+
+    def _new_copter(
+        self, position_m: Vector, yaw_rad: float, velocity_m_s: Vector = (0.0, 0.0, 0.0)
+    ) -> Copter:
+        return Copter(
+            limits_of(self._parameters),
+            position_m=position_m,
+            yaw_rad=yaw_rad,
+            velocity_m_s=velocity_m_s,
+            wind_m_s=wind_m_s(self._parameters, position_m[2] + self._home_m[2]),
+            home_amsl_m=self._start.alt_amsl_m,
+        )
+
+    # state
+
+    @property
+    def position_m(self) -> Vector:
+        """North, east and up of the EKF's origin."""
+        return self._from_home(self._copter.position_m)
+
+    def _from_home(self, position_m: Vector) -> Vector:
+        home = self._home_m
+        return position_m[0] + home[0], position_m[1] + home[1], position_m[2] + home[2]
+
+    def _to_home(self, position_m: Vector) -> Vector:
+        return minus(position_m, self._home_m)
+
+    @property
+    def velocity_m_s(self) -> Vector:
+        """North, east and up."""
+        return self._copter.velocity_m_s
+
+    @property
+    def attitude_rad(self) -> Vector:
+        """Roll, pitch and yaw."""
+        return self._copter.attitude_rad
+
+    @property
+    def rates_rad_s(self) -> Vector:
+        """Rates of roll, pitch and yaw over the last step."""
+        now, before = self._copter.attitude_rad, self._last_attitude
+        roll, pitch, yaw = (((a - b + pi) % (2 * pi) - pi) / STEP_S for a, b in zip(now, before, strict=True))
+        return roll, pitch, yaw
+
+    @property
+    def throttle(self) -> float:
+        """0 to 1."""
+        return self._copter.throttle
+
+    @property
+    def landed(self) -> bool:
+        """Whether the copter is on the ground."""
+        return self._copter.landed
+
+    @property
+    def motors(self) -> bool:
+        """Whether the motors turn; they stop by themselves after a landing."""
+        return self._copter.motors
+
+    @property
+    def landing(self) -> bool:
+        """Whether the copter descends to land."""
+        return self._copter.landing
+
+    @property
+    def taking_off(self) -> bool:
+        """Whether a take-off was commanded and is not done."""
+        phase = self._copter.phase
+        return self._takeoff_stuck or (isinstance(phase, TakeOff) and not phase.done)
+
+    @property
+    def target_m(self) -> Vector:
+        """Where the vehicle is heading, around the EKF's origin."""
+        run = self._copter.mission
+        destination_m = run.destination_m if run is not None else self._destination_m
+        return self._from_home(destination_m if destination_m is not None else self._copter.target_m)
+
+    @property
+    def height_error_m(self) -> float:
+        """How far the vehicle is below its present target."""
+        return self._copter.target_m[2] - self._copter.position_m[2] if self._copter.motors else 0.0
+
+    # time
+
+    def step(self) -> None:
+        """Move STEP_S on."""
+        if self._limits_changed:
+            self._limits_changed = False
+            self._copter.change_limits(limits_of(self._parameters))
+        self._copter.change_wind(wind_m_s(self._parameters, self.position_m[2]))
+        self._last_attitude = self._copter.attitude_rad
+        self._copter.step()
+
+    def parameters_changed(self) -> None:
+        """Read the parameters again at the next step."""
+        self._limits_changed = True
+
+    # commands
+
+    def arm(self) -> None:
+        """Start the motors at idle; home is here from now on."""
+        self._home_m = self._from_home(self._copter.position_m)
+        self._copter = self._new_copter((0.0, 0.0, 0.0), self._copter.attitude_rad[2])
+        self._copter.arm()
+
+    def disarm(self) -> None:
+        """Stop the motors; in the air the copter falls, of which only the end is modelled."""
+        if not self._copter.landed:
+            north_m, east_m, _ = self._copter.position_m
+            self._copter = self._new_copter((north_m, east_m, 0.0), self._copter.attitude_rad[2])
+        self._copter.disarm()
+        self._takeoff_stuck = False
+
+    def move_home(self, position_m: Vector, mode: CopterMode) -> None:
+        """Move home, level with the ground; what the mode does begins anew."""
+        now_m, yaw_rad = self.position_m, self._copter.attitude_rad[2]
+        velocity_m_s, motors = self._copter.velocity_m_s, self._copter.motors
+        self._home_m = (position_m[0], position_m[1], self._home_m[2])
+        self._copter = self._new_copter(self._to_home(now_m), yaw_rad, velocity_m_s)
+        if motors and self._copter.landed:
+            self._copter.arm()
+        elif motors:
+            self.enter_mode(mode)
+
+    def enter_mode(self, mode: CopterMode) -> None:
+        """Begin what a mode does; the copter does not leave the ground by it."""
+        self._destination_m = None
+        if not self._copter.motors or self._copter.landed:
+            return
+        if mode == CopterMode.RTL:
+            self._destination_m = (0.0, 0.0, self._copter.position_m[2])
+            self._copter.return_home()
+        elif mode == CopterMode.LAND:
+            self._copter.land()
+        else:
+            self._copter.hold()
+
+    def takeoff(self, up_m: float) -> None:
+        """Climb straight up, to a height above home."""
+        north_m, east_m, _ = self._copter.position_m
+        self._destination_m = (north_m, east_m, up_m)
+        if self._takeoff_climbs:
+            self._copter.takeoff(up_m)
+        else:
+            self._takeoff_stuck = True
+
+    def goto(self, position_m: Vector) -> None:
+        """Fly to a position around the EKF's origin."""
+        self._destination_m = self._to_home(position_m)
+        self._copter.goto(self._destination_m)
+
+    def fly_velocity(self, velocity_m_s: Vector) -> None:
+        """Fly at a velocity, north, east and up, until the next command."""
+        self._destination_m = None
+        self._copter.fly_velocity(velocity_m_s)
+
+    def set_yaw(self, angle_rad: float, rate_rad_s: float, direction: float, *, relative: bool) -> None:
+        """Turn to a heading, or by an angle (CONDITION_YAW)."""
+        self._copter.set_yaw(angle_rad, rate_rad_s, direction, relative=relative)
+
+    def hold(self) -> None:
+        """Stop, and hold position."""
+        self._destination_m = None
+        self._copter.hold()
+
+    def change_speed(self, kind: int, speed_m_s: float) -> bool:
+        """Change the speed until the mode changes: kind 0 and 1 horizontal, 2 climb, 3 descent."""
+        return self._copter.change_speed(kind, speed_m_s)
+
+    def fly_mission(self, items: Sequence[LocalItem], seq: int) -> MissionRun:
+        """Fly the mission from a sequence number on."""
+        return self._copter.start_auto(items, seq)
