@@ -29,18 +29,19 @@ from flight_replay.mission.items import Mission, waypoint
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
 from flight_replay.vehicle.dronekit_adapter import import_dronekit
-from tests.helpers.fault_link import FaultLink, Message, Trip, Weather, fault_link
+from tests.helpers.fault_link import FaultLink, Message, Trigger, fault_link
+from tests.helpers.link_conditions import LinkConditions
 
 ITEMS = 100
 LIMIT_S = 150.0
 START_S = 8.0
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
 MISSION = Mission(tuple(waypoint(47.397742 + 9e-5 * i, 8.545594, 30.0) for i in range(1, ITEMS + 1)))
-WEATHERS = {
-    "clear": Weather(),
-    "20 % lost": Weather(loss=0.2),
-    "500 ms late": Weather(delay_s=0.5),
-    "20 % lost, 500 ms late": Weather(loss=0.2, delay_s=0.5),
+CONDITIONS = {
+    "clear": LinkConditions(),
+    "20 % lost": LinkConditions(loss=0.2),
+    "500 ms late": LinkConditions(delay_s=0.5),
+    "20 % lost, 500 ms late": LinkConditions(loss=0.2, delay_s=0.5),
 }
 
 
@@ -50,23 +51,23 @@ def tells_reception(message: Message) -> bool:
 
 @contextmanager
 def link_to_copter(seed: int) -> Iterator[FaultLink]:
-    """A copter behind a link that is clear so far; its trip tells when a mission was received."""
+    """A copter behind a link that is clear so far; its trigger tells when a mission was received."""
     start = Start(47.397742, 8.545594, 488.0)
-    trips = (Trip(tells_reception, lambda link: None),)
-    with launch.run(start) as running, fault_link(running.connection, None, trips, seed) as link:
+    triggers = (Trigger(tells_reception, lambda link: None),)
+    with launch.run(start) as running, fault_link(running.connection, None, triggers, seed) as link:
         yield link
 
 
-def ours(link: FaultLink, weather: Weather) -> float:
+def ours(link: FaultLink, conditions: LinkConditions) -> float:
     """Seconds until the mission is on board and compared, or the limit."""
     with vehicle.connect(link.connection) as connected:
-        link.weather = weather
+        link.conditions = conditions
         began_s = time.monotonic()
         connected.upload(MISSION)
         return time.monotonic() - began_s
 
 
-def dronekits(link: FaultLink, weather: Weather) -> float:
+def dronekits(link: FaultLink, conditions: LinkConditions) -> float:
     """Seconds of DroneKit's own clear and upload, after its download."""
     dronekit = import_dronekit()
     drone = dronekit.connect(link.connection, wait_ready=False)
@@ -78,16 +79,16 @@ def dronekits(link: FaultLink, weather: Weather) -> float:
         for item in MISSION.items:
             place = (item.lat_deg, item.lon_deg, item.alt_m)
             commands.add(dronekit.Command(0, 0, 0, item.frame, item.command, 0, 0, *item.params, *place))
-        link.weather = weather
+        link.conditions = conditions
         began_s = time.monotonic()
         commands.upload(timeout=LIMIT_S)
         return wait_received(link, began_s)
     finally:
-        link.weather = Weather()
+        link.conditions = LinkConditions()
         drone.close()
 
 
-def mavproxys(link: FaultLink, weather: Weather) -> float:
+def mavproxys(link: FaultLink, conditions: LinkConditions) -> float:
     """Seconds of MAVProxy's ``wp load``, once it has fetched the parameters."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "mission.waypoints"
@@ -101,7 +102,7 @@ def mavproxys(link: FaultLink, weather: Weather) -> float:
         assert process.stdin
         try:
             time.sleep(START_S)
-            link.weather = weather
+            link.conditions = conditions
             began_s = time.monotonic()
             process.stdin.write(f"wp load {path}\n")
             process.stdin.flush()
@@ -113,19 +114,21 @@ def mavproxys(link: FaultLink, weather: Weather) -> float:
 
 
 def wait_received(link: FaultLink, began_s: float) -> float:
-    while not link.trips[0].done and time.monotonic() - began_s < LIMIT_S:
+    while not link.triggers[0].done and time.monotonic() - began_s < LIMIT_S:
         time.sleep(0.01)
     return time.monotonic() - began_s
 
 
-def measured(upload: Callable[[FaultLink, Weather], float], weather: Weather, runs: int) -> str:
+def measured(
+    upload: Callable[[FaultLink, LinkConditions], float], conditions: LinkConditions, runs: int
+) -> str:
     """Median of several runs, and the failures among them."""
     times_s: list[float] = []
     failures = 0
     for seed in range(runs):
         with link_to_copter(seed) as link:
             try:
-                times_s.append(upload(link, weather))
+                times_s.append(upload(link, conditions))
             except (FlightReplayError, import_dronekit().APIException) as error:
                 print(f"    {type(error).__name__}: {error}", file=sys.stderr)
                 failures += 1
@@ -136,12 +139,15 @@ def measured(upload: Callable[[FaultLink, Weather], float], weather: Weather, ru
 
 def main() -> None:
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 3
-    peers: dict[str, Callable[[FaultLink, Weather], float]] = {"flight-replay": ours, "DroneKit": dronekits}
+    peers: dict[str, Callable[[FaultLink, LinkConditions], float]] = {
+        "flight-replay": ours,
+        "DroneKit": dronekits,
+    }
     if MAVPROXY.exists():
         peers["MAVProxy"] = mavproxys
     print(f"| link | {' | '.join(peers)} |\n| --- |{' --- |' * len(peers)}")
-    for name, weather in WEATHERS.items():
-        row = [measured(upload, weather, runs) for upload in peers.values()]
+    for name, conditions in CONDITIONS.items():
+        row = [measured(upload, conditions, runs) for upload in peers.values()]
         print(f"| {name} | {' | '.join(row)} |", flush=True)
 
 

@@ -12,21 +12,24 @@ from collections.abc import Callable
 import pytest
 
 from flight_replay.events import LinkLost, LinkRestored, Notice, Waiting
+from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot import faults as sim
 from flight_replay.simulator.autopilot.faults import Faults, MissionFaults, ScriptedFault
-from tests.helpers.fault_link import FOREVER_S, FaultLink, Message, Trip, Weather
-from tests.helpers.fault_runs import AUTO, ROUTE, RTL, Outcome, mode_of, replay
+from tests.helpers.fault_link import FOREVER_S, FaultLink, Message, Trigger
+from tests.helpers.fault_runs import ROUTE, FaultRun, replay, requested_mode
+from tests.helpers.link_conditions import LinkConditions
 
-GUIDED, LOITER, LAND = 4, 5, 9
+AUTO, GUIDED, LOITER = CopterMode.AUTO, CopterMode.GUIDED, CopterMode.LOITER
+RTL, LAND = CopterMode.RTL, CopterMode.LAND
 EVERY_WAIT_S = 60.0
 """No row waits longer: the sum of the deadlines that one row can meet."""
 
 
-def kept(outcome: Outcome) -> None:
+def kept(outcome: FaultRun) -> None:
     """What must hold in every row."""
     assert outcome.wall_s < EVERY_WAIT_S
     assert outcome.line is None or "\n" not in outcome.line
-    told = outcome.modes_asked()
+    told = outcome.modes_requested()
     if AUTO in told:
         assert_verified_before_auto(outcome.link)
 
@@ -34,7 +37,7 @@ def kept(outcome: Outcome) -> None:
 def assert_verified_before_auto(link: FaultLink) -> None:
     """Every item was read from the vehicle again between the upload and AUTO."""
     messages = link.to_vehicle
-    auto = next(i for i, message in enumerate(messages) if mode_of(message) == AUTO)
+    auto = next(i for i, message in enumerate(messages) if requested_mode(message) == AUTO)
     upload = max(i for i, m in enumerate(messages[:auto]) if m.get_type() == "MISSION_ITEM_INT")
     asked = {m.seq for m in messages[upload:auto] if m.get_type() == "MISSION_REQUEST_INT"}
     assert asked >= set(range(1, len(ROUTE.items) + 1))
@@ -42,15 +45,15 @@ def assert_verified_before_auto(link: FaultLink) -> None:
 
 # The link
 
-WEATHERS = {
-    "clear": (Weather(), 20.0),
-    "5 % lost": (Weather(loss=0.05), 20.0),
-    "20 % lost": (Weather(loss=0.2), 20.0),
-    "corrupt": (Weather(corrupt=0.05), 20.0),
-    "doubled": (Weather(doubled=0.3), 20.0),
-    "40 % lost": (Weather(loss=0.4), 20.0),
-    "late": (Weather(delay_s=0.5), 4.0),
-    "mixed": (Weather(loss=0.1, corrupt=0.05, doubled=0.1, delay_s=0.02, jitter_s=0.1), 10.0),
+CONDITIONS = {
+    "clear": (LinkConditions(), 20.0),
+    "5 % lost": (LinkConditions(loss=0.05), 20.0),
+    "20 % lost": (LinkConditions(loss=0.2), 20.0),
+    "corrupt": (LinkConditions(corrupt=0.05), 20.0),
+    "duplicated": (LinkConditions(duplicated=0.3), 20.0),
+    "40 % lost": (LinkConditions(loss=0.4), 20.0),
+    "late": (LinkConditions(delay_s=0.5), 4.0),
+    "mixed": (LinkConditions(loss=0.1, corrupt=0.05, duplicated=0.1, delay_s=0.02, jitter_s=0.1), 10.0),
 }
 QUICK = {"5 % lost"}
 
@@ -60,17 +63,17 @@ def rows(names: list[str], slow: set[str]) -> list[object]:
     return [pytest.param(name, marks=pytest.mark.slow if name in slow else ()) for name in names]
 
 
-@pytest.mark.parametrize("name", rows(list(WEATHERS), set(WEATHERS) - QUICK))
+@pytest.mark.parametrize("name", rows(list(CONDITIONS), set(CONDITIONS) - QUICK))
 def test_a_bad_link_does_not_change_the_flight(name: str) -> None:
-    """Frames that are lost, late, doubled, mixed or spoilt cost time, and nothing else."""
-    weather, speedup = WEATHERS[name]
-    outcome = replay(None, weather, speedup=speedup)
+    """Frames that are lost, late, duplicated, mixed or spoilt cost time, and nothing else."""
+    conditions, speedup = CONDITIONS[name]
+    outcome = replay(None, conditions, speedup=speedup)
     kept(outcome)
     assert outcome.line is None
     assert outcome.record is not None
     assert outcome.record.ended == "duration"
     assert outcome.record.auto_s == pytest.approx(12, abs=1)
-    assert outcome.modes_asked() == [GUIDED, AUTO, RTL]
+    assert outcome.modes_requested() == [GUIDED, AUTO, RTL]
     assert outcome.rtl_confirmed
 
 
@@ -87,8 +90,8 @@ def command(number: int) -> Callable[[Message], bool]:
     return kind("COMMAND_LONG", command=number)
 
 
-def asks_mode(mode: int) -> Callable[[Message], bool]:
-    return lambda m: mode_of(m) == mode
+def requests_mode(mode: int) -> Callable[[Message], bool]:
+    return lambda m: requested_mode(m) == mode
 
 
 def in_mode(mode: int) -> Callable[[Message], bool]:
@@ -103,14 +106,14 @@ MOMENTS: dict[str, Callable[[Message], bool]] = {
     "arming": command(400),
     "take-off": command(22),
     "AUTO": in_mode(AUTO),
-    "RTL": asks_mode(RTL),
+    "RTL": requests_mode(RTL),
 }
 
 
 @pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS)))
 def test_a_cut_of_three_seconds_is_lived_through(moment: str) -> None:
     """Wherever the link is silent for 3 s, the flight goes on afterwards and ends as asked."""
-    cut = Trip(MOMENTS[moment], lambda link: link.cut(3.0))
+    cut = Trigger(MOMENTS[moment], lambda link: link.cut(3.0))
     outcome = replay(
         None, None, cut, speedup=10.0 if moment in ("arming", "take-off") else 20.0, duration_s=100.0
     )
@@ -133,12 +136,12 @@ SAYS = {
 @pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS)))
 def test_a_link_that_is_cut_for_ever_ends_the_program(moment: str) -> None:
     """The line says where the link was lost; in the air the loss is told within 5 s."""
-    outcome = replay(None, None, Trip(MOMENTS[moment], lambda link: link.cut(FOREVER_S)))
+    outcome = replay(None, None, Trigger(MOMENTS[moment], lambda link: link.cut(FOREVER_S)))
     kept(outcome)
     assert SAYS[moment] in (outcome.line or "")
     assert not outcome.rtl_confirmed
     if moment in ("arming", "take-off", "AUTO", "RTL"):
-        (lost,) = outcome.link_losses
+        (lost,) = outcome.link_events
         assert isinstance(lost, LinkLost)
         assert lost.silent_s < 5
 
@@ -146,9 +149,9 @@ def test_a_link_that_is_cut_for_ever_ends_the_program(moment: str) -> None:
 @pytest.mark.slow
 def test_a_lost_link_that_comes_back_is_used_again() -> None:
     """Silence of 6 s in AUTO is told, the link is found again, and the flight ends as asked."""
-    outcome = replay(None, None, Trip(in_mode(AUTO), lambda link: link.cut(6.0)), duration_s=120.0)
+    outcome = replay(None, None, Trigger(in_mode(AUTO), lambda link: link.cut(6.0)), duration_s=120.0)
     kept(outcome)
-    assert [type(event) for event in outcome.link_losses] == [LinkLost, LinkRestored]
+    assert [type(event) for event in outcome.link_events] == [LinkLost, LinkRestored]
     assert outcome.line is None
     assert outcome.rtl_confirmed
 
@@ -158,7 +161,7 @@ def test_a_lost_link_that_comes_back_is_used_again() -> None:
 )
 def test_a_connection_that_is_closed_is_opened_again(moment: str) -> None:
     """A TCP connection that ends is made anew, and the flight goes on."""
-    outcome = replay(None, None, Trip(MOMENTS[moment], FaultLink.hang_up))
+    outcome = replay(None, None, Trigger(MOMENTS[moment], FaultLink.disconnect))
     kept(outcome)
     assert outcome.line is None
     assert outcome.rtl_confirmed
@@ -218,7 +221,7 @@ def test_a_mission_changed_by_another_station_is_not_flown(moment: str) -> None:
     outcome = replay(at(moment, 0.0, sim.MoveItem(len(ROUTE.items))))
     kept(outcome)
     assert "another ground station changed it" in (outcome.line or "")
-    assert AUTO not in outcome.modes_asked()
+    assert AUTO not in outcome.modes_requested()
     assert outcome.was_armed() == outcome.rtl_confirmed
 
 
@@ -267,7 +270,7 @@ def test_a_take_off_that_does_not_climb_ends_in_rtl() -> None:
     outcome = replay(Faults(takeoff_climbs=False))
     kept(outcome)
     assert "did not climb above" in (outcome.line or "") or "before take-off" in (outcome.line or "")
-    assert AUTO not in outcome.modes_asked()
+    assert AUTO not in outcome.modes_requested()
 
 
 @pytest.mark.parametrize("moment", rows(["takeoff", "AUTO"], {"takeoff"}))
@@ -276,7 +279,7 @@ def test_a_pilot_who_takes_over_is_let_be(moment: str) -> None:
     outcome = replay(at(moment, 3.0, sim.PilotMode(LOITER)), duration_s=200.0)
     kept(outcome)
     assert "LOITER by the pilot" in (outcome.line or "")
-    assert outcome.modes_asked() == ([GUIDED, AUTO] if moment == "AUTO" else [GUIDED])
+    assert outcome.modes_requested() == ([GUIDED, AUTO] if moment == "AUTO" else [GUIDED])
 
 
 @pytest.mark.parametrize(("mode", "name"), [pytest.param(RTL, "RTL", marks=pytest.mark.slow), (LAND, "LAND")])
@@ -285,7 +288,7 @@ def test_a_failsafe_is_accepted(mode: int, name: str) -> None:
     outcome = replay(at("AUTO", 3.0, sim.FailsafeMode(mode, "Radio Failsafe")), duration_s=200.0)
     kept(outcome)
     assert f"changed to {name} by itself: Radio Failsafe" in (outcome.line or "")
-    assert outcome.modes_asked() == [GUIDED, AUTO]
+    assert outcome.modes_requested() == [GUIDED, AUTO]
 
 
 @pytest.mark.slow
@@ -296,7 +299,7 @@ def test_a_low_battery_is_told() -> None:
     kept(outcome)
     assert "changed to RTL by itself" in (outcome.line or "")
     assert "attery" in (outcome.line or "")
-    assert outcome.modes_asked() == [GUIDED, AUTO]
+    assert outcome.modes_requested() == [GUIDED, AUTO]
 
 
 # Others on the link

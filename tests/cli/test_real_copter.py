@@ -22,8 +22,9 @@ from flight_replay.mission.items import Mission, waypoint
 from flight_replay.supervisor import FlightRecord, Plan
 from flight_replay.vehicle import ConnectedVehicle, connect
 from flight_replay.vehicle.sitl import simulator
-from tests.helpers.fault_link import FaultLink, Trip, Weather, fault_link
+from tests.helpers.fault_link import FaultLink, Trigger, fault_link
 from tests.helpers.fault_runs import ROUTE, START
+from tests.helpers.link_conditions import LinkConditions
 from tests.helpers.paths import SAMPLE
 
 pytestmark = [
@@ -41,13 +42,13 @@ class Clock:
 
 @contextmanager
 def copter(
-    weather: Weather | None = None, *trips: Trip
+    conditions: LinkConditions | None = None, *triggers: Trigger
 ) -> Iterator[tuple[ConnectedVehicle, FaultLink, list[Event]]]:
     """A real copter behind a link."""
     events: list[Event] = []
     with (
         simulator("sitl", None, START, speedup=SPEEDUP) as connection,
-        fault_link(connection, weather, trips) as link,
+        fault_link(connection, conditions, triggers) as link,
         connect(link.connection, speedup=SPEEDUP, listener=events.append) as vehicle,
     ):
         yield vehicle, link, events
@@ -71,12 +72,13 @@ def test_the_sample_is_replayed(speedup: str, capsys: pytest.CaptureFixture[str]
 
 
 @pytest.mark.parametrize(
-    "weather", [Weather(loss=0.2), Weather(delay_s=0.2), Weather(doubled=0.2, corrupt=0.05)],
-    ids=["20 % lost", "late", "doubled and spoilt"],
+    "conditions",
+    [LinkConditions(loss=0.2), LinkConditions(delay_s=0.2), LinkConditions(duplicated=0.2, corrupt=0.05)],
+    ids=["20 % lost", "late", "duplicated and corrupt"],
 )  # fmt: skip
-def test_a_bad_link_does_not_change_the_flight(weather: Weather) -> None:
+def test_a_bad_link_does_not_change_the_flight(conditions: LinkConditions) -> None:
     """The mission is verified on board, flown and left for RTL, whatever the link does."""
-    with copter(weather) as (vehicle, _, events):
+    with copter(conditions) as (vehicle, _, events):
         record = fly(vehicle, events)
     assert (record.ended, record.problem, record.rtl_confirmed) == ("duration", None, True)
     assert ReturnCommanded(True) in events
@@ -88,7 +90,7 @@ def test_a_lost_link_that_comes_back_is_used_again() -> None:
     def in_auto(message: object) -> bool:
         return getattr(message, "custom_mode", 0) == 3 and message.get_type() == "HEARTBEAT"  # type: ignore[attr-defined]
 
-    with copter(None, Trip(in_auto, lambda link: link.cut(5.0))) as (vehicle, _, events):
+    with copter(None, Trigger(in_auto, lambda link: link.cut(5.0))) as (vehicle, _, events):
         record = fly(vehicle, events, 90.0)
     assert record.problem is None
     assert [type(e) for e in events if isinstance(e, LinkLost | LinkRestored)] == [LinkLost, LinkRestored]

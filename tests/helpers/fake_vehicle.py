@@ -1,4 +1,4 @@
-"""A scripted vehicle and a clock that only it moves: the supervisor's flights without MAVLink or time."""
+"""A scripted vehicle and a virtual clock: the supervisor's flights without MAVLink, in no time."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def route(points: int) -> Mission:
 
 @dataclass
 class FakeClock:
-    """Seconds that pass when told to."""
+    """A clock that only the fake vehicle advances."""
 
     now_s: float = 1000.0
 
@@ -37,7 +37,10 @@ class FakeClock:
 
 @dataclass
 class FakeVehicle:
-    """A copter of a few rules; each test bends one. ``at`` runs a change at a time since the start."""
+    """A simple copter; each test changes one of its rules.
+
+    ``schedule`` holds changes with the wall-clock time since the start at which each is made.
+    """
 
     clock: FakeClock
     speedup: float = 1.0
@@ -52,17 +55,17 @@ class FakeVehicle:
     reports_reached: bool = True
     silent: bool = False
     reports_clock: bool = True
-    at: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
+    schedule: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.began_s = self.clock.now_s
         self.mode, self.armed, self.altitude_m = "STABILIZE", False, 0.0
-        self.asked: list[str] = []
+        self.requested: list[str] = []
         self.queue: list[Report] = []
         self.target_m = 0.0
         self.arms_at_s: float | None = None
         self.auto_s = 0.0
-        self.beat_s = 0.0
+        self.heartbeat_s = 0.0
 
     @property
     def time_s(self) -> float:
@@ -75,15 +78,15 @@ class FakeVehicle:
         return min(1 + int(self.auto_s / self.item_s), self.points)
 
     def reports(self, timeout_s: float) -> Sequence[Report]:
-        """One step of 0.1 s here."""
+        """One step of at most 0.1 s of wall-clock time."""
         before_s = self.time_s
         self.clock.now_s += min(timeout_s, 0.1)
-        while self.at and self.clock.now_s - self.began_s >= self.at[0][0]:
-            self.at.pop(0)[1]()
+        while self.schedule and self.clock.now_s - self.began_s >= self.schedule[0][0]:
+            self.schedule.pop(0)[1]()
         self._move(self.time_s - before_s)
         self._report()
-        told, self.queue = self.queue, []
-        return [] if self.silent else told
+        reports, self.queue = self.queue, []
+        return [] if self.silent else reports
 
     def _move(self, step_s: float) -> None:
         if self.arms_at_s is not None and self.time_s >= self.arms_at_s:
@@ -104,8 +107,8 @@ class FakeVehicle:
         return self.auto_s >= self.points * self.item_s
 
     def _report(self) -> None:
-        if self.time_s - self.beat_s >= 1.0:
-            self.beat_s = self.time_s
+        if self.time_s - self.heartbeat_s >= 1.0:
+            self.heartbeat_s = self.time_s
             self.queue.append(Heartbeat(self.mode, self.armed))
             ready = self.time_s - 50.0 >= self.ready_after_s
             self.queue.append(PrearmStatus(ready, "" if ready else "no position yet"))
@@ -126,12 +129,12 @@ class FakeVehicle:
                 )
             )
 
-    def say(self, text: str, severity: int = 3) -> None:
+    def send_text(self, text: str, severity: int = 3) -> None:
         """Let the vehicle send a status text."""
         self.queue.append(StatusText(severity, text))
 
     def request_mode(self, mode: str) -> None:
-        self.asked.append(mode)
+        self.requested.append(mode)
         if mode in self.refuse_mode:
             self.queue.append(RequestAck(Request.MODE, False, "FAILED"))
         elif not self.silent:
@@ -139,21 +142,21 @@ class FakeVehicle:
             self.queue.append(RequestAck(Request.MODE, True))
 
     def request_arm(self) -> None:
-        self.asked.append("arm")
+        self.requested.append("arm")
         if self.refuse_arm:
-            self.say(self.refuse_arm)
+            self.send_text(self.refuse_arm)
         elif not self.silent:
             self.arms_at_s = self.time_s + self.arm_delay_s
         self.queue.append(RequestAck(Request.ARM, not self.refuse_arm, "FAILED"))
 
     def request_takeoff(self, altitude_m: float) -> None:
-        self.asked.append("takeoff")
+        self.requested.append("takeoff")
         self.target_m = altitude_m
 
     def request_prearm_checks(self) -> None:
-        self.asked.append("report")
+        self.requested.append("report")
 
     def mission_verified(self, while_waiting: Callable[[], None]) -> bool:
-        self.asked.append("verify")
+        self.requested.append("verify")
         while_waiting()
         return self.verified

@@ -1,4 +1,4 @@
-"""One replay of a few waypoints on a built-in copter, over a ``FaultLink``: the outcome, and the truth."""
+"""One replay of a few waypoints on the built-in copter over a ``FaultLink``."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from dataclasses import dataclass, field
 from flight_replay import supervisor, vehicle
 from flight_replay.errors import FlightReplayError
 from flight_replay.events import Event, LinkLost, LinkRestored, ReturnCommanded
+from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
-from flight_replay.supervisor import Deadlines, FlightRecord, Plan
+from flight_replay.supervisor import Deadlines, FlightRecord, Plan, WallClock
 from flight_replay.vehicle import preflight
-from tests.helpers.fault_link import FaultLink, Message, Trip, Weather, fault_link
+from tests.helpers.fault_link import FaultLink, Message, Trigger, fault_link
+from tests.helpers.link_conditions import LinkConditions
 
 START = Start(47.397742, 8.545594, 488.0)
 ROUTE = Mission(tuple(waypoint(47.397742 + 9e-5 * i, 8.545594, 12.0) for i in range(1, 31)))
-UP_M = 8.0
-RTL, AUTO = 6, 3
+TAKEOFF_M = 8.0
 DEADLINES = Deadlines(
     prearm_s=60.0,
     arm_s=30.0,
@@ -32,8 +33,8 @@ DEADLINES = Deadlines(
 
 
 @dataclass
-class Outcome:
-    """What the program would say, and what was seen on the link."""
+class FaultRun:
+    """What the program would report, and the messages on the link."""
 
     link: FaultLink
     events: list[Event] = field(default_factory=list)
@@ -43,7 +44,7 @@ class Outcome:
 
     @property
     def line(self) -> str | None:
-        """The one line of an exit status of 1; None for 0."""
+        """The error message of an exit status of 1; None for 0."""
         return self.error or (self.record.problem if self.record else None)
 
     @property
@@ -52,71 +53,66 @@ class Outcome:
         return ReturnCommanded(True) in self.events
 
     @property
-    def link_losses(self) -> list[Event]:
+    def link_events(self) -> list[Event]:
         """Losses and returns of the link, in order."""
         return [event for event in self.events if isinstance(event, LinkLost | LinkRestored)]
 
-    def modes_asked(self) -> list[int]:
-        """The modes that reached the vehicle as wishes, in order, repeats left out."""
-        asked: list[int] = []
+    def modes_requested(self) -> list[int]:
+        """The modes requested of the vehicle, in order, without repetitions."""
+        requested: list[int] = []
         for message in self.link.to_vehicle:
-            mode = mode_of(message)
-            if mode is not None and asked[-1:] != [mode]:
-                asked.append(mode)
-        return asked
+            mode = requested_mode(message)
+            if mode is not None and requested[-1:] != [mode]:
+                requested.append(mode)
+        return requested
 
     def was_armed(self) -> bool:
-        """Whether the vehicle ever said that it is armed."""
-        return any(
-            message.get_type() == "HEARTBEAT" and message.get_srcSystem() == 1 and message.base_mode & 128
-            for message in self.link.from_vehicle
+        """Whether a heartbeat of the vehicle ever showed it armed."""
+        heartbeats = (
+            m for m in self.link.from_vehicle if m.get_type() == "HEARTBEAT" and m.get_srcSystem() == 1
         )
+        return any(m.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED for m in heartbeats)
 
 
-def mode_of(message: Message) -> int | None:
-    """The mode that a message asks for, if it does."""
-    if message.get_type() == "COMMAND_LONG" and message.command == 176:
+def requested_mode(message: Message) -> int | None:
+    """The mode that a message requests; None if it is another message."""
+    if message.get_type() == "COMMAND_LONG" and message.command == dialect.MAV_CMD_DO_SET_MODE:
         return int(message.param2)
     return int(message.custom_mode) if message.get_type() == "SET_MODE" else None
 
 
 def replay(
     faults: Faults | None = None,
-    weather: Weather | None = None,
-    *trips: Trip,
+    conditions: LinkConditions | None = None,
+    *triggers: Trigger,
     speedup: float = 20.0,
     duration_s: float = 12.0,
     connect_s: float = 8.0,
     seed: int = 1,
     **parameters: float,
-) -> Outcome:
+) -> FaultRun:
     """Connect, check, upload, fly and return, as the command line does; ``parameters`` are the vehicle's."""
     with (
         launch.run(START, speedup=speedup, faults=faults, parameters=parameters) as running,
-        fault_link(running.connection, weather, trips, seed) as link,
+        fault_link(running.connection, conditions, triggers, seed) as link,
     ):
-        outcome = Outcome(link)
+        run = FaultRun(link)
         began_s = time.monotonic()
         try:
-            outcome.record = _fly(outcome, speedup, duration_s, connect_s)
+            run.record = _fly(run, speedup, duration_s, connect_s)
         except FlightReplayError as error:
-            outcome.error = str(error)
-        outcome.wall_s = time.monotonic() - began_s
-        return outcome
+            run.error = str(error)
+        run.wall_s = time.monotonic() - began_s
+        return run
 
 
-class _Clock:
-    def monotonic_s(self) -> float:
-        return time.monotonic()
-
-
-def _fly(outcome: Outcome, speedup: float, duration_s: float, connect_s: float) -> FlightRecord:
-    listener = outcome.events.append
+def _fly(run: FaultRun, speedup: float, duration_s: float, connect_s: float) -> FlightRecord:
+    listener = run.events.append
     with vehicle.connect(
-        outcome.link.connection, listener=listener, speedup=speedup, limit_s=connect_s
+        run.link.connection, listener=listener, speedup=speedup, limit_s=connect_s
     ) as connected:
-        at = connected.wait_position(20.0, listener)
-        preflight.check(connected.identity, ROUTE, at, takeoff_altitude_m=UP_M)
+        state = connected.wait_position(20.0, listener)
+        preflight.check(connected.identity, ROUTE, state, takeoff_altitude_m=TAKEOFF_M)
         connected.upload(ROUTE, listener)
-        plan = Plan(mission=ROUTE, duration_s=duration_s, takeoff_altitude_m=UP_M, deadlines=DEADLINES)
-        return supervisor.fly(connected, _Clock(), plan, listener)
+        plan = Plan(mission=ROUTE, duration_s=duration_s, takeoff_altitude_m=TAKEOFF_M, deadlines=DEADLINES)
+        return supervisor.fly(connected, WallClock(), plan, listener)

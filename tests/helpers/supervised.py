@@ -1,4 +1,4 @@
-"""A flight of a fake vehicle under the supervisor, for the tests of it."""
+"""A flight of the fake vehicle under the supervisor."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Setup = Callable[[FakeVehicle], None]
 
 
 class FakeFlight:
-    """A flight of a fake vehicle: its record, what was emitted and what was asked."""
+    """A flight of a fake vehicle, with the events that it emits."""
 
     def __init__(self, vehicle: FakeVehicle, **plan: object) -> None:
         self.vehicle = vehicle
@@ -29,7 +29,7 @@ class FakeFlight:
 
     @property
     def wall_s(self) -> float:
-        """How long it took by the clock here."""
+        """How long the flight took, wall-clock seconds."""
         return self.vehicle.clock.now_s - self.began_s
 
 

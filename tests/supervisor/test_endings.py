@@ -21,7 +21,7 @@ def test_ctrl_c_sends_the_vehicle_home(when_s: float) -> None:
     def interrupt() -> None:
         raise KeyboardInterrupt
 
-    flight.vehicle.at.append((when_s, interrupt))
+    flight.vehicle.schedule.append((when_s, interrupt))
     with pytest.raises(KeyboardInterrupt):
         flight.fly()
     assert flight.vehicle.mode == "RTL"
@@ -36,16 +36,16 @@ def test_an_interrupt_before_arming_commands_nothing() -> None:
     def interrupt() -> None:
         raise KeyboardInterrupt
 
-    flight.vehicle.at.append((1.0, interrupt))
+    flight.vehicle.schedule.append((1.0, interrupt))
     with pytest.raises(KeyboardInterrupt):
         flight.fly()
-    assert "RTL" not in flight.vehicle.asked
+    assert "RTL" not in flight.vehicle.requested
 
 
 def test_a_link_that_comes_back_is_used_again() -> None:
     """12 s of silence are told within 5 s, and the flight ends as asked."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at += [
+    flight.vehicle.schedule += [
         (30.0, lambda: setattr(flight.vehicle, "silent", True)),
         (42.0, lambda: setattr(flight.vehicle, "silent", False)),
     ]
@@ -59,36 +59,36 @@ def test_a_link_that_comes_back_is_used_again() -> None:
 def test_a_link_lost_for_ever_ends_with_what_is_known() -> None:
     """After the time allowed, RTL is tried into the void and the record says what happened."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "silent", True)))
+    flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "silent", True)))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("link lost", False)
     assert record.waypoints_reached > 0
-    assert flight.vehicle.asked[-1] == "RTL"
+    assert flight.vehicle.requested[-1] == "RTL"
     assert flight.wall_s < 30 + 30 + 10
 
 
 def test_a_reboot_in_the_air_ends_the_flight() -> None:
     """Whatever was known before is void; RTL is asked of what is left."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(Rebooted())))
+    flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.queue.append(Rebooted())))
     record = flight.fly()
     assert record.ended == "reboot"
-    assert "RTL" in flight.vehicle.asked
+    assert "RTL" in flight.vehicle.requested
 
 
 def test_a_reboot_on_the_ground_is_an_error() -> None:
     """Before arming nothing is commanded any more."""
     flight = fake_flight()
-    flight.vehicle.at.append((2.0, lambda: flight.vehicle.queue.append(Rebooted())))
+    flight.vehicle.schedule.append((2.0, lambda: flight.vehicle.queue.append(Rebooted())))
     with pytest.raises(VehicleError, match="rebooted"):
         flight.fly()
-    assert "RTL" not in flight.vehicle.asked
+    assert "RTL" not in flight.vehicle.requested
 
 
 def test_a_mission_that_changes_in_flight_is_left() -> None:
     """Another count of items on board than at the start ends AUTO with RTL."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(MissionCurrent(3, 7))))
+    flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.queue.append(MissionCurrent(3, 7))))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("mission changed", True)
 
@@ -96,8 +96,8 @@ def test_a_mission_that_changes_in_flight_is_left() -> None:
 def test_a_mission_of_the_same_length_uploaded_in_flight_is_left() -> None:
     """The count does not show it, but the vehicle's words do: nothing unverified is flown on."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((2.0, lambda: flight.vehicle.say("Flight plan received", 6)))
-    flight.vehicle.at.append((30.0, lambda: flight.vehicle.say("Flight plan received", 6)))
+    flight.vehicle.schedule.append((2.0, lambda: flight.vehicle.send_text("Flight plan received", 6)))
+    flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.send_text("Flight plan received", 6)))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("mission changed", True)
     assert record.auto_s < 30
@@ -125,7 +125,7 @@ def test_a_listener_that_fails_does_not_keep_the_vehicle_in_the_air() -> None:
     plan = Plan(mission=route(vehicle.points))
 
     def listener(event: Event) -> None:
-        if vehicle.mode == "AUTO" or "RTL" in vehicle.asked:
+        if vehicle.mode == "AUTO" or "RTL" in vehicle.requested:
             raise BrokenPipeError
 
     with pytest.raises(BrokenPipeError):
@@ -140,30 +140,30 @@ def test_a_vehicle_that_disarms_on_the_ground_is_armed_again() -> None:
     def disarm() -> None:
         flight.vehicle.armed, flight.vehicle.climbs = False, True
 
-    flight.vehicle.at.append((16.0, disarm))
+    flight.vehicle.schedule.append((16.0, disarm))
     assert flight.fly().problem is None
-    assert flight.vehicle.asked.count("arm") == 2
+    assert flight.vehicle.requested.count("arm") == 2
 
 
 def test_a_vehicle_that_keeps_disarming_is_given_up() -> None:
     """Three times is enough; nothing is left to be sent home."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
     for second in range(16, 90, 11):
-        flight.vehicle.at.append((second, lambda: setattr(flight.vehicle, "armed", False)))
+        flight.vehicle.schedule.append((second, lambda: setattr(flight.vehicle, "armed", False)))
     with pytest.raises(VehicleError, match="disarmed 3 times before take-off"):
         flight.fly()
-    assert flight.vehicle.asked.count("arm") == 3
-    assert "RTL" not in flight.vehicle.asked
+    assert flight.vehicle.requested.count("arm") == 3
+    assert "RTL" not in flight.vehicle.requested
 
 
 def test_a_vehicle_that_somebody_disarms_is_not_armed_again() -> None:
     """Before it lifts off, somebody may have walked up to it and stopped its motors."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
-    flight.vehicle.at.append((6.0, lambda: setattr(flight.vehicle, "armed", False)))
+    flight.vehicle.schedule.append((6.0, lambda: setattr(flight.vehicle, "armed", False)))
     with pytest.raises(VehicleError, match="disarmed before take-off by the pilot"):
         flight.fly()
-    assert flight.vehicle.asked.count("arm") == 1
-    assert "RTL" not in flight.vehicle.asked
+    assert flight.vehicle.requested.count("arm") == 1
+    assert "RTL" not in flight.vehicle.requested
 
 
 def test_a_vehicle_that_falls_while_it_climbs_is_not_armed_again() -> None:
@@ -171,13 +171,13 @@ def test_a_vehicle_that_falls_while_it_climbs_is_not_armed_again() -> None:
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def crash() -> None:
-        flight.vehicle.say("Crash: Disarming")
+        flight.vehicle.send_text("Crash: Disarming")
         flight.vehicle.armed, flight.vehicle.altitude_m = False, 0.0
 
-    flight.vehicle.at.append((12.0, crash))
+    flight.vehicle.schedule.append((12.0, crash))
     with pytest.raises(VehicleError, match=r"climbing to \d+\.\d m: it says \"Crash: Disarming\""):
         flight.fly()
-    assert flight.vehicle.asked.count("arm") == 1
+    assert flight.vehicle.requested.count("arm") == 1
 
 
 def test_a_vehicle_that_disarms_in_flight_is_no_success() -> None:
@@ -185,10 +185,10 @@ def test_a_vehicle_that_disarms_in_flight_is_no_success() -> None:
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def crash() -> None:
-        flight.vehicle.say("Crash: Disarming")
+        flight.vehicle.send_text("Crash: Disarming")
         flight.vehicle.armed = False
 
-    flight.vehicle.at.append((30.0, crash))
+    flight.vehicle.schedule.append((30.0, crash))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("disarmed", False)
     assert "Crash: Disarming" in (record.problem or "")
@@ -201,7 +201,7 @@ def test_a_disarmed_vehicle_that_never_tells_its_clock_is_not_waited_for() -> No
     def fall() -> None:
         vehicle.armed, vehicle.reports_clock = False, False
 
-    vehicle.at.append((30.0, fall))
+    vehicle.schedule.append((30.0, fall))
     flight = fake_flight(vehicle)
     assert flight.fly().ended == "disarmed"
     assert flight.wall_s < 45

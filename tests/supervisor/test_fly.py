@@ -17,7 +17,7 @@ def test_a_good_flight_asks_each_step_once_in_order() -> None:
     """GUIDED, the mission checked, arm, take-off, checked again, AUTO, RTL: each asked once."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     record = flight.fly()
-    asked = [word for word in flight.vehicle.asked if word != "report"]
+    asked = [word for word in flight.vehicle.requested if word != "report"]
     assert asked == ["GUIDED", "verify", "arm", "takeoff", "verify", "AUTO", "RTL"]
     assert record.problem is None
     assert record.rtl_confirmed
@@ -90,12 +90,12 @@ def test_an_arming_that_shows_late_is_not_asked_twice() -> None:
     """ArduCopter 3.3 arms after 3 s, and starts over when asked again."""
     flight = fake_flight(FakeVehicle(FakeClock(), arm_delay_s=3.0))
     flight.fly()
-    assert flight.vehicle.asked.count("arm") == 1
+    assert flight.vehicle.requested.count("arm") == 1
 
 
 def never_ready(vehicle: FakeVehicle) -> None:
     vehicle.ready_after_s = 1e9
-    vehicle.at.append((5.0, lambda: vehicle.say("PreArm: Compass not calibrated")))
+    vehicle.schedule.append((5.0, lambda: vehicle.send_text("PreArm: Compass not calibrated")))
 
 
 def arming_refused(vehicle: FakeVehicle) -> None:
@@ -139,7 +139,7 @@ def test_a_phase_that_fails_names_the_reason(
     setup(flight.vehicle)
     with pytest.raises(kind, match=words):
         flight.fly()
-    assert ("RTL" in flight.vehicle.asked) is armed
+    assert ("RTL" in flight.vehicle.requested) is armed
     assert flight.of(events.ReturnCommanded) == ([events.ReturnCommanded(True)] if armed else [])
     assert flight.wall_s < 250
 

@@ -19,7 +19,7 @@ def test_an_armed_vehicle_is_left_alone() -> None:
     flight.vehicle.armed, flight.vehicle.mode = True, "LOITER"
     with pytest.raises(VehicleError, match="already armed, in mode LOITER"):
         flight.fly()
-    assert flight.vehicle.asked == []
+    assert flight.vehicle.requested == []
 
 
 def test_a_vehicle_that_somebody_else_arms_is_not_taken_off_with() -> None:
@@ -35,13 +35,13 @@ def test_a_vehicle_that_somebody_else_arms_is_not_taken_off_with() -> None:
     vehicle.mission_verified = armed_meanwhile  # type: ignore[method-assign]
     with pytest.raises(VehicleError, match="already armed, in mode GUIDED"):
         flight.fly()
-    assert vehicle.asked == ["GUIDED"]
+    assert vehicle.requested == ["GUIDED"]
 
 
 def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
     """GUIDED is not asked for over the head of somebody who armed it in another mode."""
     flight = fake_flight(FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"})))
-    flight.vehicle.at.append((6.0, lambda: setattr(flight.vehicle, "armed", True)))
+    flight.vehicle.schedule.append((6.0, lambda: setattr(flight.vehicle, "armed", True)))
     with pytest.raises(VehicleError, match="already armed, in mode STABILIZE"):
         flight.fly()
     assert flight.wall_s < 9
@@ -51,26 +51,26 @@ def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
 def test_a_pilot_who_takes_over_is_let_be(mode: str) -> None:
     """A mode that we did not ask for ends the flight, without RTL or AUTO being asked again."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "mode", mode)))
+    flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", mode)))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("pilot", False)
     assert mode in (record.problem or "")
-    assert flight.vehicle.asked[-1] == "AUTO"
+    assert flight.vehicle.requested[-1] == "AUTO"
 
 
 def test_a_pilot_who_takes_over_during_takeoff_ends_the_flight() -> None:
     """Before AUTO it is an error, and still nothing more is commanded."""
     flight = fake_flight()
-    flight.vehicle.at.append((8.0, lambda: setattr(flight.vehicle, "mode", "ALT_HOLD")))
+    flight.vehicle.schedule.append((8.0, lambda: setattr(flight.vehicle, "mode", "ALT_HOLD")))
     with pytest.raises(VehicleError, match="ALT_HOLD by the pilot"):
         flight.fly()
-    assert flight.vehicle.asked[-1] == "takeoff"
+    assert flight.vehicle.requested[-1] == "takeoff"
 
 
 def test_one_late_heartbeat_is_no_takeover() -> None:
     """A heartbeat from before the mode change that arrives after it changes nothing."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((30.0, lambda: flight.vehicle.queue.append(Heartbeat("GUIDED", True))))
+    flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.queue.append(Heartbeat("GUIDED", True))))
     assert flight.fly().ended == "duration"
 
 
@@ -80,20 +80,20 @@ def test_a_failsafe_is_accepted_and_told(mode: str, home: bool) -> None:
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def failsafe() -> None:
-        flight.vehicle.say("Battery Failsafe")
+        flight.vehicle.send_text("Battery Failsafe")
         flight.vehicle.mode = mode
 
-    flight.vehicle.at.append((30.0, failsafe))
+    flight.vehicle.schedule.append((30.0, failsafe))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("failsafe", home)
     assert "Battery Failsafe" in (record.problem or "")
-    assert flight.vehicle.asked[-1] == "AUTO"
+    assert flight.vehicle.requested[-1] == "AUTO"
 
 
 def test_a_return_without_a_reason_is_told_as_what_it_is() -> None:
     """RTL that nobody here asked for, and that the vehicle did not explain."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.at.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
+    flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
     assert "changed to RTL for no reason that it reported" in (flight.fly().problem or "")
 
 
@@ -128,14 +128,14 @@ def test_a_program_that_did_not_run_for_a_while_overrules_nobody(
 
     def ask(wanted: str) -> None:
         if wanted == "AUTO":
-            vehicle.at.append((vehicle.clock.now_s - vehicle.began_s + 2.0, change))
+            vehicle.schedule.append((vehicle.clock.now_s - vehicle.began_s + 2.0, change))
         request_mode(wanted)
 
     vehicle.request_mode = ask  # type: ignore[method-assign,assignment]
     flight = fake_flight(vehicle)
     assert flight.fly().ended == ended
-    assert vehicle.asked.count("AUTO") == 1
-    assert "RTL" not in vehicle.asked
+    assert vehicle.requested.count("AUTO") == 1
+    assert "RTL" not in vehicle.requested
 
 
 def test_a_pilot_who_takes_over_while_the_mission_is_verified_is_let_be() -> None:
@@ -153,7 +153,7 @@ def test_a_pilot_who_takes_over_while_the_mission_is_verified_is_let_be() -> Non
     flight = fake_flight(SlowReader(FakeClock()))
     with pytest.raises(VehicleError, match="LOITER by the pilot"):
         flight.fly()
-    assert not {"AUTO", "RTL"} & set(flight.vehicle.asked)
+    assert not {"AUTO", "RTL"} & set(flight.vehicle.requested)
 
 
 def test_one_heartbeat_of_another_mode_holds_commands_back() -> None:
@@ -172,7 +172,7 @@ def test_one_heartbeat_of_another_mode_holds_commands_back() -> None:
     vehicle._move = moved  # type: ignore[method-assign]
     with pytest.raises(VehicleError, match="POSHOLD by the pilot"):
         flight.fly()
-    assert "AUTO" not in vehicle.asked
+    assert "AUTO" not in vehicle.requested
 
 
 def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
@@ -180,7 +180,7 @@ def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def ask(mode: str) -> None:
-        vehicle.asked.append(mode)
+        vehicle.requested.append(mode)
         vehicle.mode = "LOITER" if mode == "RTL" else mode
 
     vehicle.request_mode = ask  # type: ignore[method-assign]
@@ -189,7 +189,7 @@ def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
     assert (record.ended, record.rtl_confirmed) == ("duration", False)
     assert "LOITER by the pilot" in (record.problem or "")
     assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(False)]
-    assert vehicle.asked.count("RTL") < 20
+    assert vehicle.requested.count("RTL") < 20
 
 
 def test_a_pilot_who_chooses_before_ctrl_c_is_not_sent_home() -> None:
@@ -199,16 +199,16 @@ def test_a_pilot_who_chooses_before_ctrl_c_is_not_sent_home() -> None:
     def interrupt() -> None:
         vehicle.mode = "LOITER"
         vehicle.queue.append(Heartbeat("LOITER", True))
-        vehicle.at.append((30.1, stop))
+        vehicle.schedule.append((30.1, stop))
 
     def stop() -> None:
         raise KeyboardInterrupt
 
-    vehicle.at.append((30.0, interrupt))
+    vehicle.schedule.append((30.0, interrupt))
     flight = fake_flight(vehicle)
     with pytest.raises(KeyboardInterrupt):
         flight.fly()
-    assert "RTL" not in vehicle.asked
+    assert "RTL" not in vehicle.requested
 
 
 def test_words_behind_the_second_heartbeat_are_the_reason() -> None:
@@ -218,17 +218,17 @@ def test_words_behind_the_second_heartbeat_are_the_reason() -> None:
     def failsafe() -> None:
         vehicle.mode = "RTL"
         vehicle.queue += [Heartbeat("RTL", True), Heartbeat("RTL", True)]
-        vehicle.at.append((30.1, lambda: vehicle.say("Radio Failsafe")))
+        vehicle.schedule.append((30.1, lambda: vehicle.send_text("Radio Failsafe")))
 
-    vehicle.at.append((30.0, failsafe))
+    vehicle.schedule.append((30.0, failsafe))
     assert "changed to RTL by itself: Radio Failsafe" in (fake_flight(vehicle).fly().problem or "")
 
 
 def test_words_of_long_ago_are_not_the_reason() -> None:
     """A failsafe that was told on the ground does not explain the pilot's RTL."""
     vehicle = FakeVehicle(FakeClock(), points=40)
-    vehicle.at += [
-        (1.0, lambda: vehicle.say("PreArm: Radio failsafe on")),
+    vehicle.schedule += [
+        (1.0, lambda: vehicle.send_text("PreArm: Radio failsafe on")),
         (30.0, lambda: setattr(vehicle, "mode", "RTL")),
     ]
     assert "for no reason that it reported" in (fake_flight(vehicle).fly().problem or "")
@@ -241,7 +241,7 @@ def test_a_mode_is_asked_for_again_when_the_request_is_known_to_be_lost(told: bo
     asked_s: list[float] = []
 
     def ask(mode: str) -> None:
-        vehicle.asked.append(mode)
+        vehicle.requested.append(mode)
         if mode != "AUTO" or asked_s:
             vehicle.mode = mode
         if mode == "AUTO":
@@ -261,9 +261,9 @@ def test_a_reboot_is_not_taken_for_a_pilot_before_the_clock_is_heard() -> None:
 
     def reboot() -> None:
         vehicle.mode, vehicle.armed, vehicle.reports_clock = "STABILIZE", False, False
-        vehicle.at.append((34.0, lambda: vehicle.queue.append(Rebooted())))
+        vehicle.schedule.append((34.0, lambda: vehicle.queue.append(Rebooted())))
 
-    vehicle.at.append((30.0, reboot))
+    vehicle.schedule.append((30.0, reboot))
     assert fake_flight(vehicle).fly().ended == "reboot"
 
 
@@ -274,5 +274,5 @@ def test_a_pilot_who_changes_the_mode_and_disarms_is_told_from_a_reboot() -> Non
     def take() -> None:
         vehicle.mode, vehicle.armed = "STABILIZE", False
 
-    vehicle.at.append((30.0, take))
+    vehicle.schedule.append((30.0, take))
     assert fake_flight(vehicle).fly().ended in ("pilot", "disarmed")

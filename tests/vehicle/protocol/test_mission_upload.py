@@ -20,7 +20,8 @@ from flight_replay.vehicle.link.vehicle_link import is_for_us
 from flight_replay.vehicle.protocol.mission_items import difference, item_message
 from flight_replay.vehicle.protocol.mission_storage import MissionStorage
 from flight_replay.vehicle.protocol.mission_upload import UploadLimits
-from tests.helpers.virtual_link import VirtualLink, Weather
+from tests.helpers.link_conditions import LinkConditions
+from tests.helpers.virtual_link import VirtualLink
 
 
 def route(count: int) -> Mission:
@@ -42,21 +43,21 @@ def put(
     return storage
 
 
-WEATHERS = {
-    "clear": Weather(),
-    "5 % lost": Weather(loss=0.05),
-    "20 % lost": Weather(loss=0.2),
-    "40 % lost": Weather(loss=0.4),
-    "0.5 s late": Weather(delay_s=0.5),
-    "all at once": Weather(loss=0.1, delay_s=0.05, jitter_s=0.15, doubled=0.2),
+CONDITIONS = {
+    "clear": LinkConditions(),
+    "5 % lost": LinkConditions(loss=0.05),
+    "20 % lost": LinkConditions(loss=0.2),
+    "40 % lost": LinkConditions(loss=0.4),
+    "0.5 s late": LinkConditions(delay_s=0.5),
+    "all at once": LinkConditions(loss=0.1, delay_s=0.05, jitter_s=0.15, duplicated=0.2),
 }
 
 
-@pytest.mark.parametrize("weather", WEATHERS.values(), ids=WEATHERS.keys())
+@pytest.mark.parametrize("conditions", CONDITIONS.values(), ids=CONDITIONS.keys())
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_what_is_on_board_is_what_was_sent(weather: Weather, seed: int) -> None:
+def test_what_is_on_board_is_what_was_sent(conditions: LinkConditions, seed: int) -> None:
     """Whatever the link does, the mission that is called verified is there, item for item."""
-    link = VirtualLink(weather, seed=seed)
+    link = VirtualLink(conditions, seed=seed)
     storage = put(link, route(100))
     stored = [item.command for item in link.autopilot.store.items[1:]]
     assert stored == [item.command for item in route(100).items]
@@ -64,12 +65,12 @@ def test_what_is_on_board_is_what_was_sent(weather: Weather, seed: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("weather", "limit_s"),
+    ("conditions", "limit_s"),
     [("clear", 0.7), ("20 % lost", 5.0), ("40 % lost", 25.0), ("0.5 s late", 20.0)],
 )
-def test_a_bad_link_costs_seconds_not_minutes(weather: str, limit_s: float) -> None:
+def test_a_bad_link_costs_seconds_not_minutes(conditions: str, limit_s: float) -> None:
     """No loss waits for ArduPilot's own second, and no delay is paid for each item."""
-    link = VirtualLink(WEATHERS[weather], seed=5)
+    link = VirtualLink(CONDITIONS[conditions], seed=5)
     began_s = link.now_s()
     put(link, route(100))
     assert link.now_s() - began_s < limit_s
@@ -84,10 +85,12 @@ def test_a_bad_link_costs_seconds_not_minutes(weather: str, limit_s: float) -> N
 )
 @settings(max_examples=12, deadline=None)
 def test_no_link_makes_a_wrong_mission_pass(
-    loss: float, delay_s: float, jitter_s: float, doubled: float, seed: int
+    loss: float, delay_s: float, jitter_s: float, duplicated: float, seed: int
 ) -> None:
     """An upload ends with the mission on board, or with an error; never with another mission."""
-    link = VirtualLink(Weather(loss, delay_s, jitter_s, doubled), seed=seed)
+    link = VirtualLink(
+        LinkConditions(loss=loss, delay_s=delay_s, jitter_s=jitter_s, duplicated=duplicated), seed=seed
+    )
     sent = route(12)
     try:
         put(link, sent)
@@ -141,7 +144,7 @@ def test_a_mission_too_long_leaves_the_old_one_on_board() -> None:
 
 def test_a_dead_link_ends_the_upload() -> None:
     """Without an answer the upload stops at its deadline."""
-    link = VirtualLink(Weather(loss=1.0))
+    link = VirtualLink(LinkConditions(loss=1.0))
     with pytest.raises(VehicleError, match="upload stopped at mission item 0"):
         put(link, route(3))
     assert link.now_s() < 15
@@ -307,7 +310,7 @@ def test_what_is_for_us(system: int, component: int, ours: bool) -> None:
 @pytest.mark.parametrize("as_int", [True, False], ids=["4.6", "3.3"])
 def test_a_link_that_became_slow_is_learnt_anew(as_int: bool) -> None:
     """A round trip two hundred times that of the connection costs seconds, not a minute of repetitions."""
-    link = VirtualLink(Weather(delay_s=0.5))
+    link = VirtualLink(LinkConditions(delay_s=0.5))
     for _ in range(20):
         link.round_trip.measured(0.005)
     put(link, route(100), as_int=as_int)

@@ -15,7 +15,8 @@ from flight_replay.vehicle.protocol.parameters import (
     read_parameters,
     write_parameters,
 )
-from tests.helpers.virtual_link import VirtualLink, Weather
+from tests.helpers.link_conditions import LinkConditions
+from tests.helpers.virtual_link import VirtualLink
 
 NAMES = ["WPNAV_SPEED", "RTL_ALT", "FENCE_ENABLE", "SIM_SPEEDUP"]
 
@@ -24,7 +25,7 @@ NAMES = ["WPNAV_SPEED", "RTL_ALT", "FENCE_ENABLE", "SIM_SPEEDUP"]
 @pytest.mark.parametrize("seed", range(5))
 def test_values_are_read_over_a_link_that_loses_packets(loss: float, seed: int) -> None:
     """Every parameter that the vehicle has is read, however many requests get lost."""
-    link = VirtualLink(Weather(loss=loss), seed=seed, WPNAV_SPEED=777.0)
+    link = VirtualLink(LinkConditions(loss=loss), seed=seed, WPNAV_SPEED=777.0)
     values = read_parameters(link, NAMES)
     assert values.keys() == set(NAMES)
     assert values["WPNAV_SPEED"] == 777.0
@@ -47,7 +48,7 @@ def test_a_vehicle_without_echoes_is_not_waited_for_by_guess() -> None:
 
 def test_a_link_that_answers_nothing_is_waited_for_no_longer_than_the_limit() -> None:
     """Without any answer nothing is known, and the wait ends."""
-    link = VirtualLink(Weather(loss=1.0))
+    link = VirtualLink(LinkConditions(loss=1.0))
     assert read_parameters(link, NAMES, limit_s=3.0) == {}
     assert link.now_s() < 4
 
@@ -55,7 +56,7 @@ def test_a_link_that_answers_nothing_is_waited_for_no_longer_than_the_limit() ->
 @pytest.mark.parametrize("loss", [0.0, 0.4])
 def test_values_are_set_and_put_back(loss: float) -> None:
     """Within the context the new values hold, after it the old ones do."""
-    link = VirtualLink(Weather(loss=loss))
+    link = VirtualLink(LinkConditions(loss=loss))
     parameters = link.autopilot.parameters
     before = parameters["WPNAV_SPEED"]
     with parameters_set(link, {"WPNAV_SPEED": 1500.0, "WPNAV_ACCEL": 400.0}):
@@ -83,7 +84,7 @@ def test_a_parameter_that_is_not_there_cannot_be_set() -> None:
 
 def test_a_value_that_is_not_confirmed_is_an_error() -> None:
     """A dead link, or a vehicle that keeps its value, is told with name and value."""
-    link = VirtualLink(Weather(loss=1.0))
+    link = VirtualLink(LinkConditions(loss=1.0))
     with pytest.raises(
         VehicleError, match="cannot set parameter WPNAV_SPEED to 5: the vehicle does not answer"
     ):
@@ -99,7 +100,7 @@ def test_limits_become_parameters_in_the_vehicles_own_units() -> None:
 @pytest.mark.parametrize("seed", range(40))
 def test_requests_that_were_lost_do_not_make_the_link_look_slow(seed: int) -> None:
     """Seconds of lost requests before the first answer are no round trip: uploads would wait for them."""
-    link = VirtualLink(Weather(loss=0.4), seed=seed, speedup=20.0)
+    link = VirtualLink(LinkConditions(loss=0.4), seed=seed, speedup=20.0)
     link.round_trip = RoundTrip()
     identify(link, DiscoveredVehicle(1, 1, 2, 3))
     assert link.round_trip.median_s < 0.1
