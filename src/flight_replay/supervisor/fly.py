@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 import numpy as np
 
 from flight_replay.errors import VehicleError
-from flight_replay.events import Event, Listener, Phase, PhaseStarted, VehicleState, ignore
+from flight_replay.events import Listener, Phase, PhaseStarted, VehicleState, combine_listeners, ignore
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.supervisor.flight_ended import FlightEnded
@@ -18,6 +19,9 @@ from flight_replay.supervisor.takeoff_phases import arm_and_takeoff, change_mode
 from flight_replay.supervisor.vehicle_interface import Clock, Vehicle
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
+_log = logging.getLogger(__name__)
+
+_RTL_ATTEMPTS = 10
 _TAKEN_OVER = frozenset({"pilot", "failsafe"})
 """``FlightRecord.ended`` where a pilot or failsafe has control: no more commands are sent."""
 
@@ -34,7 +38,7 @@ def fly(vehicle: Vehicle, clock: Clock, plan: Plan, listener: Listener = ignore)
         PhaseTimeoutError: A phase before AUTO timed out; the message has the vehicle's own reason.
         VehicleError: The vehicle, its pilot or its link ended the flight before AUTO.
     """
-    monitor = VehicleMonitor(vehicle, clock, listener, plan.deadlines)
+    monitor = VehicleMonitor(vehicle, clock, combine_listeners(listener), plan.deadlines)
     with _rtl_on_exception(monitor):
         wait_prearm(monitor)
         change_mode(monitor, "GUIDED")
@@ -52,35 +56,35 @@ def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
     """Command RTL when an exception ends the flight and the vehicle may be armed."""
     try:
         yield
-    except FlightEnded as end:
-        if end.ended not in _TAKEN_OVER:
-            with suppress(FlightEnded):
-                _rtl_if_armed(monitor, monitor.deadlines.rtl_wall_s)
-        raise VehicleError(end.problem) from end
-    except BaseException:
-        monitor.emit = _without_errors(monitor.emit)
-        with suppress(FlightEnded):
-            _rtl_if_armed(monitor, monitor.deadlines.rtl_wall_s)
+    except BaseException as error:
+        ended = error.ended if isinstance(error, FlightEnded) else ""
+        if ended not in _TAKEN_OVER and monitor.may_be_armed:
+            _rtl_despite_errors(monitor)
+        if isinstance(error, FlightEnded):
+            raise VehicleError(error.problem) from error
         raise
 
 
-def _without_errors(listener: Listener) -> Listener:
-    """The listener, but an error of its own (a closed pipe, say) does not stop RTL."""
+def _rtl_despite_errors(monitor: VehicleMonitor) -> None:
+    """Command RTL; an exception on the way, Ctrl-C included, starts the command again, not the next step.
 
-    def emit(event: Event) -> None:
-        with suppress(Exception):
-            listener(event)
-
-    return emit
-
-
-def _rtl_if_armed(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
-    """Command RTL if the vehicle may be armed; whether it is confirmed.
-
-    Raises:
-        FlightEnded: As ``command_rtl``.
+    ``FlightEnded`` does end it: somebody else took over, or the link is gone.
     """
-    return monitor.may_be_armed and command_rtl(monitor, limit_wall_s)
+    interrupt: BaseException | None = None
+    began_wall_s: float | None = None
+    for _ in range(_RTL_ATTEMPTS):
+        try:
+            began_wall_s = monitor.wall_s if began_wall_s is None else began_wall_s
+            command_rtl(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - began_wall_s))
+            break
+        except FlightEnded:
+            break
+        except Exception:
+            _log.exception("RTL is commanded again after an error")
+        except BaseException as error:
+            interrupt = error
+    if interrupt is not None:
+        raise interrupt
 
 
 def _fly_auto(monitor: VehicleMonitor, plan: Plan) -> FlightRecord:
@@ -119,7 +123,7 @@ def _fly_auto(monitor: VehicleMonitor, plan: Plan) -> FlightRecord:
 def _return(monitor: VehicleMonitor) -> tuple[bool, str | None]:
     """Command RTL at the end of AUTO: whether it is confirmed, and the problem if it is not."""
     try:
-        confirmed = _rtl_if_armed(monitor, monitor.deadlines.give_up_wall_s)
+        confirmed = monitor.may_be_armed and command_rtl(monitor, monitor.deadlines.give_up_wall_s)
     except FlightEnded as end:
         if end.ended in _TAKEN_OVER:
             return False, end.problem

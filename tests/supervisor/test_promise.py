@@ -1,0 +1,120 @@
+"""The promise: whatever any part raises at any moment, RTL is commanded while the vehicle may be armed."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flight_replay.events import Event
+from flight_replay.supervisor import Plan, fly
+from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
+
+FAULTS: tuple[type[BaseException], ...] = (
+    OSError, RuntimeError, AttributeError, TypeError, ValueError, KeyError, MemoryError, RecursionError,
+    struct.error, AssertionError, KeyboardInterrupt, SystemExit, GeneratorExit,
+)  # fmt: skip
+POINTS = 8
+
+
+class Faults:
+    """Counts the calls into every part of a flight, and raises in those that are chosen."""
+
+    def __init__(self, chosen: dict[int, type[BaseException]], *, before: bool = True) -> None:
+        self.calls = 0
+        self._chosen, self._before = chosen, before
+
+    def around(self, call: Callable[..., Any]) -> Callable[..., Any]:
+        """The call, which raises before or after its work when its turn is a chosen one."""
+
+        def counted(*arguments: Any) -> Any:
+            self.calls += 1
+            fault = self._chosen.get(self.calls)
+            if fault is not None and self._before:
+                raise fault("injected")
+            result = call(*arguments)
+            if fault is not None:
+                raise fault("injected")
+            return result
+
+        return counted
+
+
+def flown(faults: Faults) -> FakeVehicle:
+    """A vehicle after a flight in which every part was called through ``faults``."""
+    clock = FakeClock()
+    vehicle = FakeVehicle(clock, points=POINTS)
+    plan = Plan(mission=route(POINTS), duration_s=20.0, takeoff_altitude_m=10.0)
+
+    def listen(_event: Event) -> None:
+        return
+
+    for name in ("reports", "request_mode", "request_arm", "request_takeoff", "mission_verified"):
+        setattr(vehicle, name, faults.around(getattr(vehicle, name)))
+    watched = FakeClock()
+    watched.monotonic_s = faults.around(lambda: clock.now_s)  # type: ignore[method-assign]
+    with suppress(BaseException):
+        fly(vehicle, watched, plan, faults.around(listen))
+    return vehicle
+
+
+def assert_sent_home(vehicle: FakeVehicle, story: object) -> None:
+    """Armed, or asked to arm: then the last word on the mode is RTL."""
+    if "arm" in vehicle.asked:
+        assert vehicle.mode == "RTL" and "RTL" in vehicle.asked, story
+
+
+def calls_of_a_whole_flight() -> int:
+    faults = Faults({})
+    vehicle = flown(faults)
+    assert vehicle.asked[-1] == "RTL"
+    return faults.calls
+
+
+def injected(seed: int, count: int, calls: int) -> None:
+    """Fly ``count`` times with one to three faults at random calls, some that stay."""
+    chance = np.random.default_rng(seed)
+    for number in range(count):
+        chosen = {
+            int(at): FAULTS[chance.integers(len(FAULTS))]
+            for at in chance.integers(1, calls + 50, chance.integers(1, 4))
+        }
+        if chance.random() < 0.3:
+            first, stays = min(chosen), int(chance.integers(2, 6))
+            chosen |= dict.fromkeys(range(first, first + stays), chosen[first])
+        assert_sent_home(flown(Faults(chosen, before=bool(chance.random() < 0.5))), (seed, number, chosen))
+
+
+def test_rtl_is_commanded_whatever_is_raised() -> None:
+    """Three hundred flights with faults injected into vehicle, clock and listener."""
+    injected(1, 300, calls_of_a_whole_flight())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 12))
+def test_rtl_is_commanded_whatever_is_raised_often(seed: int) -> None:
+    """The same six hundred times for every seed."""
+    injected(seed, 600, calls_of_a_whole_flight())
+
+
+@pytest.mark.parametrize("fault", [OSError, AttributeError, KeyboardInterrupt])
+def test_a_request_that_fails_is_sent_again(fault: type[BaseException]) -> None:
+    """RTL itself may be what fails."""
+    clock = FakeClock()
+    vehicle = FakeVehicle(clock, points=POINTS)
+    request_mode, failures = vehicle.request_mode, [3]
+
+    def failing(mode: str) -> None:
+        if mode == "RTL" and failures[0]:
+            failures[0] -= 1
+            raise fault("injected")
+        request_mode(mode)
+
+    vehicle.request_mode = failing  # type: ignore[method-assign]
+    with pytest.raises(fault):
+        fly(vehicle, clock, Plan(mission=route(POINTS), duration_s=5.0))
+    assert vehicle.mode == "RTL"
