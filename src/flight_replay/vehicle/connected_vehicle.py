@@ -59,6 +59,7 @@ class ConnectedVehicle:
         """``link`` is started, and ``vehicle`` was found on it."""
         self.drone: Any = dronekit_vehicle(link, vehicle.system, vehicle.component)
         self.link = link
+        link.follow(vehicle.system, vehicle.component)
         self._vehicle_link = DroneKitLink(link, self.drone, vehicle.system, vehicle.component)
         self._commands = CommandSender(self._vehicle_link)
         self._telemetry = Telemetry(vehicle.system, vehicle.component, self.drone, self._commands)

@@ -203,3 +203,55 @@ def test_a_connection_that_died_silently_is_opened_again(
     vehicle.accept()
     vehicle.heard(1)
     link.close()
+
+
+class BrokenTransport:
+    """A transport that raises what it is told to, call by call, and carries nothing."""
+
+    sender: Any = None
+    reopen_if_silent = False
+
+    def __init__(self, error: type[Exception]) -> None:
+        self.error = error
+        self.opened = self.written = 0
+        self.fails = True
+
+    def open(self) -> None:
+        self.opened += 1
+        if self.opened < 2:
+            raise self.error("gone")
+        self.fails = False
+
+    def read(self, timeout_s: float) -> bytes:
+        if self.fails:
+            raise self.error("gone")
+        time.sleep(timeout_s)
+        return b""
+
+    def write(self, data: bytes) -> None:
+        if self.fails:
+            raise self.error("gone")
+        self.written += 1
+
+    def send_only_to(self, sender: Any) -> None:
+        return
+
+    def close(self) -> None:
+        return
+
+
+@pytest.mark.parametrize("error", [OSError, AttributeError, TypeError, ValueError, RuntimeError, MemoryError])
+def test_whatever_a_transport_raises_it_is_reopened(error: type[Exception]) -> None:
+    """Senders get no exception, and frames go out again once the transport opens."""
+    transport = BrokenTransport(error)
+    link = Link(transport)
+    link.send(BEAT)
+    link.start()
+    try:
+        end_s = time.monotonic() + 20
+        while not transport.written and time.monotonic() < end_s:
+            time.sleep(0.02)
+        assert transport.opened == 2
+        assert transport.written
+    finally:
+        link.close()

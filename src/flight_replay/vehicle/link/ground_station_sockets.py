@@ -77,7 +77,7 @@ class TransportSocket:
     def read(self, timeout_s: float) -> Received:
         """Data that arrived."""
         data = self._transport.read(timeout_s)
-        return [(None, data)] if data else []
+        return [(self._transport.sender, data)] if data else []
 
 
 class TcpServer:

@@ -11,9 +11,10 @@ import threading
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from typing import Any, Protocol
+from typing import Protocol
 
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message
+from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.ground_station_sockets import GroundStationSocket, socket_for
 
 _log = logging.getLogger(__name__)
@@ -61,7 +62,7 @@ class GroundStation:
     def __init__(self, name: str, sockets: GroundStationSocket, forward: Callable[[bytes], None]) -> None:
         self._name, self._sockets, self._forward = name, sockets, forward
         self._queue: deque[bytes] = deque(maxlen=QUEUED_FRAMES)
-        self._parsers: dict[Hashable, Any] = {}
+        self._parsers = ParserPool()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"flight-replay gcs {name}", daemon=True)
         self.opened = threading.Event()
@@ -111,12 +112,5 @@ class GroundStation:
 
     def _forward_frames(self, source: Hashable, data: bytes) -> None:
         """Forward whole frames only: bytes of two senders must not mix on the vehicle's link."""
-        for message in self._parser(source).parse_buffer(data) or ():
-            if message.get_type() != "BAD_DATA":
-                self._forward(bytes(message.get_msgbuf()))
-
-    def _parser(self, source: Hashable) -> Any:
-        if source not in self._parsers:
-            self._parsers[source] = dialect.MAVLink(None)
-            self._parsers[source].robust_parsing = True
-        return self._parsers[source]
+        for message in self._parsers.messages(data, source):
+            self._forward(bytes(message.get_msgbuf()))

@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mavlink import Message, dialect
+from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.transport import Transport
 
@@ -38,11 +39,13 @@ class Link:
         self._recorder = recorder
         self._receivers: list[Receiver] = []
         self._mav = dialect.MAVLink(None, srcSystem=OUR_SYSTEM, srcComponent=OUR_COMPONENT)
-        self._mav.robust_parsing = True
+        self._parsers = ParserPool()
+        self._vehicle: tuple[int, int] | None = None
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._broken = False
         self._received_s = time.monotonic()
+        self._heartbeat_s = float("-inf")
         self._mavlink1 = True
         self._thread = threading.Thread(target=self._run, name="flight-replay link", daemon=True)
         self.speedup = speedup
@@ -59,6 +62,10 @@ class Link:
         """Call ``receiver`` no longer."""
         self._receivers = [other for other in self._receivers if other != receiver]
 
+    def follow(self, system: int, component: int) -> None:
+        """Send to where this vehicle's messages come from, and to nobody else."""
+        self._vehicle = (system, component)
+
     def send(self, message: Message) -> None:
         """Send, as MAVLink 1 until MAVLink 2 was received; on a broken link the message is lost."""
         with self._lock:
@@ -72,11 +79,12 @@ class Link:
             self._write(frame)
 
     def _write(self, frame: bytes) -> None:
+        if self._broken:
+            return
         try:
             self._transport.write(frame)
-        except OSError as error:
-            _log.debug("cannot send a frame: %s", error)
-            self._broken = True
+        except Exception as error:
+            self._break(error)
             return
         if self._recorder:
             self._recorder.write(frame)
@@ -88,16 +96,29 @@ class Link:
             self._thread.join(_CLOSE_S)
         self._transport.close()
 
+    def _break(self, error: Exception | str) -> None:
+        """Have the transport reopened, whatever it raised: pyserial also raises TypeError."""
+        _log.debug("the link broke: %s", error)
+        self._broken = True
+
     def _run(self) -> None:
-        heartbeat_s = float("-inf")
         while not self._stop.is_set():
-            if self._broken and not self._reopen():
-                continue
-            interval_s = max(1.0 / (_HEARTBEAT_HZ * self.speedup), _MIN_HEARTBEAT_S)
-            if time.monotonic() - heartbeat_s >= interval_s:
-                heartbeat_s = time.monotonic()
-                self._send_heartbeat()
-            self._receive(min(_READ_S, interval_s))
+            try:
+                self._exchange()
+            except Exception:
+                # This thread is the only way to the vehicle: no error may end it.
+                _log.exception("the link's thread goes on after an error")
+                self._stop.wait(_REOPEN_S)
+
+    def _exchange(self) -> None:
+        """Reopen a broken link; else send a heartbeat if one is due, and receive."""
+        if self._broken and not self._reopen():
+            return
+        interval_s = max(1.0 / (_HEARTBEAT_HZ * self.speedup), _MIN_HEARTBEAT_S)
+        if time.monotonic() - self._heartbeat_s >= interval_s:
+            self._heartbeat_s = time.monotonic()
+            self._send_heartbeat()
+        self._receive(min(_READ_S, interval_s))
 
     def _send_heartbeat(self) -> None:
         self.send(
@@ -109,7 +130,7 @@ class Link:
     def _reopen(self) -> bool:
         try:
             self._transport.open()
-        except OSError as error:
+        except Exception as error:
             _log.debug("cannot reopen the link: %s", error)
             self._stop.wait(_REOPEN_S)
             return False
@@ -120,20 +141,19 @@ class Link:
     def _receive(self, timeout_s: float) -> None:
         try:
             data = self._transport.read(timeout_s)
-        except OSError as error:
-            _log.debug("the link broke: %s", error)
-            self._broken = True
+        except Exception as error:
+            self._break(error)
             return
         if data:
             self._received_s = time.monotonic()
         elif self._transport.reopen_if_silent and time.monotonic() - self._received_s > _SILENT_S:
-            _log.debug("no data for %s s", _SILENT_S)
-            self._broken = True
-        for message in self._mav.parse_buffer(data) or () if data else ():
-            if message.get_type() != "BAD_DATA":
-                self._deliver(message)
+            self._break(f"no data for {_SILENT_S} s")
+        for message in self._parsers.messages(data, self._transport.sender):
+            self._deliver(message)
 
     def _deliver(self, message: Message) -> None:
+        if (message.get_srcSystem(), message.get_srcComponent()) == self._vehicle:
+            self._transport.send_only_to(self._transport.sender)
         frame = bytes(message.get_msgbuf())
         if self._recorder:
             self._recorder.write(frame)

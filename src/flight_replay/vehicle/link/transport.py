@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import select
 import socket
+import time
+from contextlib import suppress
 from typing import Any, Protocol
 
 from flight_replay.errors import VehicleError
 from flight_replay.vehicle.link.host_lookup import AddressInfo, look_up
+from flight_replay.vehicle.link.udp_peers import UdpPeers
 
 _CONNECT_S = 3.0
 _LOOK_UP_S = 4.0  # Less than closing a link waits for its thread.
@@ -22,6 +25,8 @@ _CHUNK = 65536
 class Transport(Protocol):
     """A byte stream or datagrams, which can be reopened after an ``OSError``."""
 
+    sender: Any
+    """Who sent what ``read`` returned last, where there can be several; else None."""
     reopen_if_silent: bool
     """Whether it can be dead without an error, so that it has to be reopened after a long silence."""
 
@@ -34,11 +39,23 @@ class Transport(Protocol):
     def write(self, data: bytes) -> None:
         """Send, as one datagram where there are datagrams."""
 
+    def send_only_to(self, sender: Any) -> None:
+        """Send to this sender only, from now on; harmless where there is only one."""
+
     def close(self) -> None:
         """Close; no effect when closed."""
 
 
-class _SocketTransport:
+class _OneSender:
+    """A transport with one other end."""
+
+    sender: Any = None
+
+    def send_only_to(self, sender: Any) -> None:
+        """There is only one."""
+
+
+class _SocketTransport(_OneSender):
     """What the socket transports share."""
 
     reopen_if_silent = False
@@ -110,12 +127,15 @@ class TcpClient(_SocketTransport):
 
 
 class UdpListener(_SocketTransport):
-    """UDP that listens at an address, and sends to every address that data came from."""
+    """UDP that listens at an address, and sends to the vehicle; while that is not known, to its peers."""
+
+    def __init__(self, address: tuple[str, int]) -> None:
+        super().__init__(address)
+        self._peers = UdpPeers()
 
     def open(self) -> None:
         """Listen at the address."""
         self.close()
-        self._senders: set[Any] = set()
         self._socket, address = self._new_socket(socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         self._socket.bind(address)
@@ -128,13 +148,19 @@ class UdpListener(_SocketTransport):
             data, sender = self._open_socket.recvfrom(_CHUNK)
         except ConnectionError:
             return b""  # An earlier datagram was refused: the vehicle may be restarting.
-        self._senders.add(sender)
+        self.sender = sender
+        self._peers.received(sender, time.monotonic())
         return data
 
     def write(self, data: bytes) -> None:
-        """Send to every address that data came from."""
-        for sender in self._senders:
-            self._open_socket.sendto(data, sender)
+        """Send to the vehicle or to all peers; one that cannot be reached does not stop the others."""
+        for address in self._peers.addresses:
+            with suppress(OSError):
+                self._open_socket.sendto(data, address)
+
+    def send_only_to(self, sender: Any) -> None:
+        """Send to this sender only, from now on."""
+        self._peers.send_only_to(sender)
 
 
 class UdpClient(_SocketTransport):
@@ -162,7 +188,7 @@ class UdpClient(_SocketTransport):
             return
 
 
-class Serial:
+class Serial(_OneSender):
     """A serial port: a telemetry radio, or the autopilot's USB port."""
 
     reopen_if_silent = False
