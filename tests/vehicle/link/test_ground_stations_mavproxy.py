@@ -13,9 +13,9 @@ from flight_replay.logs.tlog import read_log
 from flight_replay.mission import formats
 from flight_replay.mission.items import Home, Mission, change_speed, waypoint
 from flight_replay.simulator.server.launch import run
+from tests.helpers.mavproxy import ARMED_ON_GROUND, DEADLINE_S, MavProxy
 from tests.helpers.paths import SAMPLE
 from tests.helpers.sim_station import START
-from tests.simulator.server.test_clients import Console
 
 pytestmark = pytest.mark.mavproxy
 
@@ -31,8 +31,10 @@ def test_a_station_watches_the_whole_replay_and_may_take_over(tmp_path: Path) ->
     """MAVProxy hears the vehicle from connecting on, fetches the parameters, and its LOITER counts."""
     pytest.importorskip("MAVProxy")
     port = free_port()
-    station = Console(f"udpin:127.0.0.1:{port}", tmp_path)
-    options = ["--tlog", str(SAMPLE), "--sim", "builtin", "--speedup", "5", "--gcs", f"udp:127.0.0.1:{port}"]
+    station = MavProxy(f"udpin:127.0.0.1:{port}", tmp_path)
+    station.expect("Waiting for heartbeat")
+    options = ["--tlog", str(SAMPLE), "--sim", "builtin", "--speedup", "5", "--duration", "all"]
+    options += ["--gcs", f"udp:127.0.0.1:{port}"]
     with subprocess.Popen(
         [sys.executable, "-m", "flight_replay", *options],
         stdout=subprocess.DEVNULL,
@@ -40,16 +42,11 @@ def test_a_station_watches_the_whole_replay_and_may_take_over(tmp_path: Path) ->
         text=True,
     ) as replay:
         try:
-            for heard in (
-                "Flight plan received",
-                "Arming motors",
-                "Received 1340 parameters",
-                "Reached command #2",
-            ):
-                station.expect(heard)
+            station.expect(
+                "Flight plan received", "Arming motors", "Received 1340 parameters", "Reached command #2"
+            )
             station.say("mode LOITER")
-            station.expect("LOITER")
-            _, errors = replay.communicate(timeout=30)
+            _, errors = replay.communicate(timeout=DEADLINE_S)
         finally:
             replay.kill()
             station.close()
@@ -71,22 +68,17 @@ def test_mavproxy_loads_and_flies_a_saved_mission(tmp_path: Path) -> None:
     ]
     mission = Mission((items[0], change_speed(4.0), *items[1:]), Home(START.lat_deg, START.lon_deg, 488.0))
     formats.save(tmp_path / "saved.waypoints", mission)
-    with run(START, speedup=10) as running:
-        station = Console(running.connection, tmp_path)
+    with run(START, speedup=10, parameters=ARMED_ON_GROUND) as running:
+        station = MavProxy(running.connection, tmp_path)
         try:
             station.expect("Received 1340 parameters")
-            station.say("wp load saved.waypoints")
-            station.expect("Flight plan received")
-            station.say("wp save back.waypoints")
-            station.expect("Saved 5 waypoints")
-            for command, answer in (
-                ("mode guided", "Mode GUIDED"),
-                ("arm throttle", "ARMED"),
-                ("takeoff 20", "height 15"),
-                ("mode auto", "Mode AUTO"),
-            ):
-                station.say(command)
-                station.expect(answer)
+            station.command("wp load saved.waypoints", "Flight plan received")
+            station.command("wp save back.waypoints", "Saved 5 waypoints")
+            station.command("mode guided", "Mode GUIDED")
+            station.command("arm throttle", "ARMED")
+            station.command("takeoff 20", "NAV_TAKEOFF: ACCEPTED")
+            station.command("status GLOBAL_POSITION_INT", r"relative_alt : (1[5-9]|2\d)\d{3}\b")
+            station.command("mode auto", "Mode AUTO")
             station.expect("Reached command #4")
         finally:
             station.close()
