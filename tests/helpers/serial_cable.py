@@ -47,7 +47,10 @@ class SerialCable:
     def _carry(self) -> None:
         while not self._stop.is_set():
             with self._lock, suppress(OSError):
-                ends = [self._socket, *([] if self._master is None else [self._master])]
+                ends: list[socket.socket | int] = [
+                    self._socket,
+                    *([] if self._master is None else [self._master]),
+                ]
                 for end in select.select(ends, [], [], 0.005)[0]:
                     self._pass_on(end)
             self._stop.wait(0.001)

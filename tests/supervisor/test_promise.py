@@ -64,14 +64,14 @@ def flown(faults: Faults) -> FakeVehicle:
 
 def assert_sent_home(vehicle: FakeVehicle, story: object) -> None:
     """Armed, or asked to arm: then the last word on the mode is RTL."""
-    if "arm" in vehicle.asked:
-        assert vehicle.mode == "RTL" and "RTL" in vehicle.asked, story
+    if "arm" in vehicle.requested:
+        assert vehicle.mode == "RTL" and "RTL" in vehicle.requested, story
 
 
 def calls_of_a_whole_flight() -> int:
     faults = Faults({})
     vehicle = flown(faults)
-    assert vehicle.asked[-1] == "RTL"
+    assert vehicle.requested[-1] == "RTL"
     return faults.calls
 
 

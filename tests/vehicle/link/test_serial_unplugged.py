@@ -13,7 +13,7 @@ from flight_replay import supervisor, vehicle
 from flight_replay.events import DistanceToWaypoint, Event, LinkLost, LinkRestored, ReturnCommanded
 from flight_replay.simulator.server import launch
 from flight_replay.supervisor import Deadlines, FlightRecord, Plan, WallClock
-from tests.helpers.fault_runs import DEADLINES, ROUTE, START, UP_M
+from tests.helpers.fault_runs import DEADLINES, ROUTE, START, TAKEOFF_M
 from tests.helpers.serial_cable import SerialCable, serial_cable
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
@@ -40,7 +40,7 @@ def flown(
 
         connected.upload(ROUTE)
         record = supervisor.fly(
-            connected, WallClock(), Plan(mission=ROUTE, takeoff_altitude_m=UP_M, **plan), listener
+            connected, WallClock(), Plan(mission=ROUTE, takeoff_altitude_m=TAKEOFF_M, **plan), listener
         )
     return record, events
 
