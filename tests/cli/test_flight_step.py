@@ -1,4 +1,4 @@
-"""The steps in the air, with a vehicle that is there already: what is refused, kept, raised and asked."""
+"""flight_step.py: what is checked, saved and changed on a vehicle that is already running."""
 
 import json
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ import pytest
 
 from flight_replay.cli import flight_step
 from flight_replay.cli.main import main
-from flight_replay.cli.options import parse
+from flight_replay.cli.options import parse_options
 from flight_replay.errors import MissionError
 from flight_replay.events import VehicleState, ignore
 from flight_replay.mission.formats import load_mission
@@ -33,59 +33,61 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def vehicle() -> Iterator[str]:
-    """A simulated copter where the sample flight began; its connection string."""
+    """The connection string of a simulated copter at the start of the sample flight."""
     with launch.run(SAMPLE_HOME, speedup=float(SPEEDUP)) as running:
         yield running.connection
 
 
-def replayed(capsys: pytest.CaptureFixture[str], *argv: str) -> Any:
-    """What --json tells of a flight that went as asked."""
+def flown(capsys: pytest.CaptureFixture[str], *argv: str) -> Any:
+    """The flight of the JSON object of a replay that ended as asked."""
     assert main([*argv, "--json"]) == 0, capsys.readouterr().err
     return json.loads(capsys.readouterr().out)["flight"]
 
 
-def test_the_mission_on_board_is_kept(vehicle: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A second replay saves the first one's mission, and says how to put it back."""
-    flight = replayed(capsys, "--connect", vehicle, "--duration", "2", "--max-points", "3", "--land")
+def test_the_mission_on_board_is_saved(
+    vehicle: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A second replay saves the mission of the first, and shows how to restore it."""
+    flight = flown(capsys, "--connect", vehicle, "--duration", "2", "--max-points", "3", "--land")
     assert flight["rtl_confirmed"]
     assert not list(folder.glob("mission-before-*"))
     assert main(["--connect", vehicle, "--duration", "2", "--max-points", "5"]) == 0
     assert "flight_replay.cli.restore" in capsys.readouterr().out
-    (kept,) = folder.glob("mission-before-*.waypoints")
-    assert len(load_mission(kept).items) == 3
+    (saved,) = folder.glob("mission-before-*.waypoints")
+    assert len(load_mission(saved).items) == 3
 
 
-def test_a_route_that_begins_far_away_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    """A vehicle two kilometres from the recording is not even given the mission."""
+def test_a_route_that_starts_far_away_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing is uploaded to a vehicle two kilometres from the recording."""
     far = Start(SAMPLE_HOME.lat_deg + 0.018, SAMPLE_HOME.lon_deg, 488.0)
     with launch.run(far, speedup=float(SPEEDUP)) as running:
         assert main(["--connect", running.connection]) == 1
-    said = capsys.readouterr()
-    assert "--max-distance" in said.err
-    assert "Uploading" not in said.out
+    output = capsys.readouterr()
+    assert "--max-distance" in output.err
+    assert "Uploading" not in output.out
 
 
-def test_raised_limits_are_put_back(capsys: pytest.CaptureFixture[str], vehicle: str) -> None:
-    """--limits recorded changes the vehicle for this flight only."""
+def test_raised_limits_are_restored(capsys: pytest.CaptureFixture[str], vehicle: str) -> None:
+    """--limits recorded changes the parameters for this flight only."""
     names = ["WPNAV_ACCEL", "WPNAV_JERK", "ANGLE_MAX"]
     before = parameters(vehicle, names)
-    asked = ["--limits", "recorded", "--duration", "5", "--record", "flight.tlog"]
-    assert replayed(capsys, "--connect", vehicle, *asked)["ended"] == "duration"
+    options = ["--limits", "recorded", "--duration", "5", "--record", "flight.tlog"]
+    assert flown(capsys, "--connect", vehicle, *options)["ended"] == "duration"
     assert parameters(vehicle, names) == before
     assert b"WPNAV_ACCEL" in Path("flight.tlog").read_bytes()
 
 
 def parameters(connection: str, names: list[str]) -> dict[str, float]:
-    """What the vehicle says of its parameters."""
+    """Some of the vehicle's parameters."""
     from flight_replay.vehicle import connect
 
     with connect(connection, speedup=float(SPEEDUP)) as connected:
         return connected.parameters(names)
 
 
-def test_a_speedup_is_set_on_a_simulator_that_runs(vehicle: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """--speedup with --connect changes a simulator's clock; without, the clock is left alone."""
-    replayed(capsys, "--connect", vehicle, "--speedup", "25", "--duration", "2")
+def test_a_running_simulator_is_set_to_the_speedup(vehicle: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """--speedup with --connect changes SIM_SPEEDUP."""
+    flown(capsys, "--connect", vehicle, "--speedup", "25", "--duration", "2")
     assert parameters(vehicle, ["SIM_SPEEDUP"]) == {"SIM_SPEEDUP": 25.0}
 
 
@@ -93,26 +95,32 @@ def test_a_speedup_is_set_on_a_simulator_that_runs(vehicle: str, capsys: pytest.
 def test_a_recording_that_fails_does_not_end_the_flight(
     vehicle: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The flight ends as asked and comes home; that the recording is incomplete is the one line."""
+    """The flight ends as asked; the error is that the recording is incomplete."""
     options = ["--connect", vehicle, "--duration", "2", "--record", "/dev/full", "--json"]
     assert main(options) == 1
-    said = capsys.readouterr()
-    assert json.loads(said.out)["flight"]["rtl_confirmed"] is True
-    assert "error: the recording /dev/full is incomplete: No space left on device" in said.err
+    output = capsys.readouterr()
+    assert json.loads(output.out)["flight"]["rtl_confirmed"] is True
+    assert "error: the recording /dev/full is incomplete: No space left on device" in output.err
 
 
-def test_a_vehicle_that_is_carried_away_while_asked_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a person saw before saying yes must still hold afterwards."""
+def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The check is repeated after a person has consented."""
     real = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
     here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
-    places = [here, replace(here, lat_deg=47.1)]
+    positions = [here, replace(here, lat_deg=47.1)]
     connected = SimpleNamespace(
-        identity=real, wait_position=lambda limit_s, listener: places.pop(0), fence_areas=lambda: ()
+        identity=real, wait_position=lambda limit_s, listener: positions.pop(0), fence_areas=lambda: ()
     )
     route = SimpleNamespace(mission=Mission((waypoint(47.001, 8.0, 30.0),)))
-    said: list[str] = []
-    console = SimpleNamespace(say=said.append)
-    monkeypatch.setattr(flight_step, "ask_consent", lambda console: said.append("asked"))
+    shown: list[str] = []
+    console = SimpleNamespace(print=shown.append)
+    monkeypatch.setattr(flight_step, "ask_consent", lambda console: shown.append("asked"))
     with pytest.raises(MissionError, match="the first waypoint is"):
-        flight_step._check(parse(["--connect", "x"]), route, connected, console, ignore)  # type: ignore[arg-type]
-    assert said[-1] == "asked"
+        flight_step._check_before_arming(
+            parse_options(["--connect", "x"]),
+            route,  # type: ignore[arg-type]
+            connected,  # type: ignore[arg-type]
+            console,
+            ignore,
+        )
+    assert shown[-1] == "asked"

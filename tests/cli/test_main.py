@@ -1,4 +1,4 @@
-"""The command line, in this process: exit statuses, the one error line, JSON, and whole replays."""
+"""main.py: exit statuses, the error line, JSON, and whole replays in this process."""
 
 import json
 import subprocess
@@ -24,40 +24,40 @@ ROUTE_KEYS = {
 
 
 @pytest.fixture(autouse=True)
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Run in an empty folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 def run_json(capsys: pytest.CaptureFixture[str], *argv: str) -> Any:
-    """Run with --json; what stdout holds."""
+    """The JSON object of a run."""
     assert main([*argv, "--json"]) == 0
     return json.loads(capsys.readouterr().out)
 
 
 def test_plain_dry_run_plans_the_sample(capsys: pytest.CaptureFixture[str]) -> None:
-    """Without a log here, the packaged sample flight is planned, in the example's words."""
+    """Without flight.tlog in the folder, the sample flight is planned, in the example's wording."""
     assert main(["--dry-run"]) == 0
     out = capsys.readouterr().out
     assert "Generating waypoints from tlog...\n Generated 100 waypoints from tlog\n" in out
-    assert "planned error" in out
+    assert "Planned path error" in out
 
 
 def test_a_log_in_this_folder_comes_before_the_sample(
-    elsewhere: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """flight.tlog here is what a bare call reads."""
-    (elsewhere / "flight.tlog").write_bytes(sample_log().read_bytes()[:200_000])
+    """Without --tlog, flight.tlog is read if it exists."""
+    (folder / "flight.tlog").write_bytes(sample_log().read_bytes()[:200_000])
     assert run_json(capsys, "--dry-run")["log"]["bytes"] == 200_000
 
 
 def test_json_is_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
-    """One object on stdout with DESIGN.md's keys, and flight null when nothing was flown."""
-    told = run_json(capsys, "--dry-run")
-    assert set(told) == {"log", "route", "flight"}
-    assert told["flight"] is None
-    assert set(told["log"]) == {
+    """One object on stdout with the promised keys; flight is null after a dry run."""
+    summary = run_json(capsys, "--dry-run")
+    assert set(summary) == {"log", "route", "flight"}
+    assert summary["flight"] is None
+    assert set(summary["log"]) == {
         "path",
         "bytes",
         "fixes",
@@ -66,39 +66,35 @@ def test_json_is_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
         "vehicles",
         "flights",
     }
-    assert set(told["route"]) == ROUTE_KEYS
-    assert told["route"]["points"] == len(told["route"]["items"]) == 100
-    first = told["route"]["items"][0]
+    assert set(summary["route"]) == ROUTE_KEYS
+    assert summary["route"]["points"] == len(summary["route"]["items"]) == 100
+    first = summary["route"]["items"][0]
     assert (first["seq"], first["command"], first["frame"]) == (1, 16, 3)
-    assert set(told["route"]["planned_error_m"]) == {"mean", "p95", "max"}
+    assert set(summary["route"]["planned_error_m"]) == {"mean", "p95", "max"}
 
 
 @pytest.mark.parametrize(
-    ("argv", "words"),
+    ("argv", "message"),
     [
         (["--tlog", "none.tlog"], "none.tlog"),
         (["--save", "mission.doc", "--dry-run"], ".waypoints"),
-        (["--plot", "picture.bmp", "--dry-run"], ".png"),
-        (["--report", "report.txt", "--dry-run"], ".html"),
-        (["--save", "missing/mission.plan", "--dry-run"], "missing"),
-        (["--gcs", "carrier pigeon", "--dry-run"], "carrier pigeon"),
         (["--flight", "99", "--dry-run"], "--flight"),
         (["--vehicle", "77", "--dry-run"], "77"),
     ],
 )
 def test_expected_failures_are_one_line(
-    argv: list[str], words: str, capsys: pytest.CaptureFixture[str]
+    argv: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Exit status 1, one line on stderr that names the thing, nothing thrown."""
+    """The exit status is 1, and one line on stderr names what failed."""
     assert main(argv) == 1
     err = capsys.readouterr().err
     assert err.startswith("flight-replay: error: ")
     assert err.count("\n") == 1
-    assert words in err
+    assert message in err
 
 
 def test_wrong_usage_is_exit_status_2(capsys: pytest.CaptureFixture[str]) -> None:
-    """Options that do not exist are wrong usage."""
+    """An unknown option is wrong usage."""
     assert main(["--no-such-thing"]) == 2
     assert "usage:" in capsys.readouterr().err
 
@@ -118,7 +114,7 @@ def test_plain_lines_keep_the_example_s_wording(capsys: pytest.CaptureFixture[st
     """The lines of DroneKit's example come in its order."""
     assert main(["--sim", "builtin", "--speedup", "20", "--duration", "5"]) == 0
     out = capsys.readouterr().out
-    told = [
+    lines = [
         "Generating waypoints from tlog...",
         " Generated 100 waypoints from tlog",
         "Connecting to vehicle on: ",
@@ -135,26 +131,26 @@ def test_plain_lines_keep_the_example_s_wording(capsys: pytest.CaptureFixture[st
         "Close vehicle object",
         "Completed...",
     ]
-    places = [out.find(line) for line in told]
+    places = [out.find(line) for line in lines]
     assert -1 not in places
     assert places == sorted(places)
 
 
-def test_a_reader_that_has_gone_is_no_failure() -> None:
+def test_a_closed_pipe_is_no_error() -> None:
     """``flight-replay --dry-run --json | head`` ends quietly."""
     program = [sys.executable, "-m", "flight_replay", "--dry-run", "--json"]
     with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout and process.stderr
         process.stdout.close()
-        told = process.stderr.read().decode()
-    assert "Error" not in told
-    assert "Exception" not in told
+        errors = process.stderr.read().decode()
+    assert "Error" not in errors
+    assert "Exception" not in errors
 
 
-def test_interrupted_before_it_could_begin(
+def test_an_interrupt_during_the_imports(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Ctrl-C while the imports run is an interrupt like any other, and no traceback."""
+    """Ctrl-C while modules are imported shows no traceback."""
 
     def interrupted() -> int:
         raise KeyboardInterrupt

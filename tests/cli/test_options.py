@@ -1,15 +1,15 @@
-"""Options are parsed into plain data, and nonsense is wrong usage."""
+"""options.py, option_groups.py and option_types.py: options become plain data, or wrong usage."""
 
 from pathlib import Path
 
 import pytest
 
-from flight_replay.cli.options import build_parser, parse
+from flight_replay.cli.options import build_parser, parse_options
 
 
-def test_defaults_are_the_design_s() -> None:
-    """A bare command line is the example's behaviour."""
-    options = parse([])
+def test_defaults_are_those_of_dronekits_example() -> None:
+    """Without options the replay does what the example does."""
+    options = parse_options([])
     assert (options.tlog, options.connect, options.sim) == (None, None, "auto")
     assert (options.route, options.spacing_m, options.max_points) == ("spacing", 3.0, 100)
     assert (options.altitude_m, options.speed_m_s, options.duration_s) == (30.0, None, 60.0)
@@ -34,60 +34,60 @@ def test_defaults_are_the_design_s() -> None:
     ],
 )
 def test_values_are_read(argv: list[str], name: str, value: object) -> None:
-    """Each value arrives in SI units under a name that says so."""
-    assert getattr(parse(argv), name) == value
+    """Each value is in SI units under a name that says so."""
+    assert getattr(parse_options(argv), name) == value
 
 
 @pytest.mark.parametrize(
-    ("argv", "words"),
+    ("argv", "message"),
     [
         (["--vehicle", "300"], "SYSID"),
         (["--vehicle", "1:"], "SYSID"),
-        (["--flight", "0"], "whole number from 1"),
-        (["--spacing", "-1"], "below 0"),
+        (["--flight", "0"], "whole number of 1 or more"),
+        (["--spacing", "-1"], "must be 0 or more, not -1"),
         (["--spacing", "nan"], "finite"),
-        (["--altitude", "high"], "not a number"),
-        (["--speed", "0"], "above 0"),
-        (["--duration", "-5"], "above 0"),
+        (["--altitude", "high"], "must be a number"),
+        (["--speed", "0"], "greater than 0"),
+        (["--duration", "-5"], "greater than 0"),
         (["--max-points", "1.5"], "whole number"),
-        (["--from", "20", "--to", "10"], "--from 20 is not before --to 10"),
-        (["--connect", "x", "--sim", "sitl"], "--connect names a vehicle"),
-        (["--connect", "x", "--sitl", "y"], "--connect names a vehicle"),
-        (["--sim", "builtin", "--sitl", "y"], "--sitl names an ArduPilot binary"),
-        (["-v", "-q"], "opposite"),
+        (["--from", "20", "--to", "10"], "--from 20 must be less than --to 10"),
+        (["--connect", "x", "--sim", "sitl"], "cannot be used with --connect"),
+        (["--connect", "x", "--sitl", "y"], "cannot be used with --connect"),
+        (["--sim", "builtin", "--sitl", "y"], "cannot be used with --sim builtin"),
+        (["-v", "-q"], "-v and -q cannot be used together"),
         (["--tl", "x"], "unrecognized"),
     ],
 )
-def test_wrong_usage_names_the_thing(argv: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """Wrong usage is exit status 2 and a message that names what is wrong."""
+def test_wrong_usage_has_a_message(argv: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The exit status is 2, and the message names the option."""
     with pytest.raises(SystemExit) as stop:
-        parse(argv)
+        parse_options(argv)
     assert stop.value.code == 2
-    assert words in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
-def test_version_is_the_package_s(capsys: pytest.CaptureFixture[str]) -> None:
-    """--version says the program's name and version."""
+def test_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    """--version prints the program's name and version."""
     with pytest.raises(SystemExit) as stop:
-        parse(["--version"])
+        parse_options(["--version"])
     assert stop.value.code == 0
     assert capsys.readouterr().out.startswith("flight-replay ")
 
 
 def test_every_group_has_an_example() -> None:
-    """Each group of the help shows a command line that the parser takes."""
+    """The example in the help of each group can be parsed."""
     groups = [group for group in build_parser()._action_groups if group.description]
     assert len(groups) == 5
     for group in groups:
         assert group.description is not None
         command = group.description.partition("flight-replay ")[2].partition(" >")[0]
-        parse(command.split())
+        parse_options(command.split())
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
-def test_options_complete_in_a_shell(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """The completion script knows the options and says nothing else."""
+def test_a_completion_script_is_printed(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """It has the options in it."""
     with pytest.raises(SystemExit) as stop:
-        parse(["--print-completion", shell])
+        parse_options(["--print-completion", shell])
     assert stop.value.code == 0
     assert "takeoff-altitude" in capsys.readouterr().out

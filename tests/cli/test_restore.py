@@ -1,4 +1,4 @@
-"""The mission that was on board is kept before it is overwritten, and comes back."""
+"""restore.py: the mission on board is saved before it is overwritten, and restored."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from flight_replay import vehicle
 from flight_replay.cli import restore
-from flight_replay.cli.restore import keep_mission, restoring_line
+from flight_replay.cli.restore import restore_command, save_mission_on_board
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Home, Mission, change_speed, waypoint
 from flight_replay.simulator.autopilot.location import Start
@@ -22,8 +22,8 @@ BEFORE = Mission(
 )
 
 
-class Held:
-    """A vehicle with a mission."""
+class VehicleWithMission:
+    """A vehicle with a mission on board."""
 
     def __init__(self, mission: Mission) -> None:
         self._mission = mission
@@ -32,23 +32,23 @@ class Held:
         return self._mission
 
 
-def test_an_empty_vehicle_leaves_no_file(tmp_path: Path) -> None:
-    """Nothing on board is nothing to keep."""
-    assert keep_mission(Held(Mission(())), tmp_path, NOW) is None
+def test_without_a_mission_on_board_no_file_is_written(tmp_path: Path) -> None:
+    """There is nothing to save."""
+    assert save_mission_on_board(VehicleWithMission(Mission(())), tmp_path, NOW) is None
     assert list(tmp_path.iterdir()) == []
 
 
 def test_the_file_is_named_by_its_time(tmp_path: Path) -> None:
-    """A later replay does not overwrite what an earlier one kept."""
-    path = keep_mission(Held(BEFORE), tmp_path, NOW)
+    """A later replay does not overwrite the file of an earlier one."""
+    path = save_mission_on_board(VehicleWithMission(BEFORE), tmp_path, NOW)
     assert path == tmp_path / "mission-before-20261120-230507.waypoints"
     assert path.is_file()
 
 
-def test_two_missions_kept_in_the_same_second_both_stay(tmp_path: Path) -> None:
-    """Two vehicles may be replayed to from one folder at once."""
+def test_two_missions_saved_in_the_same_second_have_two_files(tmp_path: Path) -> None:
+    """Two vehicles may be flown from one folder at once."""
     other = Mission(BEFORE.items[:1])
-    paths = [keep_mission(Held(mission), tmp_path, NOW) for mission in (BEFORE, other)]
+    paths = [save_mission_on_board(VehicleWithMission(mission), tmp_path, NOW) for mission in (BEFORE, other)]
     assert [path.name for path in paths if path] == [
         "mission-before-20261120-230507.waypoints",
         "mission-before-20261120-230507-2.waypoints",
@@ -60,16 +60,16 @@ def test_two_missions_kept_in_the_same_second_both_stay(tmp_path: Path) -> None:
     ("connection", "end"),
     [("udp:127.0.0.1:14550", "udp:127.0.0.1:14550"), ("/dev/ttyUSB0", "/dev/ttyUSB0 115200")],
 )
-def test_the_line_names_file_and_connection(connection: str, end: str) -> None:
-    """A serial port needs its speed; blanks are quoted for the shell."""
-    line = restoring_line(Path("my missions/a.waypoints"), connection, 115200)
-    assert line.endswith(end)
-    assert shlex.split(line)[3] == "my missions/a.waypoints"
+def test_the_command_has_file_and_connection(connection: str, end: str) -> None:
+    """A serial port needs its baud rate; blanks are quoted for the shell."""
+    command = restore_command(Path("my missions/a.waypoints"), connection, 115200)
+    assert command.endswith(end)
+    assert shlex.split(command)[3] == "my missions/a.waypoints"
 
 
-def test_a_kept_mission_comes_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Kept from one vehicle, put on another, it is there item for item."""
-    path = keep_mission(Held(BEFORE.with_home(Home(47.0, 8.0, 400.0))), tmp_path, NOW)
+def test_a_saved_mission_is_restored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Saved from one vehicle and restored on another, it has the same items."""
+    path = save_mission_on_board(VehicleWithMission(BEFORE.with_home(Home(47.0, 8.0, 400.0))), tmp_path, NOW)
     assert path is not None
     with launch.run(Start(47.0, 8.0, 400.0), speedup=10.0) as running:
         assert restore.main([str(path), running.connection]) == 0
@@ -79,11 +79,11 @@ def test_a_kept_mission_comes_back(tmp_path: Path, capsys: pytest.CaptureFixture
         (i.command, i.lat_deg, i.lon_deg) for i in BEFORE.items[::2]
     ]
     assert found.items[1].params[1] == 4.0
-    assert "3 mission items are on board" in capsys.readouterr().out
+    assert "Restored 3 mission items" in capsys.readouterr().out
 
 
-def test_what_goes_wrong_is_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A file that is not there: exit status 1; wrong usage: 2."""
+def test_an_error_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file that does not exist is exit status 1, wrong usage is 2."""
     assert restore.main([str(tmp_path / "none.waypoints"), "tcp:127.0.0.1:5760"]) == 1
     assert capsys.readouterr().err.startswith("flight-replay: error: cannot read")
     assert restore.main(["one"]) == 2

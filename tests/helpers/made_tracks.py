@@ -8,7 +8,7 @@ from flight_replay.logs.track import Track, track_from_columns
 FRAME = LocalFrame(64.0, -21.0)
 
 
-def dash(speed_m_s: float = 4.0, fixes: int = 51, heights_m: float | list[float] = 0.0) -> Track:
+def straight_track(speed_m_s: float = 4.0, fixes: int = 51, heights_m: float | list[float] = 0.0) -> Track:
     """A straight flight north, one fix a second."""
     time_s = np.arange(fixes, dtype=float)
     lat, lon = FRAME.to_degrees(np.column_stack([time_s * speed_m_s, np.zeros(fixes)]))

@@ -8,7 +8,7 @@ from flight_replay.output.outcome import compare_flight
 from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.supervisor.flight_plan import FlightRecord
-from tests.helpers.made_tracks import FRAME, dash
+from tests.helpers.made_tracks import FRAME, straight_track
 
 
 def flight(route: Route, waypoints: int, aside_m: float = 0.0, late_s: float = 0.0) -> FlightRecord:
@@ -31,7 +31,7 @@ def flight(route: Route, waypoints: int, aside_m: float = 0.0, late_s: float = 0
 
 def test_a_perfect_replay_has_no_error() -> None:
     """The same path at the same times has a path error and a position error of 0."""
-    route = spaced_route(dash())
+    route = spaced_route(straight_track())
     outcome = compare_flight(route, flight(route, 51))
     assert outcome.path_error is not None and outcome.path_error.max < 0.01
     assert outcome.position_error is not None and outcome.position_error.max < 0.01
@@ -40,7 +40,7 @@ def test_a_perfect_replay_has_no_error() -> None:
 
 def test_a_late_flight_has_a_position_error_only() -> None:
     """3 m beside the path is a path error of 3 m; 2 s late at 4 m/s is a position error of 8 m."""
-    route = spaced_route(dash())
+    route = spaced_route(straight_track())
     beside = compare_flight(route, flight(route, 51, aside_m=3.0))
     assert beside.path_error is not None and beside.path_error.mean == pytest.approx(3.0, abs=0.01)
     late = compare_flight(route, flight(route, 51, late_s=2.0))
@@ -50,7 +50,7 @@ def test_a_late_flight_has_a_position_error_only() -> None:
 
 def test_a_short_flight_is_compared_up_to_its_last_waypoint() -> None:
     """Fixes after the last waypoint reached do not count."""
-    route = spaced_route(dash())
+    route = spaced_route(straight_track())
     outcome = compare_flight(route, flight(route, 11))
     assert len(outcome.path_errors_m) == 11
     assert outcome.path_error is not None and outcome.path_error.max < 0.01
@@ -58,7 +58,7 @@ def test_a_short_flight_is_compared_up_to_its_last_waypoint() -> None:
 
 def test_a_flight_that_reached_no_waypoint_has_no_position_error() -> None:
     """There is no time to compare from."""
-    route = spaced_route(dash())
+    route = spaced_route(straight_track())
     record = flight(route, 0)
     outcome = compare_flight(route, record)
     assert outcome.position_error is None

@@ -1,4 +1,4 @@
-"""The word that a person types before a real vehicle is armed."""
+"""The confirmation that a person types before a real vehicle is armed."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from contextlib import suppress
 from flight_replay.errors import VehicleError
 from flight_replay.output.console.console import Console
 
-WORD = "fly"
+CONSENT_WORD = "fly"
 
 
 def ask_consent(console: Console) -> None:
-    """Ask at the terminal whether to arm.
+    """Ask at the terminal whether to arm the vehicle.
 
     Raises:
-        VehicleError: There is no terminal to ask at, or the answer was not the word.
+        VehicleError: Standard input is not a terminal, or the answer was not ``CONSENT_WORD``.
     """
     if not sys.stdin.isatty():
-        raise VehicleError("a real vehicle is only armed with --yes, or at a terminal where it can be asked")
+        raise VehicleError("not armed: there is no terminal to ask for confirmation; use --yes")
     with console.paused():
-        sys.stderr.write(f"Its motors will start. Stand clear, then type {WORD} to arm and fly: ")
+        sys.stderr.write(f"The motors will start. Stand clear, then type '{CONSENT_WORD}' to arm: ")
         sys.stderr.flush()
         answer = ""
         with suppress(OSError):  # The terminal was closed.
             answer = sys.stdin.readline()
-    if answer.strip().lower() != WORD:
-        raise VehicleError("the vehicle was not armed, as it was not asked for")
+    if answer.strip().lower() != CONSENT_WORD:
+        raise VehicleError(f"not armed: '{CONSENT_WORD}' was not typed")

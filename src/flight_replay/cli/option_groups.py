@@ -1,4 +1,4 @@
-"""The groups of options in the order of the manual; each shows a command line as an example."""
+"""The options in groups, as ``--help`` shows them; each group has a command line as an example."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ def _log_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--tlog",
         metavar="FILE",
-        help="the recorded flight; .gz is read as it is, - reads standard input "
-        "(default: flight.tlog in this folder, else the sample flight that comes with the package)",
+        help="telemetry log to replay, plain or compressed with gzip; - reads standard input "
+        "(default: flight.tlog in this folder, else the sample flight of the package)",
     )
     group.add_argument(
         "--vehicle",
         metavar="SYSID[:COMPID]",
         type=option_types.vehicle_id,
-        help="which vehicle of the log (default: the one with most fixes)",
+        help="vehicle to replay, if the log has several (default: the one with the most fixes)",
     )
     group.add_argument(
         "--flight",
         metavar="N",
         type=option_types.count,
-        help="only the Nth flight of the log, from arming to disarming (default: the whole log)",
+        help="replay only the Nth flight of the log, from arming to disarming (default: the whole log)",
     )
     group.add_argument(
         "--from",
         dest="from_s",
         metavar="S",
         type=option_types.not_negative,
-        help="leave out what was before this second",
+        help="leave out the first S seconds",
     )
     group.add_argument(
         "--to",
         dest="to_s",
         metavar="S",
         type=option_types.positive,
-        help="leave out what was after this second",
+        help="leave out everything after the first S seconds",
     )
 
 
@@ -58,8 +58,8 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
         "--route",
         choices=("spacing", "fit"),
         default="spacing",
-        help="spacing: a waypoint every few metres until there are enough; fit: straight and spline "
-        "waypoints that follow the whole flight best (default: %(default)s)",
+        help="spacing: a waypoint every few metres, up to the maximum number; fit: straight and spline "
+        "waypoints that follow the whole flight closely (default: %(default)s)",
     )
     group.add_argument(
         "--spacing",
@@ -67,14 +67,14 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
         metavar="M",
         type=option_types.not_negative,
         default=SPACING_M,
-        help="spacing: metres between waypoints (default: 3)",
+        help="minimum distance between waypoints in metres, for --route spacing (default: 3)",
     )
     group.add_argument(
         "--max-points",
         metavar="N",
         type=option_types.count,
         default=MAX_POINTS,
-        help="the most waypoints (default: %(default)s)",
+        help="maximum number of waypoints (default: %(default)s)",
     )
     group.add_argument(
         "--altitude",
@@ -82,14 +82,15 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
         metavar="{M,recorded}",
         type=option_types.altitude,
         default=30.0,
-        help="metres above home to fly at, or as recorded (default: 30)",
+        help="altitude of the waypoints: metres above home, or as recorded (default: 30)",
     )
     group.add_argument(
         "--speed",
         dest="speed_m_s",
         metavar="{vehicle,recorded,M_PER_S}",
         type=option_types.speed,
-        help="the vehicle's own speed setting, as recorded, or metres per second (default: vehicle)",
+        help="vehicle: its own speed setting; recorded: the recorded speed; or metres per second "
+        "(default: vehicle)",
     )
 
 
@@ -101,14 +102,14 @@ def _flight_group(parser: argparse.ArgumentParser) -> None:
         metavar="{S,all}",
         type=option_types.duration,
         default=60.0,
-        help="seconds of the vehicle's clock to fly the mission for, or all of it (default: 60)",
+        help="time in AUTO: seconds of vehicle time, or all for the whole mission (default: 60)",
     )
     group.add_argument(
         "--limits",
         choices=("vehicle", "recorded"),
         default="vehicle",
-        help="recorded: raise the speed and acceleration limits of a simulated vehicle to what the "
-        "recording shows, for this flight (default: %(default)s)",
+        help="recorded: for this flight, raise the speed and acceleration limits of a simulated vehicle "
+        "to those of the recording (default: %(default)s)",
     )
     group.add_argument(
         "--takeoff-altitude",
@@ -116,12 +117,12 @@ def _flight_group(parser: argparse.ArgumentParser) -> None:
         metavar="M",
         type=option_types.positive,
         default=30.0,
-        help="metres above home to climb to first (default: 30)",
+        help="take-off altitude in metres above home (default: 30)",
     )
     group.add_argument(
         "--land",
         action="store_true",
-        help="stay until it has landed and disarmed (default: leave once RTL is confirmed)",
+        help="wait until the vehicle has landed and disarmed (default: exit once RTL is confirmed)",
     )
     group.add_argument(
         "--max-distance",
@@ -129,9 +130,11 @@ def _flight_group(parser: argparse.ArgumentParser) -> None:
         metavar="M",
         type=option_types.positive,
         default=1000.0,
-        help="refuse a route that begins farther than this from home (default: 1000)",
+        help="maximum distance of the first waypoint from home in metres (default: 1000)",
     )
-    group.add_argument("--yes", action="store_true", help="arm a real vehicle without asking")
+    group.add_argument(
+        "--yes", action="store_true", help="arm a real vehicle without asking for confirmation"
+    )
 
 
 def _vehicle_group(parser: argparse.ArgumentParser) -> None:
@@ -139,26 +142,28 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--connect",
         metavar="STRING",
-        help="127.0.0.1:14550, udp:, udpout:, tcp:HOST:PORT or a serial port (default: start a simulator)",
+        help="vehicle to fly: 127.0.0.1:14550, udp:, udpout:, tcp:HOST:PORT or a serial port "
+        "(default: start a simulator)",
     )
     group.add_argument(
         "--baud",
         metavar="N",
         type=option_types.count,
         default=57600,
-        help="speed of a serial port (default: %(default)s)",
+        help="baud rate of a serial port (default: %(default)s)",
     )
     group.add_argument(
         "--sim",
         choices=("auto", "sitl", "builtin"),
-        help="ArduPilot SITL, the built-in copter, or SITL where one is at hand (default: auto)",
+        help="simulator to start: ArduPilot SITL or the built-in copter; auto: SITL if it is available "
+        "(default: auto)",
     )
-    group.add_argument("--sitl", metavar="PATH", type=Path, help="the ArduPilot SITL binary to start")
+    group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary to start")
     group.add_argument(
         "--speedup",
         metavar="X",
         type=option_types.positive,
-        help="how many times faster than life a simulator runs (default: 1; with --connect, as it is)",
+        help="simulation speed as a multiple of real time (default: 1; with --connect, left as it is)",
     )
 
 
@@ -166,46 +171,44 @@ def _output_group(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "output", "example: flight-replay --plot replay.png --json > replay.json"
     )
-    group.add_argument("--dry-run", action="store_true", help="plan, and fly nothing")
-    _results(group)
-    _watching(group)
-    _about_the_program(group)
+    group.add_argument("--dry-run", action="store_true", help="plan the route, but do not fly")
+    _add_results(group)
+    _add_display(group)
+    _add_information(group)
 
 
-def _results(group: argparse._ArgumentGroup) -> None:
-    """What a replay leaves behind."""
-    group.add_argument("--json", action="store_true", help="one JSON object on standard output")
+def _add_results(group: argparse._ArgumentGroup) -> None:
+    """The results of a replay."""
+    group.add_argument("--json", action="store_true", help="write one JSON object to standard output")
     group.add_argument(
         "--save",
         metavar="FILE",
         type=Path,
         action="append",
-        help="keep the mission: .waypoints, .plan, .kml, .gpx, .geojson or .csv (repeatable)",
+        help="save the mission as .waypoints, .plan, .kml, .gpx, .geojson or .csv (repeatable)",
     )
+    group.add_argument("--record", metavar="FILE.tlog", type=Path, help="record all MAVLink traffic")
     group.add_argument(
-        "--record", metavar="FILE.tlog", type=Path, help="keep everything the vehicle and we said"
+        "--plot", metavar="FILE", type=Path, help="save a plot of the replay as .png, .svg or .pdf"
     )
-    group.add_argument(
-        "--plot", metavar="FILE", type=Path, help="a picture of the replay: .png, .svg or .pdf"
-    )
-    group.add_argument("--report", metavar="FILE.html", type=Path, help="a report of the replay in one file")
+    group.add_argument("--report", metavar="FILE.html", type=Path, help="save a report of the replay as HTML")
 
 
-def _watching(group: argparse._ArgumentGroup) -> None:
-    """How to look on."""
+def _add_display(group: argparse._ArgumentGroup) -> None:
+    """Ground stations, the live map and the console."""
     group.add_argument(
         "--gcs",
         metavar="STRING",
         action="append",
-        help="let a ground station watch, udp:HOST:PORT or tcp:HOST:PORT (repeatable)",
+        help="connect a ground station to the vehicle at udp:HOST:PORT or tcp:HOST:PORT (repeatable)",
     )
-    group.add_argument("--map", action="store_true", help="a live map in the browser")
-    group.add_argument("-v", dest="verbose", action="store_true", help="say more, and show tracebacks")
-    group.add_argument("-q", dest="quiet", action="store_true", help="say only what went wrong")
+    group.add_argument("--map", action="store_true", help="show a live map in the browser")
+    group.add_argument("-v", dest="verbose", action="store_true", help="show more output, and tracebacks")
+    group.add_argument("-q", dest="quiet", action="store_true", help="show only warnings and errors")
 
 
-def _about_the_program(group: argparse._ArgumentGroup) -> None:
-    """What is told instead of a replay."""
+def _add_information(group: argparse._ArgumentGroup) -> None:
+    """Options that print something and exit."""
     group.add_argument(
         "--print-completion",
         metavar="{bash,zsh,tcsh}",
@@ -213,7 +216,7 @@ def _about_the_program(group: argparse._ArgumentGroup) -> None:
         action=_Completion,
         dest=argparse.SUPPRESS,
         default=argparse.SUPPRESS,
-        help="write a script that completes these options in your shell, and stop",
+        help="print a shell completion script and exit",
     )
     group.add_argument(
         "--version",
@@ -221,12 +224,12 @@ def _about_the_program(group: argparse._ArgumentGroup) -> None:
         nargs=0,
         dest=argparse.SUPPRESS,
         default=argparse.SUPPRESS,
-        help="say the version and stop",
+        help="show the version and exit",
     )
 
 
 class _Version(argparse.Action):
-    """Looks the version up only when asked: that reads files, which a plain start need not."""
+    """Prints the version, which is read from the package's metadata only then."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from importlib.metadata import version
@@ -236,7 +239,7 @@ class _Version(argparse.Action):
 
 
 class _Completion(argparse.Action):
-    """Writes the script that completes this command line in a shell."""
+    """Prints the script that completes this command line in a shell."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, _namespace: object, shell: object, *_: object

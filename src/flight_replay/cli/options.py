@@ -1,4 +1,4 @@
-"""The command line's options: one table for parsing and help, and plain data for everybody else."""
+"""The options of the command line: the parser, and the parsed values as plain data."""
 
 from __future__ import annotations
 
@@ -13,18 +13,22 @@ from flight_replay.planning.altitude import Recorded
 
 _EXAMPLES = """\
 examples:
-  flight-replay                                    fly ./flight.tlog, or the sample flight, in a simulator
-  flight-replay --tlog flight.tlog --speedup 10    the same of your own log, ten times faster
-  flight-replay --connect 127.0.0.1:14550          on the vehicle that sends to this UDP port
+  flight-replay
+      fly ./flight.tlog, or the sample flight, on a simulator
+  flight-replay --tlog flight.tlog --speedup 10
+      fly your own log, ten times faster than real time
+  flight-replay --connect 127.0.0.1:14550
+      fly it on the vehicle that sends to this UDP port
   flight-replay --route fit --duration all --speed recorded
-                                                   the whole flight, at the speed it was flown
-  flight-replay --dry-run --save mission.waypoints only plan, and keep the mission
+      fly the whole flight at the recorded speed
+  flight-replay --dry-run --save mission.waypoints
+      plan only, and save the mission
 """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """What the user asked for; lengths in metres, times in seconds, speeds in m/s."""
+    """The parsed options; lengths in metres, times in seconds, speeds in m/s."""
 
     tlog: str | None
     vehicle: tuple[int, int | None] | None
@@ -59,15 +63,15 @@ class Options:
     quiet: bool
 
 
-def parse(argv: Sequence[str] | None = None) -> Options:
-    """Options from the command line.
+def parse_options(argv: Sequence[str] | None = None) -> Options:
+    """Parse the command line.
 
     Raises:
-        SystemExit: 2 on wrong usage; 0 after ``--help`` and ``--version``.
+        SystemExit: 2 for wrong usage, 0 after ``--help`` or ``--version``.
     """
     parser = build_parser()
     values = vars(parser.parse_args(argv))
-    _check_together(parser, values)
+    _check_combinations(parser, values)
     values["sim"] = values["sim"] or ("sitl" if values["sitl"] else "auto")
     values["save"] = tuple(values["save"] or ())
     values["gcs"] = tuple(values["gcs"] or ())
@@ -75,31 +79,32 @@ def parse(argv: Sequence[str] | None = None) -> Options:
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The parser of ``flight-replay``, its options in the groups of the manual."""
+    """The parser of ``flight-replay``."""
     parser = argparse.ArgumentParser(
         prog="flight-replay",
-        description="Fly a recorded drone flight again: from a MAVLink telemetry log (.tlog) to a waypoint\n"
-        "mission, to a simulator or a real vehicle, and home.",
+        description="Fly a recorded drone flight again: turn a MAVLink telemetry log (.tlog) into a\n"
+        "mission, fly it on a simulator or a real vehicle, and compare the flight with\n"
+        "the recording.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
         add_help=False,
     )
-    # Of an option outside a group argparse makes a trial help text, whose imports take longer than parsing.
+    # For an option outside a group argparse formats a help text, which takes longer than parsing.
     group = parser.add_argument_group("options")
     group.add_argument("-h", "--help", action="help", help="show this help message and exit")
     add_groups(parser)
     return parser
 
 
-def _check_together(parser: argparse.ArgumentParser, values: dict[str, object]) -> None:
-    """Refuse options that contradict each other."""
+def _check_combinations(parser: argparse.ArgumentParser, values: dict[str, object]) -> None:
+    """Refuse options that exclude each other."""
     if values["connect"] is not None and (values["sim"] or values["sitl"]):
-        parser.error("--connect names a vehicle: leave out --sim and --sitl")
+        parser.error("--sim and --sitl start a simulator and cannot be used with --connect")
     if values["sitl"] and values["sim"] == "builtin":
-        parser.error("--sitl names an ArduPilot binary: leave out --sim builtin")
+        parser.error("--sitl starts ArduPilot SITL and cannot be used with --sim builtin")
     if values["verbose"] and values["quiet"]:
-        parser.error("-v and -q ask for opposite things: leave out one")
+        parser.error("-v and -q cannot be used together")
     begin, end = values["from_s"], values["to_s"]
     if isinstance(begin, float) and isinstance(end, float) and begin >= end:
-        parser.error(f"--from {begin:g} is not before --to {end:g}")
+        parser.error(f"--from {begin:g} must be less than --to {end:g}")

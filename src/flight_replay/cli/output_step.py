@@ -1,18 +1,22 @@
-"""What a replay leaves behind: words, the JSON object, the mission, pictures and the report."""
+"""The results of a replay: text, the JSON object, the mission, the plot and the report."""
 
 from __future__ import annotations
 
+import json
+import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flight_replay.cli.options import Options
 from flight_replay.errors import FlightReplayError
-from flight_replay.output import json_summary as contract
+from flight_replay.output.console.console import Console
+from flight_replay.output.json_summary import flight_summary, log_summary, route_summary
 from flight_replay.output_files import check_suffix
 
 if TYPE_CHECKING:
-    from flight_replay.cli.flight_step import Flown
+    from flight_replay.cli.flight_step import FlightResult
     from flight_replay.geometry.distances import ErrorStatistics
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
@@ -21,13 +25,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Replay:
-    """Everything there is to tell of a run; ``flown`` is None when nothing was flown."""
+class ReplayResult:
+    """Everything that a run has found; ``flight`` is None after a dry run."""
 
     log: Log
     flights: tuple[Flight, ...]
     route: Route
-    flown: Flown | None
+    flight: FlightResult | None
 
 
 def check_outputs(options: Options) -> None:
@@ -73,11 +77,11 @@ def save_mission(options: Options, route: Route) -> None:
             formats.save(path, route.mission, route.covered)
 
 
-def save_pictures(
-    options: Options, result: Replay, events: Sequence[LoggedEvent], arguments: Sequence[str]
+def save_charts(
+    options: Options, result: ReplayResult, events: Sequence[LoggedEvent], arguments: Sequence[str]
 ) -> None:
-    """Draw and report the replay."""
-    record, outcome = (result.flown.record, result.flown.outcome) if result.flown else (None, None)
+    """Write the plot and the report."""
+    record, outcome = (result.flight.record, result.flight.outcome) if result.flight else (None, None)
     if options.plot:
         from flight_replay.output.charts.plot import save_plot
 
@@ -85,46 +89,55 @@ def save_pictures(
     if options.report:
         from flight_replay.output.charts.report import ReportText, save_report
 
-        text = ReportText(summary(result), events, arguments)
+        text = ReportText(json_object(result), events, arguments)
         save_report(options.report, text, result.route, record, outcome)
 
 
-def summary(result: Replay) -> dict[str, Any]:
+def print_result(options: Options, result: ReplayResult, console: Console) -> None:
+    """Write the JSON object to standard output with ``--json``, otherwise lines of text to the console."""
+    if options.json:
+        with suppress(BrokenPipeError):
+            sys.stdout.write(json.dumps(json_object(result)) + "\n")
+    else:
+        for line in result_lines(result):
+            console.print(line)
+
+
+def json_object(result: ReplayResult) -> dict[str, Any]:
     """The ``--json`` object."""
-    flown = result.flown
+    flight = result.flight
     return {
-        "log": contract.log_summary(result.log, result.flights),
-        "route": contract.route_summary(result.route),
-        "flight": flown
-        and contract.flight_summary(flown.vehicle, flown.simulated, flown.record, flown.outcome),
+        "log": log_summary(result.log, result.flights),
+        "route": route_summary(result.route),
+        "flight": flight and flight_summary(flight.vehicle, flight.simulated, flight.record, flight.outcome),
     }
 
 
-def words(result: Replay) -> list[str]:
-    """The result for people, a line each."""
+def result_lines(result: ReplayResult) -> list[str]:
+    """The result as lines of text that fit a terminal of 80 columns."""
     route = result.route
     lines = [
-        f" The route is {route.path.length_m:.0f} m long and covers {len(route.covered)} of "
-        f"{len(result.log.track)} fixes; planned error: {_metres(route.planned_error)}"
+        f" Route: {route.path.length_m:.0f} m, covers {len(route.covered)} of {len(result.log.track)} fixes",
+        f" Planned path error: {_statistics(route.planned_error)}",
     ]
     if route.predicted:
-        lines.append(
-            f" Predicted: {route.predicted_duration_s:.0f} s; "
-            f"in space {_metres(route.predicted.path_error)}; "
-            f"in time {_metres(route.predicted.position_error)}"
-        )
-    if result.flown:
-        record, outcome = result.flown.record, result.flown.outcome
+        lines += [
+            f" Predicted duration: {route.predicted_duration_s:.0f} s",
+            f" Predicted path error: {_statistics(route.predicted.path_error)}",
+            f" Predicted position error: {_statistics(route.predicted.position_error)}",
+        ]
+    if result.flight:
+        record, outcome = result.flight.record, result.flight.outcome
         lines += [
             f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
             f"in {record.auto_s:.1f} s of AUTO",
-            f" Distance from the recorded flight in space: {_metres(outcome.path_error)}",
-            f" Distance from the recorded flight in time: {_metres(outcome.position_error)}",
+            f" Path error: {_statistics(outcome.path_error)}",
+            f" Position error: {_statistics(outcome.position_error)}",
         ]
     return lines
 
 
-def _metres(spread: ErrorStatistics | None) -> str:
-    if spread is None:
+def _statistics(error: ErrorStatistics | None) -> str:
+    if error is None:
         return "nothing to compare"
-    return f"mean {spread.mean:.2f} m, p95 {spread.p95:.2f} m, max {spread.max:.2f} m"
+    return f"mean {error.mean:.2f} m, p95 {error.p95:.2f} m, max {error.max:.2f} m"

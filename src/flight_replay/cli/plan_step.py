@@ -1,4 +1,4 @@
-"""The steps before anything flies: read the log, choose what of it to fly, plan the route."""
+"""The steps before the flight: read the log, select the part to fly, plan the route."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
 
 
-def read(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...], Track]:
-    """The log, its flights, and the part of its track that was asked for.
+def read_recording(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...], Track]:
+    """The log, its flights, and the part of its track that the options select.
 
     Raises:
-        LogError: The log cannot be read, or holds nothing of what was asked for.
+        LogError: The log cannot be read, or has no fix in the selected part.
     """
     listener(Notice("Generating waypoints from tlog..."))
     log = read_log(
@@ -31,30 +31,34 @@ def read(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...],
     track = select(log.track, options.flight, options.from_s, options.to_s)
     if options.vehicle is None and len(log.vehicles) > 1:
         others = ", ".join(f"{each.id} ({each.fixes} fixes)" for each in log.vehicles[1:])
-        listener(Notice(f" Vehicle {log.vehicle.id} is replayed; the log also holds {others}: see --vehicle"))
+        listener(Notice(f" Replaying vehicle {log.vehicle.id}; choose others with --vehicle: {others}"))
     return log, find_flights(log.track), track
 
 
-def plan(options: Options, track: Track, listener: Listener) -> Route:
-    """The route that the options ask for, and what a person should know of it."""
-    raised = _raised(track) if options.limits == "recorded" else {}
+def plan_route(options: Options, track: Track, listener: Listener) -> Route:
+    """The route that the options ask for; its notes are emitted.
+
+    Raises:
+        MissionError: The track cannot be flown as the options ask.
+    """
+    required_limits = _required_limits(track) if options.limits == "recorded" else {}
     if options.route == "fit":
-        route = _fitted(options, track, Limits(**raised), listener)
+        route = _fitted_route(options, track, Limits(**required_limits), listener)
     else:
-        route = _spaced(options, track)
+        route = _spaced_route(options, track)
     listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from tlog"))
     for note in route.notes:
         listener(Notice(f" {note}"))
-    return replace(route, required_limits=raised)
+    return replace(route, required_limits=required_limits)
 
 
-def _raised(track: Track) -> dict[str, float]:
+def _required_limits(track: Track) -> dict[str, float]:
     from flight_replay.planning.fit import recorded_limits
 
     return recorded_limits(track, Limits())
 
 
-def _spaced(options: Options, track: Track) -> Route:
+def _spaced_route(options: Options, track: Track) -> Route:
     return spaced_route(
         track,
         spacing_m=options.spacing_m,
@@ -64,10 +68,10 @@ def _spaced(options: Options, track: Track) -> Route:
     )
 
 
-def _fitted(options: Options, track: Track, limits: Limits, listener: Listener) -> Route:
+def _fitted_route(options: Options, track: Track, limits: Limits, listener: Listener) -> Route:
     from flight_replay.planning.fit import fit
 
-    found = fit(
+    result = fit(
         track,
         max_points=options.max_points,
         altitude_m=options.altitude_m,
@@ -77,11 +81,11 @@ def _fitted(options: Options, track: Track, limits: Limits, listener: Listener) 
     )
     return Route(
         method="fit",
-        mission=found.mission,
-        covered=found.flown,
-        path=planned_path(found.mission, found.frame),
-        planned_error=found.planned_error,
-        predicted_duration_s=found.predicted_duration_s,
-        predicted=PredictedErrors(found.path_error, found.position_error),
-        notes=found.notes,
+        mission=result.mission,
+        covered=result.flown,
+        path=planned_path(result.mission, result.frame),
+        planned_error=result.planned_error,
+        predicted_duration_s=result.predicted_duration_s,
+        predicted=PredictedErrors(result.path_error, result.position_error),
+        notes=result.notes,
     )

@@ -1,6 +1,6 @@
-"""Keeps the mission that was on board before a replay, and puts it back.
+"""Saves the mission on board before a replay overwrites it, and restores it.
 
-``python -m flight_replay.cli.restore FILE CONNECTION [BAUD]`` sends a kept mission to the vehicle.
+``python -m flight_replay.cli.restore FILE CONNECTION [BAUD]`` uploads a saved mission to the vehicle.
 """
 
 from __future__ import annotations
@@ -17,16 +17,18 @@ from flight_replay.errors import FlightReplayError
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
 
+USAGE = "usage: python -m flight_replay.cli.restore FILE CONNECTION [BAUD]"
 
-class Vehicle(Protocol):
+
+class MissionStorage(Protocol):
     """A vehicle whose mission can be read."""
 
     def mission_on_board(self) -> Mission:
         """The mission that is on board now."""
 
 
-def keep_mission(vehicle: Vehicle, folder: Path, now: datetime) -> Path | None:
-    """Save what is on board to a new ``.waypoints`` file; None if nothing is.
+def save_mission_on_board(vehicle: MissionStorage, folder: Path, now: datetime) -> Path | None:
+    """Save the mission on board to a new ``.waypoints`` file; None if there is no mission.
 
     Raises:
         FlightReplayError: The mission cannot be read or written.
@@ -40,21 +42,21 @@ def keep_mission(vehicle: Vehicle, folder: Path, now: datetime) -> Path | None:
 
 
 def _unused(path: Path) -> Path:
-    """The path, or one beside it: several vehicles' missions may be kept in the same second."""
+    """The path, or a numbered one: missions of several vehicles may be saved in the same second."""
     numbered = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
     return next(other for other in chain([path], numbered) if not other.exists())
 
 
-def restoring_line(path: Path, connection: str, baud: int) -> str:
-    """The command line that puts a kept mission back."""
+def restore_command(path: Path, connection: str, baud: int) -> str:
+    """The shell command that restores a saved mission."""
     speed = [str(baud)] if ":" not in connection else []
     return shlex.join(["python", "-m", "flight_replay.cli.restore", str(path), connection, *speed])
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Put a kept mission back on board; returns the exit status."""
+    """Upload a saved mission; returns the exit status."""
     if len(arguments) not in (2, 3) or (len(arguments) == 3 and not arguments[2].isdigit()):
-        sys.stderr.write("usage: python -m flight_replay.cli.restore FILE CONNECTION [BAUD]\n")
+        sys.stderr.write(USAGE + "\n")
         return 2
     from flight_replay import vehicle
 
@@ -66,7 +68,7 @@ def main(arguments: Sequence[str]) -> int:
     except FlightReplayError as error:
         sys.stderr.write(f"flight-replay: error: {error}\n")
         return 1
-    sys.stdout.write(f"{len(mission.items)} mission items are on board, as in {arguments[0]}\n")
+    sys.stdout.write(f"Restored {len(mission.items)} mission items from {arguments[0]}\n")
     return 0
 
 

@@ -51,7 +51,7 @@ def rival_objectives_m(track: Track, max_points: int, *, timed: bool) -> list[fl
 
 
 def test_a_straight_flight_needs_two_points() -> None:
-    """A dash at 15 m/s is one leg, flown on the line that was recorded."""
+    """A straight_track at 15 m/s is one leg, flown on the line that was recorded."""
     result = fit(along([(0, 0), (300, 100)], 15.0))
     assert len(result.mission.waypoints) == 2
     assert result.planned_error.max < 0.01

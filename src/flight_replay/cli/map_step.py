@@ -1,4 +1,4 @@
-"""Who watches a replay: everybody hears the same events."""
+"""The live map of ``--map``, for as long as the flight lasts."""
 
 from __future__ import annotations
 
@@ -14,23 +14,26 @@ from flight_replay.planning.route import Route
 
 
 @contextmanager
-def mapped(options: Options, route: Route, console: Console, listener: Listener) -> Iterator[Listener]:
-    """The listener, and with ``--map`` the live map; at a terminal, it stays until Enter after the flight."""
+def with_live_map(options: Options, route: Route, console: Console, listener: Listener) -> Iterator[Listener]:
+    """The listener, combined with the live map's if ``--map`` was given.
+
+    At a terminal the map is served until Enter is pressed after the flight.
+    """
     if not options.map:
         yield listener
         return
     from flight_replay.output.live_map.server import LiveMap
 
-    with LiveMap(route) as live:
-        listener(Notice(f"The map is at {live.url}"))
-        _open_browser(live.url)
-        yield combine_listeners(listener, live.listener)
-        if live.is_watched and sys.stdin.isatty():
+    with LiveMap(route) as live_map:
+        listener(Notice(f"Live map: {live_map.url}"))
+        _open_browser(live_map.url)
+        yield combine_listeners(listener, live_map.listener)
+        if live_map.is_watched and sys.stdin.isatty():
             _wait_for_enter(console)
 
 
 def _open_browser(url: str) -> None:
-    """Open the page where somebody sits before a screen; a browser in the terminal would hide the flight."""
+    """Open the page if there is a screen: a browser in the terminal would hide the flight."""
     has_screen = sys.platform in {"win32", "darwin"} or any(map(os.getenv, ("DISPLAY", "WAYLAND_DISPLAY")))
     if has_screen and sys.stdout.isatty():
         import webbrowser
@@ -40,6 +43,6 @@ def _open_browser(url: str) -> None:
 
 def _wait_for_enter(console: Console) -> None:
     with console.paused(), suppress(KeyboardInterrupt):
-        sys.stderr.write("The flight is over. The map stays until you press Enter: ")
+        sys.stderr.write("The flight is over. Press Enter to close the live map: ")
         sys.stderr.flush()
         sys.stdin.readline()

@@ -1,0 +1,39 @@
+"""map_step.py: the live map is there while the flight lasts."""
+
+import io
+import sys
+import webbrowser
+from urllib.request import urlopen
+
+import pytest
+
+from flight_replay.cli.map_step import with_live_map
+from flight_replay.cli.options import parse_options
+from flight_replay.events import Event, Notice
+from flight_replay.output.console.console import PlainConsole
+from flight_replay.planning.spacing import spaced_route
+from tests.helpers.made_tracks import straight_track
+
+
+def test_without_map_the_listener_is_unchanged() -> None:
+    """No server is started."""
+    listener = list[Event]().append
+    console = PlainConsole(io.StringIO())
+    with with_live_map(parse_options([]), spaced_route(straight_track()), console, listener) as combined:
+        assert combined is listener
+
+
+def test_the_map_is_served_and_opened_in_a_browser(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its address is printed; a browser opens where there is a screen."""
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    received: list[Event] = []
+    route, console = spaced_route(straight_track()), PlainConsole(io.StringIO())
+    with with_live_map(parse_options(["--map"]), route, console, received.append) as listener:
+        listener(Notice("hello"))
+        url = opened[0]
+        with urlopen(url, timeout=10) as page:
+            assert page.status == 200
+    assert received == [Notice(f"Live map: {url}"), Notice("hello")]
