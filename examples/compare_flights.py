@@ -1,8 +1,8 @@
-"""How far apart are two flights? In space, the second against the path of the first; and in time.
+"""Compare two flights: path error and position error of the second against the first.
 
     python examples/compare_flights.py [FIRST.tlog SECOND.tlog]
 
-Without arguments, the sample flight is compared with itself, flown half a metre farther north.
+Without arguments, the sample flight is compared with a copy of it half a metre farther north.
 """
 
 import sys
@@ -21,12 +21,13 @@ else:
     lat_deg, lon_deg = first.frame.to_degrees(first.north_east_m() + np.array([0.5, 0.0]))
     second = replace(first, lat_deg=lat_deg, lon_deg=lon_deg)
 
-frame = first.frame
-first_m, second_m = first.north_east_m(frame), second.north_east_m(frame)
-space = error_statistics(path_errors_m(second_m, first_m))
-late = error_statistics(
-    position_errors_m(second.time_s - second.time_s[0], second_m, first.time_s - first.time_s[0], first_m)
-)
-for name, distances in (("in space", space), ("in time", late)):
-    if distances is not None:
-        print(f"{name}: mean {distances.mean:.2f} m, p95 {distances.p95:.2f} m, max {distances.max:.2f} m")
+first_m, second_m = first.north_east_m(first.frame), second.north_east_m(first.frame)
+first_s, second_s = first.time_s - first.time_s[0], second.time_s - second.time_s[0]
+errors = {
+    "path error": path_errors_m(second_m, first_m),
+    "position error": position_errors_m(second_s, second_m, first_s, first_m),
+}
+for name, errors_m in errors.items():
+    error = error_statistics(errors_m)
+    if error is not None:
+        print(f"{name}: mean {error.mean:.2f} m, p95 {error.p95:.2f} m, max {error.max:.2f} m")

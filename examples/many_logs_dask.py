@@ -2,7 +2,7 @@
 
     python examples/many_logs_dask.py LOG.tlog LOG.tlog ...
 
-Reading and planning share nothing, so any way of running many processes does: Ray, or xargs -P.
+The logs are independent of each other, so that other schedulers work as well: Ray, or xargs -P.
 """
 
 import sys
@@ -17,7 +17,7 @@ from flight_replay.planning.spacing import spaced_route
 
 
 def plan(path: str) -> tuple[str, str]:
-    """A log's name, and what became of it: one bad log does not stop the others."""
+    """A log's name, and its plan or error: a log that cannot be read does not stop the others."""
     try:
         route = spaced_route(read_log(path).track)
     except FlightReplayError as error:

@@ -17,6 +17,6 @@ for flight in find_flights(log.track):
 
 route = spaced_route(log.track, altitude_m=20.0)
 print(f"{len(route.mission.waypoints)} waypoints, {route.path.length_m:.0f} m")
-print(f"at most {route.planned_error.max:.2f} m from the recorded fixes that they cover")
+print(f"planned path error: mean {route.planned_error.mean:.2f} m, max {route.planned_error.max:.2f} m")
 
 formats.save(sys.argv[2] if len(sys.argv) > 2 else "mission.waypoints", route.mission, route.covered)

@@ -1,4 +1,4 @@
-"""Replay a log on the built-in copter, twenty times faster than life, and measure how close it came.
+"""Replay a log on the built-in copter, twenty times faster than real time, and measure the path error.
 
 python examples/replay_builtin.py [LOG.tlog]
 """
@@ -19,8 +19,8 @@ from flight_replay.supervisor import Plan, WallClock, fly
 SPEEDUP = 20.0
 
 
-def tell(event: Event) -> None:
-    """Whatever happens is an event; here only one kind of them is of interest."""
+def listener(event: Event) -> None:
+    """The supervisor emits an event for everything that happens; this prints one kind of them."""
     if isinstance(event, WaypointReached):
         print(f"waypoint {event.seq} at {event.time_s:.1f} s")
 
@@ -34,7 +34,7 @@ with (
     vehicle.connect(copter.connection, speedup=SPEEDUP) as connected,
 ):
     connected.upload(route.mission)
-    record = fly(connected, WallClock(), Plan(mission=route.mission, duration_s=30.0), tell)
+    record = fly(connected, WallClock(), Plan(mission=route.mission, duration_s=30.0), listener)
 
 outcome = compare_flight(route, record)
 print(f"{record.waypoints_reached} waypoints in {record.auto_s:.0f} s of AUTO, ended by: {record.ended}")

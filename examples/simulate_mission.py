@@ -1,4 +1,4 @@
-"""How long will a mission take, and where will the copter really be? Asked of the flight model alone.
+"""How long does a mission take, and how close does the copter pass its waypoints? Only simulated.
 
     python examples/simulate_mission.py [MISSION.waypoints [NAME=VALUE ...]]
 

@@ -1,4 +1,4 @@
-"""examples/: each runs as it stands and says what it promises."""
+"""examples/: each example runs and prints its results."""
 
 from __future__ import annotations
 
@@ -31,30 +31,30 @@ def test_plan_only_saves_a_mission(tmp_path: Path) -> None:
 
 
 def test_replay_builtin_flies(tmp_path: Path) -> None:
-    """Half a minute of the mission is flown, within a metre of the recording."""
-    said = run("replay_builtin.py", tmp_path)
-    assert "waypoint 5 at" in said
-    assert "ended by: duration" in said
-    found = re.search(r"path error: mean ([\d.]+) m", said)
+    """Half a minute of the mission is flown with a path error below a metre."""
+    output = run("replay_builtin.py", tmp_path)
+    assert "waypoint 5 at" in output
+    assert "ended by: duration" in output
+    found = re.search(r"path error: mean ([\d.]+) m", output)
     assert found is not None
     assert float(found[1]) < 1
 
 
 def test_compare_flights_measures_half_a_metre(tmp_path: Path) -> None:
-    """The sample flight, moved by half a metre, is half a metre off in time and at most that in space."""
-    said = run("compare_flights.py", tmp_path)
-    assert re.search(r"in time: mean 0\.50 m, p95 0\.50 m, max 0\.50 m", said)
+    """The sample flight, moved by half a metre, has a position error of half a metre."""
+    output = run("compare_flights.py", tmp_path)
+    assert re.search(r"position error: mean 0\.50 m, p95 0\.50 m, max 0\.50 m", output)
     again = run("compare_flights.py", tmp_path, str(sample_log()), str(sample_log()))
-    assert "in space: mean 0.00 m" in again
-    assert "in time: mean 0.00 m, p95 0.00 m, max 0.00 m" in again
+    assert "path error: mean 0.00 m" in again
+    assert "position error: mean 0.00 m, p95 0.00 m, max 0.00 m" in again
 
 
 def test_many_logs_are_planned_in_parallel(tmp_path: Path) -> None:
-    """Every log has its line, a bad one too."""
+    """Every log has its line, also one that cannot be read."""
     pytest.importorskip("dask.bag")
     (tmp_path / "empty.tlog").touch()
-    said = run("many_logs_dask.py", tmp_path, str(sample_log()), "empty.tlog", str(sample_log()))
-    lines = said.splitlines()
+    output = run("many_logs_dask.py", tmp_path, str(sample_log()), "empty.tlog", str(sample_log()))
+    lines = output.splitlines()
     assert [line.split(":")[0] for line in lines] == ["flight.tlog", "empty.tlog", "flight.tlog"]
     assert "100 waypoints" in lines[0]
     assert "waypoints" not in lines[1]

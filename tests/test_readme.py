@@ -1,4 +1,4 @@
-"""The README says what the program does."""
+"""README.md agrees with the program."""
 
 import re
 
@@ -20,29 +20,29 @@ def block_after(mark: str) -> str:
 
 
 def test_readme_shows_the_help(monkeypatch: pytest.MonkeyPatch) -> None:
-    """--help and README agree word by word (pythons differ in how they break the usage line)."""
+    """--help and README have the same words (Python versions break the usage line differently)."""
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setenv("NO_COLOR", "1")
-    said = build_parser().format_help()
-    assert block_after("<!-- help -->").split()[-200:] == said.split()[-200:]
-    assert set(said.split()) == set(block_after("<!-- help -->").split())
+    shown = build_parser().format_help()
+    assert block_after("<!-- help -->").split()[-200:] == shown.split()[-200:]
+    assert set(shown.split()) == set(block_after("<!-- help -->").split())
 
 
 @pytest.mark.parametrize("name", ["replay", "test"])
 def test_readme_has_the_commands_that_ci_runs(name: str) -> None:
-    """Each of the two commands works by itself: it installs first."""
+    """Each of the two commands installs the package first."""
     assert block_after(f"<!-- ci: {name} -->").startswith("pip install")
 
 
 def test_readme_names_every_format() -> None:
-    """Every suffix that can be written is in the table of files."""
+    """Every suffix of an output file is in the table of files."""
     for suffix in (*SAVED_SUFFIXES, *SUFFIXES):
         assert f"`{suffix}`" in README
 
 
 def test_options_in_the_readme_exist() -> None:
-    """No option is told of that the program does not have."""
+    """Every option in the README is one of the program."""
     known = set(build_parser()._option_string_actions)
     other_programs = {"--master", "--listen", "--home"}
-    told = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README))
-    assert told <= known | other_programs
+    shown = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README))
+    assert shown <= known | other_programs

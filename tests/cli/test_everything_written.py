@@ -1,4 +1,4 @@
-"""One flight that writes everything it can, and the programs that people read such files with."""
+"""Every output file of one flight, read with the programs that people use for them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a flight of the sample with every kind of output."""
+    """A folder with every output file of a sample flight."""
     folder = tmp_path_factory.mktemp("written")
     options = ["--tlog", str(sample_log()), "--sim", "builtin", "--speedup", "20", "--duration", "20", "-q"]
     for suffix in formats.SAVED_SUFFIXES:
@@ -46,14 +46,14 @@ def test_pymavlink_loads_the_mission(written: Path) -> None:
 
 
 def test_the_plan_keeps_to_its_schema(written: Path) -> None:
-    """It is what QGroundControl's developer guide describes."""
+    """The schema is that of QGroundControl's developer guide."""
     jsonschema = pytest.importorskip("jsonschema")
     jsonschema.validate(json.loads((written / "mission.plan").read_text(encoding="utf-8")), PLAN_SCHEMA)
 
 
 @pytest.mark.parametrize("kind", ["kml", "gpx"])
 def test_gpsbabel_finds_every_waypoint_and_the_track(written: Path, kind: str) -> None:
-    """100 places and home, and all the recorded fixes that the route covers."""
+    """100 waypoints, home, and the recorded fixes that the route covers."""
     if shutil.which("gpsbabel") is None:
         pytest.skip("gpsbabel is not installed")
     out = written / f"from-{kind}.gpx"
@@ -71,7 +71,7 @@ def fixes(written: Path) -> list[dict[str, str]]:
 
 
 def test_geojson_and_csv_hold_the_same_track(written: Path) -> None:
-    """Fix by fix, longitude first in one and by name in the other."""
+    """Fix by fix; GeoJSON has the longitude first."""
     features: list[Any] = json.loads((written / "mission.geojson").read_text(encoding="utf-8"))["features"]
     (track,) = [each for each in features if each["properties"]["kind"] == "track"]
     rows = fixes(written)
@@ -81,15 +81,15 @@ def test_geojson_and_csv_hold_the_same_track(written: Path) -> None:
 
 
 def test_the_flight_was_recorded_as_a_log_that_can_be_replayed(written: Path) -> None:
-    """The recording is a .tlog with the vehicle's positions, up to 30 m and back at no place else."""
+    """The recording has the vehicle's positions, up to an altitude of 30 m."""
     track = read_log(written / "record.tlog").track
     assert len(track) > 50
     assert track.alt_m.max() == pytest.approx(30, abs=1)
 
 
 def test_pictures_and_report_are_there(written: Path) -> None:
-    """A PNG, and a page that tells how the flight went."""
+    """A PNG, and a page with the result."""
     assert (written / "plot.png").read_bytes().startswith(b"\x89PNG")
     page = (written / "report.html").read_text(encoding="utf-8")
-    assert "Flown for the time asked for." in page
+    assert "Flown for the requested duration." in page
     assert "ArduCopter" in page

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM at any moment: exit status 130 soon, RTL if it is armed, and nothing left behind."""
+"""Ctrl-C and SIGTERM at any moment: exit status 130 in time, RTL if armed, and nothing is left behind."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import pytest
 
 from tests.helpers.paths import SAMPLE
 
-ENDS_WITHIN_S = 10.0
+EXIT_TIMEOUT_S = 10.0
 OPTIONS = ["--tlog", str(SAMPLE), "--speedup", "8", "--takeoff-altitude", "10"]
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other signals")
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has oth
 
 @pytest.fixture
 def scratch(tmp_path: Path) -> Iterator[Path]:
-    """A place for scratch folders of its own, which must be empty again."""
+    """A folder for temporary files, which must be empty afterwards."""
     folder = tmp_path / "scratch"
     folder.mkdir()
     yield folder
@@ -32,17 +32,17 @@ def scratch(tmp_path: Path) -> Iterator[Path]:
 def interrupted(
     options: list[str], moment: str, scratch: Path, number: int = signal.SIGINT, again: Sequence[int] = ()
 ) -> tuple[int, str]:
-    """Status and words of a run that gets a signal once it has said ``moment``, and then those ``again``."""
+    """Status and output of a run that gets a signal at the line ``moment``, and then those of ``again``."""
     process = subprocess.Popen(
         [sys.executable, "-u", "-m", "flight_replay", *OPTIONS, *options],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=scratch.parent,
         env={**os.environ, "TMPDIR": str(scratch)},
     )  # fmt: skip
     assert process.stdout is not None
-    said = ""
+    output = ""
     with process.stdout:
         for line in process.stdout:
-            said += line
+            output += line
             if moment in line:
                 break
         process.send_signal(number)
@@ -50,14 +50,14 @@ def interrupted(
         for another in again:
             time.sleep(0.02)
             process.send_signal(another)
-        said += process.stdout.read()
+        output += process.stdout.read()
     status = process.wait(30)
-    assert time.monotonic() - began_s < ENDS_WITHIN_S
-    return status, said
+    assert time.monotonic() - began_s < EXIT_TIMEOUT_S
+    return status, output
 
 
-def children_of_nobody(name: str) -> list[str]:
-    """Processes of that name that still run."""
+def processes_with(name: str) -> list[str]:
+    """Command lines of running processes that contain ``name``."""
     listed = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True)
     return [line for line in listed.stdout.splitlines() if name in line]
 
@@ -75,56 +75,56 @@ MOMENTS = {
 @pytest.mark.slow
 @pytest.mark.parametrize(("moment", "armed"), MOMENTS.values(), ids=MOMENTS.keys())
 def test_ctrl_c_at_any_moment(moment: str, armed: bool, scratch: Path) -> None:
-    """130 within 10 s; once armed, RTL is commanded and its confirmation told."""
-    status, said = interrupted(["--sim", "builtin", "--duration", "6"], moment, scratch)
+    """The exit status is 130 within 10 s; if armed, RTL is commanded and confirmed."""
+    status, output = interrupted(["--sim", "builtin", "--duration", "6"], moment, scratch)
     assert status == 130
-    assert said.rstrip().endswith("flight-replay: error: interrupted")
-    assert ("The vehicle confirmed RTL" in said) is armed
-    assert "Traceback" not in said
+    assert output.rstrip().endswith("flight-replay: error: interrupted")
+    assert ("The vehicle confirmed RTL" in output) is armed
+    assert "Traceback" not in output
 
 
-def test_more_signals_do_not_hinder_the_way_home(scratch: Path) -> None:
-    """Ctrl-C three times, or a terminal that sends SIGHUP and SIGTERM: home first all the same."""
+def test_further_signals_do_not_prevent_rtl(scratch: Path) -> None:
+    """Neither Ctrl-C again, nor a terminal that sends SIGHUP and SIGTERM."""
     again = [signal.SIGINT, signal.SIGHUP, signal.SIGTERM]
-    status, said = interrupted(["--sim", "builtin"], "Starting mission", scratch, signal.SIGINT, again)
+    status, output = interrupted(["--sim", "builtin"], "Starting mission", scratch, signal.SIGINT, again)
     assert status == 130
-    assert "The vehicle confirmed RTL" in said
-    assert "Traceback" not in said
+    assert "The vehicle confirmed RTL" in output
+    assert "Traceback" not in output
 
 
-def test_a_signal_that_was_to_be_ignored_still_is(scratch: Path) -> None:
-    """``nohup flight-replay`` flies on when its terminal is closed."""
+def test_an_ignored_signal_stays_ignored(scratch: Path) -> None:
+    """``nohup flight-replay`` goes on when its terminal is closed."""
     options = ["--sim", "builtin", "--duration", "2"]
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
-        status, said = interrupted(options, "Starting mission", scratch, signal.SIGHUP)
+        status, output = interrupted(options, "Starting mission", scratch, signal.SIGHUP)
     finally:
         signal.signal(signal.SIGHUP, before)
     assert status == 0
-    assert "Completed..." in said
+    assert "Completed..." in output
 
 
-def test_sigterm_sends_the_vehicle_home_too(scratch: Path) -> None:
-    """As Ctrl-C does: RTL first."""
-    status, said = interrupted(["--sim", "builtin"], "Starting mission", scratch, signal.SIGTERM)
+def test_sigterm_commands_rtl(scratch: Path) -> None:
+    """As Ctrl-C does."""
+    status, output = interrupted(["--sim", "builtin"], "Starting mission", scratch, signal.SIGTERM)
     assert status == 130
-    assert "The vehicle confirmed RTL" in said
+    assert "The vehicle confirmed RTL" in output
 
 
 @pytest.mark.sitl
 @pytest.mark.skipif("SITL_BINARY" not in os.environ, reason="SITL_BINARY names no ArduCopter")
 @pytest.mark.parametrize(("moment", "armed"), MOMENTS.values(), ids=MOMENTS.keys())
 def test_ctrl_c_leaves_no_simulator(moment: str, armed: bool, scratch: Path) -> None:
-    """ArduPilot's simulator and its scratch folder are gone, whenever the program is interrupted."""
-    status, said = interrupted(["--sim", "sitl", "--duration", "20"], moment, scratch)
+    """SITL and its temporary folder are removed at every moment."""
+    status, output = interrupted(["--sim", "sitl", "--duration", "20"], moment, scratch)
     assert status == 130
-    assert ("The vehicle confirmed RTL" in said) is armed
-    assert children_of_nobody(str(scratch)) == []
+    assert ("The vehicle confirmed RTL" in output) is armed
+    assert processes_with(str(scratch)) == []
 
 
 @pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"], ids=["stdout", "all"])
 def test_a_program_without_standard_streams_works(closed: str, scratch: Path) -> None:
-    """A daemon may start it with them closed; the plan is written all the same."""
+    """A daemon may start it with them closed; the mission is saved."""
     plan = scratch.parent / "plan.waypoints"
     line = f'exec "$@" {closed}'
     command = [sys.executable, "-m", "flight_replay", "--tlog", str(SAMPLE), "--dry-run", "--save", str(plan)]

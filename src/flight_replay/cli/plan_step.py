@@ -77,7 +77,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         altitude_m=options.altitude_m,
         speed_m_s=options.speed_m_s,
         limits=limits,
-        progress=lambda done, total: listener(Progress("fit", done, total, "flights")),
+        progress=lambda done, total: listener(Progress("fit", done, total, "simulations")),
     )
     return Route(
         method="fit",
