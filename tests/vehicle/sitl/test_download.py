@@ -21,7 +21,7 @@ from flight_replay.events import Event, Progress
 from flight_replay.vehicle.sitl import download as module
 from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
 
-Answer = Callable[[http.server.BaseHTTPRequestHandler], None]
+Answer = Callable[[http.server.BaseHTTPRequestHandler], object]
 
 
 class StandIn:
@@ -148,11 +148,11 @@ def test_a_bad_download_leaves_nothing(web: StandIn, tmp_path: Path, answer: Ans
 
 def test_a_silent_server_is_given_up(web: StandIn, tmp_path: Path) -> None:
     """A connection that stays silent ends at its time limit."""
-    web.answer = lambda handler: time.sleep(3)
-    began_s = time.monotonic()
+    over = threading.Event()
+    web.answer = lambda handler: [over.wait(60)]
     with pytest.raises(SimulatorError, match="timed out"):
         download(source(web, tmp_path), silence_s=0.3)
-    assert time.monotonic() - began_s < 2.5
+    over.set()
 
 
 def test_a_slow_download_ends_at_its_time_limit(web: StandIn, tmp_path: Path) -> None:
@@ -191,25 +191,41 @@ def test_a_cache_that_cannot_be_written_is_told(web: StandIn, tmp_path: Path) ->
 
 
 def test_dronekit_sitls_addresses_are_used_over_https(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its plain http is not."""
+    """Its host and its cache, but not its plain http."""
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr(platform, "machine", lambda: "x86_64")
     found = dronekit_sitl_source()
     assert found.url == "https://dronekit-assets.s3.amazonaws.com/sitl/copter/sitl-linux-copter-3.3.tar.gz"
-    assert found.cache.parts[-2:] == (".dronekit", "sitl")
+    assert found.cache == Path.home() / ".dronekit" / "sitl"
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 14), reason="dronekit-sitl cannot be imported on Python 3.14")
+def test_the_addresses_are_those_of_dronekit_sitl() -> None:
+    """The package says the same."""
+    import dronekit_sitl
+
+    found = dronekit_sitl_source()
+    assert found.base_url == dronekit_sitl.sitl_host.replace("http://", "https://")
+    assert found.cache == Path(dronekit_sitl.sitl_target)
+
+
+def test_a_user_without_a_home_folder_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A container may run as a number without a name."""
+    pwd = pytest.importorskip("pwd")
+
+    def nobody(uid: int) -> None:
+        raise KeyError(uid)
+
+    monkeypatch.delenv("HOME")
+    monkeypatch.setattr(pwd, "getpwuid", nobody)
+    with pytest.raises(SimulatorError, match="set HOME, or name a binary with --sitl"):
+        dronekit_sitl_source()
 
 
 def test_machines_without_binaries_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """dronekit-sitl has none for ARM."""
     monkeypatch.setattr(platform, "machine", lambda: "aarch64")
     with pytest.raises(SimulatorError, match=r"no binary for .* on aarch64"):
-        dronekit_sitl_source()
-
-
-def test_a_python_without_dronekit_sitl_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Python 3.14 took away what dronekit-sitl imports."""
-    monkeypatch.setitem(sys.modules, "dronekit_sitl", None)
-    with pytest.raises(SimulatorError, match="dronekit-sitl cannot be used on Python"):
         dronekit_sitl_source()
 
 
@@ -279,15 +295,15 @@ def test_a_download_that_drips_has_a_time_limit(web: StandIn, tmp_path: Path) ->
     def drips(handler: http.server.BaseHTTPRequestHandler) -> None:
         handler.send_response(200)
         handler.end_headers()
-        while not over.wait(0.05):
+        for _ in range(1200):
+            if over.wait(0.05):
+                return
             handler.wfile.write(b"x")
 
     web.answer = drips
-    began_s = time.monotonic()
     with pytest.raises(SimulatorError, match="the download takes too long"):
         download(source(web, tmp_path), limit_s=0.5)
     over.set()
-    assert time.monotonic() - began_s < 5.0
 
 
 def test_a_broken_download_of_dronekit_sitl_makes_way(web: StandIn, tmp_path: Path) -> None:

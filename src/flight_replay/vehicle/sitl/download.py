@@ -16,6 +16,7 @@ import sys
 import tarfile
 import tempfile
 import time
+import urllib.error
 import urllib.parse
 import urllib.request
 import zlib
@@ -27,6 +28,9 @@ from flight_replay.errors import SimulatorError
 from flight_replay.events import Listener, Progress, ignore
 from flight_replay.vehicle.link.host_lookup import look_up
 
+_BASE_URL = "https://dronekit-assets.s3.amazonaws.com/sitl"
+_CACHE = Path("~/.dronekit/sitl")
+"""dronekit_sitl.sitl_host and sitl_target; the package cannot be imported on Python 3.14 and later."""
 _SYSTEM, _VERSION = "copter", "3.3"  # What dronekit_sitl.start_default() flies.
 _SILENCE_S = 8.0
 _LIMIT_S = 120.0
@@ -72,24 +76,19 @@ def dronekit_sitl_source() -> DownloadSource:
     """dronekit-sitl's addresses for this machine, over https.
 
     Raises:
-        SimulatorError: dronekit-sitl is not installed, does not run on this Python, or has no binaries
-            for this machine.
+        SimulatorError: dronekit-sitl has no binaries for this machine, or the user has no home folder.
     """
-    try:
-        import dronekit_sitl
-    except ImportError as error:
-        raise SimulatorError(
-            f"dronekit-sitl cannot be used on Python {platform.python_version()} ({error}); "
-            "name a binary with --sitl"
-        ) from error
     target = _PLATFORMS.get(sys.platform)
     if target is None or platform.machine().lower() not in _MACHINES:
         raise SimulatorError(
             f"dronekit-sitl has no binary for {platform.system()} on {platform.machine()}; "
             "name one with --sitl"
         )
-    base_url = dronekit_sitl.sitl_host.replace("http://", "https://")
-    return DownloadSource(base_url, Path(dronekit_sitl.sitl_target), target)
+    try:
+        cache = _CACHE.expanduser()
+    except RuntimeError as error:
+        raise SimulatorError(f"no folder for {_CACHE}: set HOME, or name a binary with --sitl") from error
+    return DownloadSource(_BASE_URL, cache, target)
 
 
 def download(
@@ -156,7 +155,7 @@ def _scratch(folder: Path) -> Iterator[Path]:
 def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: float) -> None:
     """Download an address to a file, completely and in time."""
     _resolve(url, silence_s)
-    with urllib.request.build_opener().open(url, timeout=silence_s) as answer, path.open("wb") as file:
+    with _answer(url, silence_s) as answer, path.open("wb") as file:
         total = int(answer.headers.get("Content-Length") or 0)
         done = 0
         # read1, because read waits for a whole chunk, however slow the server is.
@@ -169,6 +168,20 @@ def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: fl
             listener(Progress("ArduPilot SITL", done, total, "bytes"))
     if total and done != total:
         raise OSError(f"the download ended after {done} of {total} bytes")
+
+
+def _answer(url: str, silence_s: float) -> http.client.HTTPResponse:
+    """The open answer of a server.
+
+    Raises:
+        HTTPError: The server refuses; its answer is closed, which the error would leave open.
+    """
+    try:
+        answer: http.client.HTTPResponse = urllib.request.build_opener().open(url, timeout=silence_s)
+    except urllib.error.HTTPError as error:
+        error.close()
+        raise
+    return answer
 
 
 def _resolve(url: str, limit_s: float) -> None:

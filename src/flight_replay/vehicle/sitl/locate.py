@@ -30,7 +30,7 @@ def find_binary(
 
     Args:
         path: The binary named with ``--sitl``.
-        source: Where dronekit-sitl stores its binaries; None if it is not installed.
+        source: Where dronekit-sitl stores its binaries; None if it has none for this machine.
         environment: For ``SITL_BINARY`` and ``SITL_DEFAULTS_FILEPATH``, as for dronekit-sitl, and PATH.
 
     Raises:
