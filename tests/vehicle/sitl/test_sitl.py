@@ -21,6 +21,8 @@ from flight_replay.vehicle.sitl.locate import SitlBinary, find_binary
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-in binaries are scripts")
 
+BASE_PORT = 10_000 + 20 * (os.getpid() % 1000)
+"""Instead of 5760, so that tests and simulators that run at the same time do not take each other's ports."""
 START = Start(47.5, 8.25, 400.0, 90.0)
 HELP = "--home --model --speedup --defaults -I"
 WAITS = "print('Waiting for connection ....', flush=True); time.sleep(60)"
@@ -32,6 +34,7 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     folder = tmp_path / "scratch"
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    monkeypatch.setattr(process, "_BASE_PORT", BASE_PORT)
     yield folder
     assert list(folder.iterdir()) == []
 
@@ -40,7 +43,7 @@ def stand_in(folder: Path, body: str = WAITS, *, options: str = HELP, name: str 
     """A program that shows options for --help, and else does as it is told."""
     path = folder / name
     path.write_text(
-        f"#!{sys.executable}\nimport sys, time, os\n"
+        f"#!{sys.executable}\nimport sys, time, os\nBASE_PORT = {BASE_PORT}\n"
         f"if '--help' in sys.argv:\n    print({options!r})\n    sys.exit(0)\n{body}\n"
     )
     path.chmod(0o755)
@@ -79,7 +82,7 @@ def test_ports_that_another_takes_meanwhile_are_left_to_it(
 ) -> None:
     """Of two simulators that start at once the slower one ends, and is started anew on the next ports."""
     body = """
-port = 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))
+port = BASE_PORT + 10 * int(sys.argv[-1].removeprefix("-I"))
 import socket
 try:
     held = socket.create_server(("127.0.0.1", port))
@@ -119,7 +122,7 @@ def test_a_binary_too_old_for_parameter_files_is_told_each_parameter(tmp_path: P
     """It runs once to store them, and once more to fly with them."""
     body = """
 from flight_replay.simulator.server.cli import main
-port = 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))
+port = BASE_PORT + 10 * int(sys.argv[-1].removeprefix("-I"))
 print("Waiting for connection ....", open("runs", "a").write("x"), flush=True)
 main(["--listen", f"tcp:127.0.0.1:{port}", "--home", "47.5,8.25,400,90", "--speedup", "20"])
 """
