@@ -91,7 +91,6 @@ def test_a_module_name_means_one_module() -> None:
     assert twice == {}
 
 
-@pytest.mark.xfail(reason="Autopilot is being parted from what hangs on it", strict=False)
 def test_no_imports_go_in_a_circle() -> None:
     """The files can be read in an order in which each needs only those before it."""
     needs = {name: set(imported_by(tree)) - {name} for name, tree in MODULES.items()}

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from flight_replay.simulator.dynamics.shaping import (
     kinematic_limit,
-    limit_crosswise_first,
+    limit_accel_xy,
     shape_position,
-    shape_stop,
     shape_velocity,
+    shape_velocity_xy,
     sqrt_controller,
     step_towards,
     stopping_distance,
@@ -107,10 +107,10 @@ def test_a_velocity_error_is_met_with_the_full_acceleration_at_most() -> None:
 
 def test_a_horizontal_velocity_is_brought_to_rest_along_itself() -> None:
     """shape_stop brakes against the velocity, and does nothing at rest."""
-    north, east = shape_stop((3.0, -4.0), (0.0, 0.0), 2.5, 5.0, 0.01)
+    north, east = shape_velocity_xy((3.0, -4.0), (0.0, 0.0), 2.5, 5.0, 0.01)
     assert hypot(north, east) == pytest.approx(0.05)
     assert north / east == pytest.approx(-3.0 / 4.0)
-    assert shape_stop((0.0, 0.0), (0.0, 0.0), 2.5, 5.0, 0.01) == (0.0, 0.0)
+    assert shape_velocity_xy((0.0, 0.0), (0.0, 0.0), 2.5, 5.0, 0.01) == (0.0, 0.0)
 
 
 @settings(deadline=None)
@@ -122,14 +122,14 @@ def test_too_much_acceleration_gives_up_its_forward_part_first(
     speed = hypot(vn, ve)
     if 0 < speed < 1e-3:
         return
-    north, east = limit_crosswise_first((an, ae), (vn, ve), most)
+    north, east = limit_accel_xy((an, ae), (vn, ve), most)
     assert hypot(north, east) <= most * (1 + 1e-6)
     if speed > 0 and hypot(an, ae) > most:
         across = (ae * vn - an * ve) / speed
-        kept = (east * vn - north * ve) / speed
-        assert kept == pytest.approx(max(-most, min(most, across)), abs=1e-6)
+        stored_params = (east * vn - north * ve) / speed
+        assert stored_params == pytest.approx(max(-most, min(most, across)), abs=1e-6)
 
 
 def test_without_a_velocity_acceleration_is_just_shortened() -> None:
     """At rest there is no forward part to give up."""
-    assert limit_crosswise_first((3.0, 4.0), (0.0, 0.0), 2.5) == pytest.approx((1.5, 2.0))
+    assert limit_accel_xy((3.0, 4.0), (0.0, 0.0), 2.5) == pytest.approx((1.5, 2.0))

@@ -343,5 +343,5 @@ def test_items_become_local_by_their_frames() -> None:
     local = _local(Mission((waypoint(47.0, 8.001, 30.0), absolute, nowhere), home))
     assert local[0].up_m == local[1].up_m == 30.0
     assert local[0].north_east_m == pytest.approx((0.0, 75.9), abs=0.1)
-    assert local[2].place((1.0, 2.0, 3.0)) == (1.0, 2.0, 3.0)
+    assert local[2].position((1.0, 2.0, 3.0)) == (1.0, 2.0, 3.0)
     assert _local(Mission((), home)) == ()

@@ -54,7 +54,7 @@ def test_take_off_waits_runs_up_and_climbs_at_the_climb_speed() -> None:
     assert copter.time_s == pytest.approx(2.0 + 0.5 + 2.0 * 0.39, abs=0.15)
     fly(copter, lambda: copter.position_m[2] > 8.0)
     assert copter.velocity_m_s[2] == pytest.approx(2.5, abs=0.1)
-    fly(copter, lambda: copter.phase.done)
+    fly(copter, lambda: copter.submode.done)
     fly(copter, lambda: copter.time_s >= 25.0)
     assert copter.position_m == pytest.approx((0.0, 0.0, 20.0), abs=0.05)
     assert not copter.landed
@@ -83,7 +83,7 @@ def test_it_goes_to_a_place_and_rests_there() -> None:
     """GUIDED flies straight, within the waypoint speed, and stops at the place."""
     copter, place = hover(), (60.0, -40.0, 30.0)
     copter.goto(place)
-    places = fly(copter, lambda: copter.phase.done and off(copter, place) < 0.05)
+    places = fly(copter, lambda: copter.submode.done and off(copter, place) < 0.05)
     assert max(abs(n * 40 + e * 60) for n, e, _ in places) / hypot(40, 60) < 0.3
     fly(copter, lambda: copter.time_s > 60.0)
     assert off(copter, place) < 0.02
@@ -173,9 +173,9 @@ def test_a_nose_that_turned_home_turns_back_before_landing() -> None:
     """WP_YAW_BEHAVIOR 1: RTL looks home, and lands with the heading of arming."""
     copter = Copter(replace(LIMITS, wp_yaw_behavior=1.0), yaw_rad=1.0)
     copter.takeoff(20.0)
-    fly(copter, lambda: copter.phase.done)
+    fly(copter, lambda: copter.submode.done)
     copter.goto((0.0, 40.0, 20.0))
-    fly(copter, lambda: copter.phase.done)
+    fly(copter, lambda: copter.submode.done)
     copter.return_home()
     fly(copter, lambda: copter.position_m[1] < 20.0)
     assert degrees(copter.attitude_rad[2]) == pytest.approx(-90.0, abs=3.0)
@@ -250,7 +250,7 @@ def test_changed_limits_hold_from_then_on() -> None:
     copter.change_speed(1, 3.0)
     copter.goto((80.0, 0.0, 20.0))
     fastest = 0.0
-    while not copter.phase.done:
+    while not copter.submode.done:
         copter.step()
         fastest = max(fastest, hypot(*copter.velocity_m_s))
     assert 2.5 < fastest < 3.3
@@ -261,7 +261,7 @@ def test_limits_of_zero_are_none() -> None:
     limits = Limits.from_parameters({"ATC_ACCEL_R_MAX": 0, "ATC_ACCEL_Y_MAX": 0, "ATC_RATE_R_MAX": 60})
     copter = Copter(limits, position_m=(0, 0, 20))
     copter.goto((0.0, 40.0, 20.0))
-    fly(copter, lambda: copter.phase.done)
+    fly(copter, lambda: copter.submode.done)
     assert copter.attitude_rad[2] == pytest.approx(pi / 2, abs=0.05)
 
 

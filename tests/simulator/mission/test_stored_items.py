@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.mission.stored_items import (
-    ItemRefused,
+    ItemRejected,
     StoredItem,
-    float32,
     item_float,
     item_int,
-    stored,
+    to_stored_item,
 )
+from flight_replay.simulator.mission.stored_params import float32
 
 INVALID = dialect.MAV_MISSION_INVALID_PARAM1
 LAT, LON = 473977420, 85455940
@@ -40,8 +40,8 @@ def as_float(lat: float, lon: float) -> Any:
 
 
 def refusal(message: Any) -> int:
-    with pytest.raises(ItemRefused) as caught:
-        stored(message)
+    with pytest.raises(ItemRejected) as caught:
+        to_stored_item(message)
     return caught.value.result
 
 
@@ -53,7 +53,7 @@ def refusal(message: Any) -> int:
 )
 def test_places_of_item_int_are_kept_exactly(x: int, y: int, z: float) -> None:
     """Degrees times 1e7 come back bit for bit, altitudes to the centimetre."""
-    back = item_int(stored(as_int(x=x, y=y, z=z)), 1, current=False, system=255, component=0)
+    back = item_int(to_stored_item(as_int(x=x, y=y, z=z)), 1, current=False, system=255, component=0)
     assert (back.x, back.y) == (x, y)
     assert abs(back.z - z) <= 0.01 + abs(z) * 2**-23
 
@@ -62,7 +62,7 @@ def test_places_of_item_int_are_kept_exactly(x: int, y: int, z: float) -> None:
 @given(st.floats(-90, 90), st.floats(-180, 180))
 def test_places_of_float_items_lose_what_32_bit_floats_lose(lat: float, lon: float) -> None:
     """A MISSION_ITEM is off by at most half a step of its float, plus the step of the product."""
-    item = stored(as_float(lat, lon))
+    item = to_stored_item(as_float(lat, lon))
     assert abs(item.lat_e7 / 1e7 - lat) <= abs(lat) * 2**-23 + 1e-7
     assert abs(item.lon_e7 / 1e7 - lon) <= abs(lon) * 2**-23 + 1e-7
 
@@ -70,7 +70,7 @@ def test_places_of_float_items_lose_what_32_bit_floats_lose(lat: float, lon: flo
 def test_far_east_a_float_item_can_be_a_metre_off() -> None:
     """Beyond 128 degrees a float has steps of 1.5e-5 degrees, and of 128 once multiplied by 1e7."""
     meant = range(1491652000, 1491653000, 10)
-    off = [abs(stored(as_float(-35.363261, lon / 1e7)).lon_e7 - lon) for lon in meant]
+    off = [abs(to_stored_item(as_float(-35.363261, lon / 1e7)).lon_e7 - lon) for lon in meant]
     assert 70 < max(off) <= 76 + 64
 
 
@@ -97,19 +97,19 @@ def test_far_east_a_float_item_can_be_a_metre_off() -> None:
 )
 def test_parameters_are_kept_as_far_as_there_is_room(command: int, params: object, kept: object) -> None:
     """Each command keeps what ArduCopter's 15 bytes hold of its parameters."""
-    assert stored(as_int(command=command, params=params)).params == kept
+    assert to_stored_item(as_int(command=command, params=params)).params == kept
 
 
 def test_commands_without_a_place_keep_none() -> None:
     """Whatever a DO item carries as latitude, longitude or frame is gone."""
-    item = stored(as_int(command=178, frame=3))
-    assert (item.frame, item.lat_e7, item.lon_e7, item.alt_cm, item.is_place) == (0, 0, 0, 0, False)
+    item = to_stored_item(as_int(command=178, frame=3))
+    assert (item.frame, item.lat_e7, item.lon_e7, item.alt_cm) == (0, 0, 0, 0)
 
 
 @pytest.mark.parametrize(("sent", "kept"), [(0, 0), (5, 0), (2, 0), (3, 3), (6, 3), (10, 10), (11, 10)])
 def test_frames_are_kept_in_their_plain_form(sent: int, kept: int) -> None:
     """The _INT frames are the same frames."""
-    assert stored(as_int(frame=sent)).frame == kept
+    assert to_stored_item(as_int(frame=sent)).frame == kept
 
 
 @pytest.mark.parametrize(

@@ -95,7 +95,7 @@ def test_a_leg_without_length_is_over() -> None:
     assert spline.finished
     assert spline.advance(0.02) == ((1, 2, 3), STILL)
     assert spline.speed == 0.0
-    assert (spline.arriving, spline.origin_speed, spline.destination_speed) == (STILL, 0.0, 0.0)
+    assert (spline.destination_tangent, spline.origin_speed, spline.destination_speed) == (STILL, 0.0, 0.0)
 
 
 def test_a_curve_that_starts_with_jerk_only_gets_going() -> None:

@@ -24,8 +24,8 @@ def last_leg(home: tuple[float, float], rows: list[tuple[float, float, float]], 
     before, origin, destination = (
         (n, e, row[2]) for (n, e), row in zip(north_east[-3:], rows[-3:], strict=True)
     )
-    leaving = minus(origin, before) if straight else minus(destination, before)
-    return Ends(origin, destination, leaving, STILL)
+    origin_tangent = minus(origin, before) if straight else minus(destination, before)
+    return Ends(origin, destination, origin_tangent, STILL)
 
 
 @pytest.mark.parametrize(

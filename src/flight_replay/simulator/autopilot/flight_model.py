@@ -106,8 +106,8 @@ class FlightModel:
     @property
     def taking_off(self) -> bool:
         """Whether a take-off was commanded and is not done."""
-        phase = self._copter.phase
-        return self._takeoff_stuck or (isinstance(phase, TakeOff) and not phase.done)
+        submode = self._copter.submode
+        return self._takeoff_stuck or (isinstance(submode, TakeOff) and not submode.done)
 
     @property
     def target_m(self) -> Vector:

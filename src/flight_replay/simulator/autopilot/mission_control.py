@@ -15,9 +15,9 @@ from flight_replay.mavlink import dialect
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.simulator.autopilot.context import AutopilotContext
 from flight_replay.simulator.flight.auto import MissionRun
-from flight_replay.simulator.mission.item_names import SAYS_REACHED, name_of
+from flight_replay.simulator.mission.item_names import REPORTED_AS_REACHED, name_of
 from flight_replay.simulator.mission.item_order import ItemOrder
-from flight_replay.simulator.mission.local_items import LocalItem, as_flown, is_navigation
+from flight_replay.simulator.mission.local_items import LocalItem, copter_command, is_navigation
 from flight_replay.simulator.mission.stored_items import StoredItem
 
 _NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
@@ -171,7 +171,7 @@ class MissionControl:
         self._reported = len(run.reached)
         for seq in reached:
             item = self._items[seq - FIRST_SEQ]
-            if item.command in SAYS_REACHED:
+            if item.command in REPORTED_AS_REACHED:
                 autopilot.say(Severity.INFO, f"Reached command #{seq}")
             if item.is_navigation:
                 self._announce_next()
@@ -225,7 +225,11 @@ class MissionControl:
         items = self._autopilot.store.items[FIRST_SEQ:]
         return [
             LocalItem(
-                seq, as_flown(item.command), item.params, *self._local(item), item.frame == _ABOVE_TERRAIN
+                seq,
+                copter_command(item.command),
+                item.params,
+                *self._local(item),
+                item.frame == _ABOVE_TERRAIN,
             )
             for seq, item in enumerate(items, FIRST_SEQ)
         ]

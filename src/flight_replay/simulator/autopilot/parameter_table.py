@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import csv
 import math
-import struct
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
+
+from flight_replay.simulator.mission.stored_params import float32
 
 _TYPES = {"int8": 2, "int16": 4, "int32": 6, "real32": 9}
 _REAL = 9
@@ -36,7 +37,7 @@ def stored_value(value: float, param_type: int) -> float:
     Source: AP_Param::set_float.
     """
     if param_type not in _INTEGER_LIMITS:
-        return float(struct.unpack("<f", struct.pack("<f", value))[0])
+        return float32(value)
     low, high = _INTEGER_LIMITS[param_type]
     return float(min(max(int(value + math.copysign(_ROUNDING, value)), low), high))
 

@@ -54,17 +54,17 @@ class Air:
         self._linear, self._square = _drag_coefficients(home_amsl_m)
 
     def acceleration(
-        self, velocity: Vector, lean: tuple[float, float], nose: tuple[float, float], lift: float
+        self, velocity: Vector, lean: tuple[float, float], heading: tuple[float, float], lift: float
     ) -> Vector:
         """Acceleration by thrust, gravity and drag, north, east, up, m/s².
 
         Drag is square along each body axis, plus linear in speed and in the root of the thrust.
-        Air that comes from above lessens the thrust (Motor::calc_thrust).
+        Air that flows down through the rotors lessens the thrust (Motor::calc_thrust).
 
         Args:
             velocity: of the airframe, m/s.
             lean: horizontal part of the thrust over its vertical part, north and east.
-            nose: the heading's cosine and sine.
+            heading: its cosine and sine.
             lift: vertical part of the thrust in still air, m/s².
         """
         wn, we, wu = self.wind_m_s
@@ -77,7 +77,7 @@ class Air:
             thrust = max(0.0, thrust - GRAVITY_M_S2 * (up / _OUTFLOW_M_S) ** 2)
         linear, square = self._linear * sqrt(thrust / GRAVITY_M_S2), self._square
         n, e, u = n - up * tn, e - up * te, u - up * tu
-        hn, he = nose
+        hn, he = heading
         tilt = hn * tn + he * te
         xn, xe, xu = hn - tilt * tn, he - tilt * te, -tilt * tu
         ahead = (n * xn + e * xe + u * xu) / (xn * xn + xe * xe + xu * xu)

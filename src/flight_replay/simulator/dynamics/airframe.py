@@ -1,7 +1,7 @@
-"""The airframe that ArduPilot's SITL flies: what lean and throttle do to it, in still or moving air.
+"""The airframe that ArduPilot's SITL flies: its motion under lean and throttle, in still or moving air.
 
 Sources: AC_AttitudeControl.cpp (input_thrust_vector_heading, input_shaping_angle: how the lean
-follows the wish) and AP_MotorsMulticopter.cpp (the throttle filter); forces are in ``air``.
+follows its target) and AP_MotorsMulticopter.cpp (the throttle filter); forces are in ``aerodynamics``.
 Leans are kept as the horizontal part of the thrust over its vertical part, north and east;
 positions are metres north, east and up of home.
 """
@@ -27,9 +27,29 @@ class Airframe:
     """Position, velocity, lean and heading; ``step`` moves them on."""
 
     __slots__ = (
-        "_air", "_keep_lean", "_keep_throttle", "_limits", "_nose", "_target_e", "_target_n",
-        "_target_rate_e", "_target_rate_n", "_yaw_rate", "accel_u", "dt", "e", "lean_e", "lean_n", "n",
-        "on_ground", "throttle", "u", "ve", "vn", "vu", "yaw",
+        "_air",
+        "_heading_unit",
+        "_lean_decay",
+        "_limits",
+        "_target_e",
+        "_target_n",
+        "_target_rate_e",
+        "_target_rate_n",
+        "_throttle_decay",
+        "_yaw_rate",
+        "accel_u",
+        "dt",
+        "e",
+        "lean_e",
+        "lean_n",
+        "n",
+        "on_ground",
+        "throttle",
+        "u",
+        "ve",
+        "vn",
+        "vu",
+        "yaw",
     )  # fmt: skip
 
     def __init__(
@@ -44,22 +64,22 @@ class Airframe:
         self.vn = self.ve = self.vu = 0.0
         self.lean_n = self.lean_e = 0.0
         self._target_n = self._target_e = self._target_rate_n = self._target_rate_e = 0.0
-        self.yaw, self._yaw_rate, self._nose = yaw_rad, 0.0, (cos(yaw_rad), sin(yaw_rad))
+        self.yaw, self._yaw_rate, self._heading_unit = yaw_rad, 0.0, (cos(yaw_rad), sin(yaw_rad))
         self.on_ground = self.u <= 0
         self.throttle = 0.0 if self.on_ground else limits.hover_throttle
         self.accel_u = 0.0
         self.dt = dt
         self._limits = limits
         self._air = air
-        self._keep_throttle = exp(-dt / _THROTTLE_FILTER_S)
-        self._keep_lean = exp(-dt / _LEAN_LAG_S)
+        self._throttle_decay = exp(-dt / _THROTTLE_FILTER_S)
+        self._lean_decay = exp(-dt / _LEAN_LAG_S)
 
     def use_limits(self, limits: Limits) -> None:
-        """Go by other parameters from now on."""
+        """Use other limits from now on."""
         self._limits = limits
 
     def use_wind(self, wind_m_s: Vector) -> None:
-        """The air moves otherwise from now on."""
+        """Use another wind from now on."""
         self._air.wind_m_s = wind_m_s
 
     @property
@@ -77,15 +97,15 @@ class Airframe:
         return self._target_n, self._target_e
 
     def step(self, accel_n: float, accel_e: float, throttle: float) -> None:
-        """Move one step on under a wanted horizontal acceleration, m/s², and a throttle, 0 to 1."""
+        """Move one step on, with a demanded horizontal acceleration, m/s², and a throttle, 0 to 1."""
         dt = self.dt
         self._lean_towards(accel_n / GRAVITY_M_S2, accel_e / GRAVITY_M_S2)
-        self.throttle = throttle + (self.throttle - throttle) * self._keep_throttle
+        self.throttle = throttle + (self.throttle - throttle) * self._throttle_decay
         vn, ve, vu = self.vn, self.ve, self.vu
         # The throttle is divided by the cosine of the lean (AC_AttitudeControl::get_throttle_boosted).
         lift = GRAVITY_M_S2 * self.throttle / self._limits.hover_throttle
         an, ae, self.accel_u = self._air.acceleration(
-            (vn, ve, vu), (self.lean_n, self.lean_e), self._nose, lift
+            (vn, ve, vu), (self.lean_n, self.lean_e), self._heading_unit, lift
         )
         self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + self.accel_u * dt
         self.n += 0.5 * dt * (vn + self.vn)
@@ -96,7 +116,7 @@ class Airframe:
             self._rest()
 
     def _rest(self) -> None:
-        """Stand on the ground (SIM_Aircraft.cpp: GROUND_BEHAVIOR_NO_MOVEMENT)."""
+        """Stay at rest on the ground (SIM_Aircraft.cpp: GROUND_BEHAVIOR_NO_MOVEMENT)."""
         self.u = 0.0
         self.vn = self.ve = self.vu = 0.0
         self.accel_u = 0.0
@@ -104,19 +124,19 @@ class Airframe:
     def _lean_towards(self, lean_n: float, lean_e: float) -> None:
         """Move the attitude target with limited rate and acceleration, and the lean after it."""
         dt = self.dt
-        self._target_rate_n = self._shaped_rate(lean_n - self._target_n, self._target_rate_n)
-        self._target_rate_e = self._shaped_rate(lean_e - self._target_e, self._target_rate_e)
+        self._target_rate_n = self._next_lean_rate(lean_n - self._target_n, self._target_rate_n)
+        self._target_rate_e = self._next_lean_rate(lean_e - self._target_e, self._target_rate_e)
         self._target_n += self._target_rate_n * dt
         self._target_e += self._target_rate_e * dt
-        keep = self._keep_lean
-        self.lean_n = self._target_n + (self.lean_n - self._target_n) * keep
-        self.lean_e = self._target_e + (self.lean_e - self._target_e) * keep
+        decay = self._lean_decay
+        self.lean_n = self._target_n + (self.lean_n - self._target_n) * decay
+        self.lean_e = self._target_e + (self.lean_e - self._target_e) * decay
 
-    def _shaped_rate(self, error: float, rate: float) -> float:
+    def _next_lean_rate(self, error: float, rate: float) -> float:
         limits = self._limits
-        return self._turned(error, rate, limits.lean_accel_rad_s2, limits.lean_rate_rad_s)
+        return self._next_rate(error, rate, limits.lean_accel_rad_s2, limits.lean_rate_rad_s)
 
-    def _turned(self, error: float, rate: float, accel_max: float, rate_max: float) -> float:
+    def _next_rate(self, error: float, rate: float, accel_max: float, rate_max: float) -> float:
         """Next rate, rad/s, that removes an angle error; limits of 0 are none (input_shaping_angle)."""
         wanted = sqrt_controller(error, 1.0 / max(self._limits.attitude_input_s, 0.01), accel_max, self.dt)
         if rate_max > 0:
@@ -132,8 +152,8 @@ class Airframe:
             return
         # The rate fed forward counts as an error that it would remove.
         ahead = rate_rad_s * max(limits.attitude_input_s, 0.01)
-        self._yaw_rate = self._turned(
+        self._yaw_rate = self._next_rate(
             error + ahead, self._yaw_rate, limits.yaw_accel_rad_s2, limits.yaw_slew_rad_s
         )
         self.yaw = (self.yaw + self._yaw_rate * dt + pi) % (2.0 * pi) - pi
-        self._nose = cos(self.yaw), sin(self.yaw)
+        self._heading_unit = cos(self.yaw), sin(self.yaw)

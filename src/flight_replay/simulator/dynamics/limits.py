@@ -24,7 +24,7 @@ MIN_RADIUS_M = 0.05
 # Parameters.cpp: the range of ANGLE_MAX; AP_MotorsMulticopter.cpp: AP_MOTORS_THST_HOVER_MIN and _MAX.
 _LEAN_ANGLES_RAD = (10.0 * _DEG, 80.0 * _DEG)
 _HOVER_THROTTLES = (0.125, 0.6875)
-# Of these ArduCopter refuses or ignores what is not above zero.
+# Parameters of which ArduCopter refuses or ignores values that are not above zero.
 _POSITIVE = (
     "wp_accel_m_s2",
     "wp_accel_z_m_s2",
@@ -96,13 +96,13 @@ class Limits:
         for name, (field, scale) in PARAMETERS.items():
             if name in parameters:
                 limits = replace(limits, **{field: float(parameters[name]) * scale})
-        return limits._made_flyable()
+        return limits._with_valid_values()
 
-    def _made_flyable(self) -> Limits:
-        """Values that ArduCopter would not fly with, replaced or bounded as on board."""
+    def _with_valid_values(self) -> Limits:
+        """The limits with invalid values replaced or bounded as on board."""
         default = Limits()
-        kept = {name: getattr(self, name) for name in _POSITIVE if getattr(self, name) > 0}
-        limits = replace(self, **{name: kept.get(name, getattr(default, name)) for name in _POSITIVE})
+        valid = {name: getattr(self, name) for name in _POSITIVE if getattr(self, name) > 0}
+        limits = replace(self, **{name: valid.get(name, getattr(default, name)) for name in _POSITIVE})
         return replace(
             limits,
             wp_speed_m_s=max(self.wp_speed_m_s, MIN_SPEED_M_S),

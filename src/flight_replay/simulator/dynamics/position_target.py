@@ -1,4 +1,4 @@
-"""Where the position controller wants the vehicle to be, and how that moves on its own.
+"""The position controller's target, and how it is moved.
 
 Source: AC_PosControl.cpp (the input_... functions). A target has position, velocity and
 acceleration, and is moved within limits of speed, acceleration and jerk. Metres north, east, up of
@@ -13,8 +13,8 @@ from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.shaping import (
     kinematic_limit,
     shape_position,
-    shape_stop,
     shape_velocity,
+    shape_velocity_xy,
     sqrt_controller,
 )
 from flight_replay.simulator.dynamics.vector import Vector
@@ -23,8 +23,8 @@ from flight_replay.simulator.dynamics.vector import Vector
 _OVERSPEED_GAIN = 2.0
 
 
-class Targets:
-    """Target position, velocity and acceleration, with what limits their motion."""
+class PositionTarget:
+    """Target position, velocity and acceleration, and the limits of their motion."""
 
     __slots__ = (
         "_jerk", "_jerk_z", "accel_e", "accel_max", "accel_n", "accel_u", "accel_z_max", "dt", "e", "n",
@@ -48,34 +48,34 @@ class Targets:
         self.speed_max, self.speed_up, self.speed_down = level, up, down
 
     def set_target(self, position: Vector, velocity: Vector, accel: Vector) -> None:
-        """Take over a consistent position, velocity and acceleration."""
+        """Set position, velocity and acceleration, which must be consistent."""
         self.n, self.e, self.u = position
         self.vn, self.ve, self.vu = velocity
         self.accel_n, self.accel_e, self.accel_u = accel
 
-    def shape_rest(self) -> None:
+    def input_stop_xy(self) -> None:
         """Bring the horizontal target to rest (input_vel_accel_xy with zero velocity)."""
         self._move_xy()
         self._shape_xy(0.0, 0.0)
 
-    def shape_to(self, place: Vector) -> None:
-        """Move the target to a place along the straight line there (input_pos_xyz)."""
-        way = place[0] - self.n, place[1] - self.e, place[2] - self.u
-        length = hypot(*way)
-        speed = kinematic_limit(way, self.speed_max, self.speed_up, self.speed_down)
+    def input_position(self, position: Vector) -> None:
+        """Move the target to a position along the straight line there (input_pos_xyz)."""
+        offset = position[0] - self.n, position[1] - self.e, position[2] - self.u
+        length = hypot(*offset)
+        speed = kinematic_limit(offset, self.speed_max, self.speed_up, self.speed_down)
         level, rise = 0.0, 0.0
         if length > 0:
-            level, rise = speed * hypot(way[0], way[1]) / length, speed * abs(way[2]) / length
-        self._chase(place[0], place[1], level)
+            level, rise = speed * hypot(offset[0], offset[1]) / length, speed * abs(offset[2]) / length
+        self._move_towards(position[0], position[1], level)
         self._move_z()
         bounds = (-rise, rise, self.accel_z_max, self._jerk_z)
-        self.accel_u = shape_position(place[2] - self.u, self.vu, self.accel_u, bounds, self.dt)
+        self.accel_u = shape_position(position[2] - self.u, self.vu, self.accel_u, bounds, self.dt)
 
-    def shape_over(self, north: float, east: float) -> None:
-        """Move the horizontal target to a place (input_pos_vel_accel_xy)."""
-        self._chase(north, east, self.speed_max)
+    def input_position_xy(self, north: float, east: float) -> None:
+        """Move the horizontal target to a position (input_pos_vel_accel_xy)."""
+        self._move_towards(north, east, self.speed_max)
 
-    def _chase(self, north: float, east: float, speed: float) -> None:
+    def _move_towards(self, north: float, east: float, speed: float) -> None:
         self._move_xy()
         dn, de = north - self.n, east - self.e
         size = hypot(dn, de)
@@ -85,14 +85,14 @@ class Targets:
             wanted = min(sqrt_controller(size, gain, 0.5 * self.accel_max, self.dt), speed) / size
         self._shape_xy(dn * wanted, de * wanted)
 
-    def shape_altitude(self, up_m: float) -> None:
+    def input_altitude(self, up_m: float) -> None:
         """Move the vertical target to an altitude (input_pos_vel_accel_z)."""
         self._move_z()
         gain = self._overspeed_gain()
         bounds = (-self.speed_down, self.speed_up, self.accel_z_max * gain, self._jerk_z * gain)
         self.accel_u = shape_position(up_m - self.u, self.vu, self.accel_u, bounds, self.dt)
 
-    def shape_climb(self, rate_m_s: float) -> None:
+    def input_climb_rate(self, rate_m_s: float) -> None:
         """Move the vertical target at a climb rate (input_vel_accel_z)."""
         self._move_z()
         gain = self._overspeed_gain()
@@ -102,7 +102,7 @@ class Targets:
 
     def _shape_xy(self, vn: float, ve: float) -> None:
         """Accelerate the horizontal target towards a velocity."""
-        self.accel_n, self.accel_e = shape_stop(
+        self.accel_n, self.accel_e = shape_velocity_xy(
             (self.vn - vn, self.ve - ve), (self.accel_n, self.accel_e), self.accel_max, self._jerk, self.dt
         )
 

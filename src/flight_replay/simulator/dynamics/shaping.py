@@ -83,10 +83,10 @@ def shape_position(
     return shape_velocity(clamp(wanted, speed_min, speed_max) - speed, accel, accel_max, jerk, dt)
 
 
-def shape_stop(
+def shape_velocity_xy(
     speed: tuple[float, float], accel: tuple[float, float], accel_max: float, jerk: float, dt: float
 ) -> tuple[float, float]:
-    """Next horizontal acceleration that brings a velocity to rest (shape_vel_accel_xy, zero input)."""
+    """Next horizontal acceleration that removes a velocity error (shape_vel_accel_xy)."""
     vn, ve = speed
     size = hypot(vn, ve)
     rate = min(sqrt_controller(size, jerk / accel_max, jerk, dt), accel_max) if size > 0 else 0.0
@@ -97,10 +97,10 @@ def shape_stop(
     return accel[0] + dn * keep, accel[1] + de * keep
 
 
-def limit_crosswise_first(
+def limit_accel_xy(
     accel: tuple[float, float], speed: tuple[float, float], accel_max: float
 ) -> tuple[float, float]:
-    """Shorten an acceleration to ``accel_max``, giving up the part along the velocity first.
+    """Limit an acceleration to ``accel_max``, first of all its part along the velocity.
 
     Source: limit_accel_xy in control.cpp.
     """

@@ -15,22 +15,22 @@ _INTEGRATOR_MAX = 10.0
 class VelocityPid:
     """Velocity error, m/s north and east, to acceleration, m/s²."""
 
-    __slots__ = ("_dt", "_error", "_integral", "_limited", "_part", "_rate")
+    __slots__ = ("_alpha", "_dt", "_error", "_integral", "_limited", "_rate")
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
-        self._part = 1.0 - exp(-dt / FILTER_S)
-        self.restart((0.0, 0.0))
+        self._alpha = 1.0 - exp(-dt / FILTER_S)
+        self.reset((0.0, 0.0))
 
-    def restart(self, accel: tuple[float, float]) -> None:
-        """Begin anew from an acceleration that is flown already."""
+    def reset(self, accel: tuple[float, float]) -> None:
+        """Reset to an acceleration that is flown already."""
         self._integral = accel
         self._error: tuple[float, float] | None = None
         self._rate = (0.0, 0.0)
         self._limited = (0.0, 0.0)
 
-    def limited(self, wanted: tuple[float, float]) -> None:
-        """Tell what was wanted but not allowed, so that the integral does not grow that way."""
+    def set_limited(self, wanted: tuple[float, float]) -> None:
+        """Set the acceleration that was not allowed, so that the integral does not grow that way."""
         self._limited = wanted
 
     def advance(self, limits: Limits, error: tuple[float, float]) -> tuple[float, float]:
@@ -38,19 +38,19 @@ class VelocityPid:
         if self._error is None:
             self._error = error
         else:
-            (before_n, before_e), part, dt = self._error, self._part, self._dt
+            (before_n, before_e), part, dt = self._error, self._alpha, self._dt
             step_n, step_e = (error[0] - before_n) * part, (error[1] - before_e) * part
             self._error = before_n + step_n, before_e + step_e
             rate_n, rate_e = self._rate
             self._rate = rate_n + (step_n / dt - rate_n) * part, rate_e + (step_e / dt - rate_e) * part
         n, e = self._error
-        integral_n, integral_e = self._integral = self._integrated(
+        integral_n, integral_e = self._integral = self._next_integral(
             n * limits.velocity_i, e * limits.velocity_i
         )
         p, d = limits.velocity_p, limits.velocity_d
         return n * p + integral_n + self._rate[0] * d, e * p + integral_e + self._rate[1] * d
 
-    def _integrated(self, growth_n: float, growth_e: float) -> tuple[float, float]:
+    def _next_integral(self, growth_n: float, growth_e: float) -> tuple[float, float]:
         """The integral a step on; it does not grow against a limit (AC_PID_2D::update_i)."""
         n, e = self._integral
         most = _INTEGRATOR_MAX

@@ -1,1 +1,1 @@
-"""What a copter can be doing, and whole trajectories; no I/O, no clock."""
+"""The flight model: modes, submodes and whole trajectories; no I/O, no clock."""

@@ -1,4 +1,4 @@
-"""AUTO: flies the items of a mission one after the other.
+"""AUTO: flies the items of a mission in order.
 
 Sources: AP_Mission.cpp (update, advance_current_nav_cmd: the first DO item of a group starts with
 the navigation item after it) and ArduCopter/mode_auto.cpp, whose functions are named below.
@@ -10,12 +10,13 @@ from collections.abc import Sequence
 
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.simulator.dynamics.vector import Vector
-from flight_replay.simulator.flight.auto_do_commands import MissionDoing
+from flight_replay.simulator.flight.auto_do_commands import DoCommands
 from flight_replay.simulator.flight.auto_legs import MissionLegs
 from flight_replay.simulator.flight.circle import Circle
+from flight_replay.simulator.flight.flight_control import FlightControl
 from flight_replay.simulator.flight.landing import Landing
-from flight_replay.simulator.flight.phase import Flight, Phase
-from flight_replay.simulator.flight.rtl import Return
+from flight_replay.simulator.flight.rtl import ReturnToLaunch
+from flight_replay.simulator.flight.submode import SubMode
 from flight_replay.simulator.flight.takeoff import TakeOff
 from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
@@ -26,19 +27,19 @@ _FIRST_CLIMB_M = 1.0
 class MissionRun:
     """AUTO from item ``start_seq`` on; ``reached`` grows by (seq, seconds since AUTO began).
 
-    DO items count as reached too. ArduCopter tells its stations only the last item of one instant.
+    DO items count as reached too; ArduCopter reports only the last item of each step.
     """
 
-    def __init__(self, flight: Flight, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> None:
+    def __init__(self, flight: FlightControl, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> None:
         self._flight = flight
         self._order = ItemOrder(items)
         self._legs = MissionLegs(flight, self._order)
-        self._do = MissionDoing(flight)
+        self._do = DoCommands(flight)
         self.reached: list[tuple[int, float]] = []
         self.completed = False
         self.steps = 0
         self._item: LocalItem | None = None
-        self._phase: Phase | None = None
+        self._submode: SubMode | None = None
         self._next_seq = start_seq
         self._since_s: float | None = None
         self._circle_radius_m = flight.limits.circle_radius_m
@@ -49,16 +50,16 @@ class MissionRun:
     @property
     def time_s(self) -> float:
         """Seconds since AUTO began."""
-        return self.steps * self._flight.body.dt
+        return self.steps * self._flight.airframe.dt
 
     @property
     def current_seq(self) -> int:
-        """The navigation item that is flown, or was last; 0 before the first."""
+        """The navigation item that is flown or was last, 0 before the first."""
         return self._item.seq if self._item else 0
 
     @property
     def loitering(self) -> bool:
-        """Whether the vehicle waits at an item that never ends."""
+        """Whether the vehicle loiters at an item that never ends."""
         endless = self._item is not None and self._item.command == Command.LOITER_UNLIMITED
         return endless and self._flight.navigation.reached
 
@@ -70,33 +71,33 @@ class MissionRun:
     @property
     def landing(self) -> bool:
         """Whether the vehicle descends to land."""
-        phase = self._phase
-        return isinstance(phase, Landing) or (isinstance(phase, Return) and phase.landing)
+        submode = self._submode
+        return isinstance(submode, Landing) or (isinstance(submode, ReturnToLaunch) and submode.landing)
 
     @property
     def done(self) -> bool:
         """Whether the vehicle has landed, so that its motors may stop."""
-        return isinstance(self._phase, Landing | Return) and self._phase.done
+        return isinstance(self._submode, Landing | ReturnToLaunch) and self._submode.done
 
     def step(self) -> None:
-        """Check the item, go on to the next if it is done, and fly one step."""
+        """Go on to the next item if this one is done, and fly one step."""
         if not self.completed:
             self._update()
         flight = self._flight
-        if self._phase is not None:
-            self._phase.step()
+        if self._submode is not None:
+            self._submode.step()
         else:
             flight.navigation.advance()
-            flight.heading.update()
+            flight.auto_yaw.update()
         self.steps += 1
-        if self._item is not None and isinstance(self._phase, Return) and self._phase.done:
+        if self._item is not None and isinstance(self._submode, ReturnToLaunch) and self._submode.done:
             # RTL is reached when it has landed; LAND never is (ModeAuto::verify_RTL, verify_land).
             self.reached.append((self._item.seq, self.time_s))
 
     def _update(self) -> None:
         if self._item is None:
             self._advance()
-        elif self._verify(self._item):
+        elif self._is_done(self._item):
             self.reached.append((self._item.seq, self.time_s))
             self._advance()
         self.reached.extend((seq, self.time_s) for seq in self._do.finished(self.time_s))
@@ -107,82 +108,82 @@ class MissionRun:
         self._do.begin([each for each in passed if not each.is_navigation], self.time_s)
         if item is None:
             self.completed = True
-            self._stay()
+            self._loiter()
             return
         self._item, self._next_seq = item, item.seq + 1
         self._since_s = None
         self._start(item)
 
-    def _stay(self) -> None:
-        """Stay at the stopping point (ModeAuto::loiter_start)."""
+    def _loiter(self) -> None:
+        """Hold at the stopping point (ModeAuto::loiter_start)."""
         flight = self._flight
-        if not isinstance(self._phase, Landing | Return):
-            self._navigate_again()
-            flight.navigation.fly_straight(flight.control.stopping_point())
-            flight.heading.hold()
+        if not isinstance(self._submode, Landing | ReturnToLaunch):
+            self._restart_navigation()
+            flight.navigation.set_wp_destination(flight.control.stopping_point())
+            flight.auto_yaw.hold()
 
     # starting items
 
     def _start(self, item: LocalItem) -> None:
         flight = self._flight
         if item.command == Command.TAKEOFF:
-            climb = _FIRST_CLIMB_M if flight.body.on_ground else 0.0
-            self._phase = TakeOff(flight, max(item.place(flight.position)[2], flight.body.u + climb))
+            climb = _FIRST_CLIMB_M if flight.airframe.on_ground else 0.0
+            self._submode = TakeOff(flight, max(item.position(flight.position)[2], flight.airframe.u + climb))
         elif item.command == Command.RETURN_TO_LAUNCH:
-            self._phase = Return(flight)
+            self._submode = ReturnToLaunch(flight)
         elif item.command == Command.LAND:
             self._start_landing(item)
         elif item.command == Command.LOITER_TURNS:
-            self._navigate_again()
+            self._restart_navigation()
             self._start_circle(item)
         elif item.command != Command.DELAY:
-            self._navigate_again()
+            self._restart_navigation()
             self._legs.start(item)
 
-    def _navigate_again(self) -> None:
-        """Let navigation begin anew where another phase has flown in between (ModeAuto::wp_start).
+    def _restart_navigation(self) -> None:
+        """Restart navigation after another submode has flown (ModeAuto::wp_start).
 
-        After a take-off too it begins at the stopping point: up to 4.6 _AutoTakeoff::get_position does not
-        hand out the place that it should begin at.
+        After a take-off too it starts at the stopping point: up to 4.6 _AutoTakeoff::get_position
+        does not give the position that it should start at.
         """
-        if self._phase is None:
+        if self._submode is None:
             return
-        self._phase = None
+        self._submode = None
         self._flight.navigation.start(self._do.speed_m_s)
-        self._do.use_speeds()
+        self._do.restore_speeds()
 
     def _start_landing(self, item: LocalItem) -> None:
-        """Land here, or fly to the place first (ModeAuto::do_land)."""
+        """Land here, or fly to the item's position first (ModeAuto::do_land)."""
         flight = self._flight
         if item.north_east_m is None:
-            self._phase = Landing(flight)
+            self._submode = Landing(flight)
             return
-        self._navigate_again()
-        flight.navigation.fly_straight((*item.north_east_m, flight.body.u))
-        flight.heading.use_default()
+        self._restart_navigation()
+        flight.navigation.set_wp_destination((*item.north_east_m, flight.airframe.u))
+        flight.auto_yaw.set_default_mode()
 
     def _start_circle(self, item: LocalItem) -> None:
-        """Circle around a place; param1 turns, param3 radius, below 0 counterclockwise.
+        """Circle around a position; param1 turns, param3 radius, below 0 counterclockwise.
 
-        Without a radius it is as wide as the last (ModeAuto::circle_movetoedge_start).
+        Without a radius the last one is kept (ModeAuto::circle_movetoedge_start).
         """
         turns, radius = item.params[0], item.params[2]
         self._circle_radius_m = abs(radius) or self._circle_radius_m
-        centre = item.place(self._flight.position)
-        self._phase = Circle(self._flight, centre, self._circle_radius_m, -turns if radius < 0 else turns)
+        centre = item.position(self._flight.position)
+        self._submode = Circle(self._flight, centre, self._circle_radius_m, -turns if radius < 0 else turns)
 
     # ending items
 
-    def _verify(self, item: LocalItem) -> bool:
+    def _is_done(self, item: LocalItem) -> bool:
         """Whether an item is done, so that the next may start (ModeAuto::verify_command)."""
         if item.command == Command.DELAY:
             return self._waited(item.params[0])
         if item.command == Command.LAND:
-            if self._phase is None and self._flight.navigation.reached:
-                self._phase = Landing(self._flight)
+            if self._submode is None and self._flight.navigation.reached:
+                self._submode = Landing(self._flight)
             return False
-        if self._phase is not None:
-            return self._phase.done
+        if self._submode is not None:
+            return self._submode.done
         if item.command == Command.LOITER_UNLIMITED or not self._flight.navigation.reached:
             return False
         return self._waited(item.params[0])

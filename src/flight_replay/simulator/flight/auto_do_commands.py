@@ -1,7 +1,7 @@
-"""What a mission does on the way: DO and CONDITION items (mode_auto.cpp, AP_Mission.cpp).
+"""DO and CONDITION items, which run beside the navigation items (mode_auto.cpp, AP_Mission.cpp).
 
 The first of a group starts with the navigation item after it, each further one when the one
-before is over.
+before is done.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from math import hypot, radians
 
 from flight_replay.mission.items import Command
-from flight_replay.simulator.flight.phase import Flight
+from flight_replay.simulator.flight.flight_control import FlightControl
 from flight_replay.simulator.mission.local_items import (
     CONDITION_DELAY,
     CONDITION_DISTANCE,
@@ -21,10 +21,10 @@ from flight_replay.simulator.mission.local_items import (
 _UP, _DOWN = 2, 3
 
 
-class MissionDoing:
-    """The DO items that are under way, and the speeds that they have set."""
+class DoCommands:
+    """The DO items that are running, and the speeds that they have set."""
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: FlightControl) -> None:
         self._flight = flight
         self._items: list[LocalItem] = []
         self._since_s = 0.0
@@ -36,13 +36,13 @@ class MissionDoing:
         self._start(time_s)
 
     def finished(self, time_s: float) -> Iterator[int]:
-        """Sequence numbers of items that are over; starts what follows them."""
-        while self._items and self._is_over(self._items[0], time_s):
+        """Sequence numbers of items that are done; starts those after them."""
+        while self._items and self._is_done(self._items[0], time_s):
             yield self._items.pop(0).seq
             self._start(time_s)
 
-    def use_speeds(self) -> None:
-        """Climb and descend as the mission has asked for, after navigation has begun anew."""
+    def restore_speeds(self) -> None:
+        """Set the climb and descent speeds of the mission again, after navigation has restarted."""
         navigation = self._flight.navigation
         if self._up_m_s > 0:
             navigation.set_speed_up(self._up_m_s)
@@ -58,7 +58,9 @@ class MissionDoing:
             self._change_speed(int(item.params[0]), item.params[1])
         elif item.command == CONDITION_YAW:
             angle, rate, direction, relative = item.params
-            self._flight.heading.fix(radians(angle), radians(rate), direction, relative=relative > 0)
+            self._flight.auto_yaw.set_fixed_yaw(
+                radians(angle), radians(rate), direction, relative=relative > 0
+            )
 
     def _change_speed(self, kind: int, speed_m_s: float) -> None:
         """ModeAuto::do_change_speed."""
@@ -75,15 +77,15 @@ class MissionDoing:
             self.speed_m_s = speed_m_s
             navigation.set_speed(speed_m_s)
 
-    def _is_over(self, item: LocalItem, time_s: float) -> bool:
-        """ModeAuto::verify_command, of conditions; what is done at once is over at once."""
+    def _is_done(self, item: LocalItem, time_s: float) -> bool:
+        """Whether an item is done (ModeAuto::verify_command); those without a condition are at once."""
         flight = self._flight
         if item.command == CONDITION_YAW:
-            flight.heading.go_on()
-            return flight.heading.reached
+            flight.auto_yaw.resume_fixed_yaw()
+            return flight.auto_yaw.reached
         if item.command == CONDITION_DELAY:
             return time_s - self._since_s > item.params[0]
         if item.command == CONDITION_DISTANCE:
             n, e, _ = flight.navigation.destination
-            return hypot(flight.body.n - n, flight.body.e - e) < item.params[0]
+            return hypot(flight.airframe.n - n, flight.airframe.e - e) < item.params[0]
         return True

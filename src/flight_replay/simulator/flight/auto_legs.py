@@ -1,4 +1,4 @@
-"""How AUTO flies from one waypoint to the next, and tells navigation what comes after it.
+"""How AUTO flies from one waypoint to the next, with the leg after it known to navigation.
 
 Source: ArduCopter/mode_auto.cpp, whose functions are named below.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from flight_replay.mission.items import Command
 from flight_replay.simulator.dynamics.vector import Vector, minus
-from flight_replay.simulator.flight.phase import Flight
+from flight_replay.simulator.flight.flight_control import FlightControl
 from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
 
@@ -16,53 +16,57 @@ _LOITERS = frozenset({Command.LOITER_UNLIMITED, Command.LOITER_TIME})
 
 
 class MissionLegs:
-    """Legs to the places of a mission's items; a waypoint is a stop unless the leg after it is known."""
+    """Legs to a mission's items; the copter stops at a waypoint unless the leg after it is known."""
 
-    def __init__(self, flight: Flight, order: ItemOrder) -> None:
+    def __init__(self, flight: FlightControl, order: ItemOrder) -> None:
         self._flight = flight
         self._order = order
 
     def start(self, item: LocalItem) -> None:
-        """Fly to an item's place (do_nav_wp, do_spline_wp, do_loiter_unlimited)."""
+        """Fly to an item's position (do_nav_wp, do_spline_wp, do_loiter_unlimited)."""
         flight = self._flight
         navigation = flight.navigation
         if item.command in _LOITERS:
             n, e, _ = flight.control.stopping_point()
-            navigation.fly_straight(item.place((n, e, flight.body.u)))
+            navigation.set_wp_destination(item.position((n, e, flight.airframe.u)))
         else:
             default = navigation.destination if navigation.reached else flight.position
-            place = item.place(default)
+            position = item.position(default)
             if item.command == Command.SPLINE_WAYPOINT:
-                navigation.fly_spline(place, self._arriving(item, place, navigation.destination))
+                navigation.set_spline_destination(
+                    position, self._destination_tangent(item, position, navigation.destination)
+                )
             else:
-                navigation.fly_straight(place)
-            self._announce(item, place)
-        flight.heading.use_default()
+                navigation.set_wp_destination(position)
+            self._set_next(item, position)
+        flight.auto_yaw.set_default_mode()
 
     def _following(self, item: LocalItem) -> LocalItem | None:
         """The navigation item after this one, unless the vehicle stops here.
 
-        It does so between heights above home and above terrain (AC_WPNav::set_wp_destination_next).
+        It also stops between altitudes above home and above terrain (AC_WPNav::set_wp_destination_next).
         """
         following = None if item.params[0] >= 1 else self._order.peek(item.seq + 1)
         return following if following and following.above_terrain == item.above_terrain else None
 
-    def _arriving(self, item: LocalItem, place: Vector, origin: Vector) -> Vector:
+    def _destination_tangent(self, item: LocalItem, position: Vector, origin: Vector) -> Vector:
         """Tangent at the end of a spline leg (get_spline_from_cmd, AC_WPNav::set_spline_destination)."""
         following = self._following(item)
         if following is None:
             return 0.0, 0.0, 0.0
         return minus(
-            following.place(place), origin if following.command == Command.SPLINE_WAYPOINT else place
+            following.position(position), origin if following.command == Command.SPLINE_WAYPOINT else position
         )
 
-    def _announce(self, item: LocalItem, place: Vector) -> None:
-        """Tell navigation of the leg after this one, if it need not stop (ModeAuto::set_next_wp)."""
+    def _set_next(self, item: LocalItem, position: Vector) -> None:
+        """Set the leg after this one, if the vehicle need not stop (ModeAuto::set_next_wp)."""
         following = self._following(item)
         if following is None:
             return
-        beyond = following.place(place)
+        beyond = following.position(position)
         if following.command in _STRAIGHT_NEXT:
-            self._flight.navigation.then_straight(beyond)
+            self._flight.navigation.set_wp_destination_next(beyond)
         elif following.command == Command.SPLINE_WAYPOINT:
-            self._flight.navigation.then_spline(beyond, self._arriving(following, beyond, place))
+            self._flight.navigation.set_spline_destination_next(
+                beyond, self._destination_tangent(following, beyond, position)
+            )

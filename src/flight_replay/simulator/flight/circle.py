@@ -6,19 +6,19 @@ from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 from flight_replay.simulator.dynamics.shaping import clamp, step_towards
 from flight_replay.simulator.dynamics.vector import Vector
-from flight_replay.simulator.flight.phase import Flight
+from flight_replay.simulator.flight.flight_control import FlightControl
 
-# AC_CIRCLE_ANGULAR_ACCEL_MIN; from farther than this the copter flies to the edge first.
-_SLOWEST_ACCEL = radians(2.0)
+# AC_CIRCLE_ANGULAR_ACCEL_MIN; farther than this from the edge the copter flies there first.
+_MIN_ANGULAR_ACCEL = radians(2.0)
 _NEAR_EDGE_M = 3.0
-# Within this distance of the centre, or within the circle, it does not turn its nose on the way.
+# Within this distance of the centre, or within the circle, it keeps its heading on the way.
 _NEAR_CENTRE_M = 5.0
 
 
 class Circle:
     """Fly to the nearest point of a circle, then around it; ``turns`` below 0 go counterclockwise."""
 
-    def __init__(self, flight: Flight, centre: Vector, radius_m: float, turns: float) -> None:
+    def __init__(self, flight: FlightControl, centre: Vector, radius_m: float, turns: float) -> None:
         self._flight = flight
         self._centre, self._radius_m, self._turns = centre, radius_m, turns
         self.done = False
@@ -29,10 +29,10 @@ class Circle:
         if self._on_edge:
             self._begin()
             return
-        flight.navigation.fly_straight(edge)
-        flight.heading.hold()
+        flight.navigation.set_wp_destination(edge)
+        flight.auto_yaw.hold()
         if hypot(n - centre[0], e - centre[1]) > max(radius_m, _NEAR_CENTRE_M):
-            flight.heading.use_default()
+            flight.auto_yaw.set_default_mode()
 
     def _edge(self) -> Vector:
         """The point of the circle nearest to where the copter can stop; behind it from the centre."""
@@ -41,13 +41,13 @@ class Circle:
         dn, de = stop[0] - n, stop[1] - e
         distance = hypot(dn, de)
         if distance == 0:
-            yaw = self._flight.body.yaw
+            yaw = self._flight.airframe.yaw
             dn, de, distance = -cos(yaw), -sin(yaw), 1.0
         return n + self._radius_m * dn / distance, e + self._radius_m * de / distance, u
 
     def _begin(self) -> None:
         flight = self._flight
-        flight.control.start_at_stopping_point()
+        flight.control.init_at_stopping_point()
         n, e, _ = flight.position
         self._angle = atan2(e - self._centre[1], n - self._centre[0])
 
@@ -58,7 +58,7 @@ class Circle:
             return
         navigation = self._flight.navigation
         navigation.advance()
-        self._flight.heading.update()
+        self._flight.auto_yaw.update()
         if navigation.reached:
             self._on_edge = True
             self._begin()
@@ -73,9 +73,11 @@ class Circle:
         self._angle += self._rate * control.dt
         self._turned += abs(self._rate) * control.dt
         n, e, _ = self._centre
-        control.shape_over(n + self._radius_m * cos(self._angle), e + self._radius_m * sin(self._angle))
-        control.shape_climb(0.0)
-        flight.heading.face((n, e))
+        control.input_position_xy(
+            n + self._radius_m * cos(self._angle), e + self._radius_m * sin(self._angle)
+        )
+        control.input_climb_rate(0.0)
+        flight.auto_yaw.look_at((n, e))
         self.done = self._turned >= 2.0 * pi * abs(self._turns)
 
     def _angular_limits(self) -> tuple[float, float]:
@@ -83,6 +85,6 @@ class Circle:
         control, radius = self._flight.control, self._radius_m
         rate = abs(self._flight.limits.circle_rate_rad_s) * (1.0 if self._turns >= 0 else -1.0)
         if radius <= 0:
-            return rate, max(abs(rate), _SLOWEST_ACCEL)
+            return rate, max(abs(rate), _MIN_ANGULAR_ACCEL)
         fastest = min(control.speed_max, sqrt(0.5 * control.accel_max * radius)) / radius
-        return clamp(rate, -fastest, fastest), max(control.accel_max / radius, _SLOWEST_ACCEL)
+        return clamp(rate, -fastest, fastest), max(control.accel_max / radius, _MIN_ANGULAR_ACCEL)

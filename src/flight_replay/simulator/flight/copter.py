@@ -1,6 +1,6 @@
 """A multicopter with ArduCopter's navigation: commands in, motion out, in constant steps.
 
-No clock, no link and no chance: the same commands at the same steps give the same flight.
+No clock, no link and no randomness: the same commands at the same steps give the same flight.
 Metres north, east and up of home.
 """
 
@@ -11,15 +11,16 @@ from collections.abc import Sequence
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.simulator.dynamics.aerodynamics import Air
 from flight_replay.simulator.dynamics.airframe import Airframe
+from flight_replay.simulator.dynamics.auto_yaw import AutoYaw
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.dynamics.vector import Vector
-from flight_replay.simulator.dynamics.yaw import Heading
 from flight_replay.simulator.flight.auto import MissionRun
-from flight_replay.simulator.flight.guided import Drift, GoTo
+from flight_replay.simulator.flight.flight_control import FlightControl
+from flight_replay.simulator.flight.guided import GuidedPosition, GuidedVelocity
 from flight_replay.simulator.flight.landing import Landing
-from flight_replay.simulator.flight.phase import Flight, Hold, Phase, Standing
-from flight_replay.simulator.flight.rtl import Return
+from flight_replay.simulator.flight.rtl import ReturnToLaunch
+from flight_replay.simulator.flight.submode import Hold, OnGround, SubMode
 from flight_replay.simulator.flight.takeoff import TakeOff
 from flight_replay.simulator.mission.local_items import LocalItem
 from flight_replay.simulator.navigation.waypoint_navigation import WaypointNavigation
@@ -28,7 +29,7 @@ STEP_S = 0.02
 
 
 class Copter:
-    """The vehicle: give a command, then ``step``; every step lasts ``step_s``, STEP_S unless told."""
+    """The vehicle: give a command, then ``step``; every step lasts ``step_s``."""
 
     def __init__(  # noqa: PLR0913
         self,
@@ -41,12 +42,12 @@ class Copter:
         home_amsl_m: float = 0.0,
         step_s: float = STEP_S,
     ) -> None:
-        """On the ground at home, or hovering (or moving) at a place above it.
+        """On the ground at home, or flying at a position above it.
 
         Args:
-            limits: what the vehicle may do.
-            position_m: start; the vehicle flies already if it is above the ground.
-            velocity_m_s: velocity at the start, north, east, up.
+            limits: what the vehicle's parameters allow.
+            position_m: at the start; above the ground the vehicle flies already.
+            velocity_m_s: at the start, north, east, up.
             yaw_rad: heading at the start.
             wind_m_s: velocity of the air, north, east, up.
             home_amsl_m: home above mean sea level, for the density of the air.
@@ -55,14 +56,18 @@ class Copter:
         self.limits = limits
         self.step_s = step_s
         self.steps = 0
-        self._body = body = Airframe(limits, position_m, yaw_rad, Air(wind_m_s, home_amsl_m), step_s)
-        body.vn, body.ve, body.vu = velocity_m_s
-        control = PositionControl(limits, body)
-        self._flight = Flight(
-            limits, body, control, WaypointNavigation(limits, body, control), Heading(limits, body, control)
+        self._airframe = airframe = Airframe(limits, position_m, yaw_rad, Air(wind_m_s, home_amsl_m), step_s)
+        airframe.vn, airframe.ve, airframe.vu = velocity_m_s
+        control = PositionControl(limits, airframe)
+        self._flight = FlightControl(
+            limits,
+            airframe,
+            control,
+            WaypointNavigation(limits, airframe, control),
+            AutoYaw(limits, airframe, control),
         )
-        self.motors = not body.on_ground
-        self._phase: Phase = Standing() if body.on_ground else Hold(self._flight)
+        self.motors = not airframe.on_ground
+        self._submode: SubMode = OnGround() if airframe.on_ground else Hold(self._flight)
 
     # state
 
@@ -74,60 +79,70 @@ class Copter:
     @property
     def position_m(self) -> Vector:
         """North, east, up of home."""
-        return self._body.n, self._body.e, self._body.u
+        return self._airframe.n, self._airframe.e, self._airframe.u
 
     @property
     def velocity_m_s(self) -> Vector:
         """North, east, up."""
-        return self._body.vn, self._body.ve, self._body.vu
+        return self._airframe.vn, self._airframe.ve, self._airframe.vu
 
     @property
     def motion(self) -> tuple[float, float, float, float, float, float, float]:
         """Time, position and velocity at once."""
-        body = self._body
-        return self.steps * self.step_s, body.n, body.e, body.u, body.vn, body.ve, body.vu
+        airframe = self._airframe
+        return (
+            self.steps * self.step_s,
+            airframe.n,
+            airframe.e,
+            airframe.u,
+            airframe.vn,
+            airframe.ve,
+            airframe.vu,
+        )
 
     @property
     def attitude_rad(self) -> tuple[float, float, float]:
         """Roll, pitch, yaw."""
-        return self._body.attitude_rad
+        return self._airframe.attitude_rad
 
     @property
     def throttle(self) -> float:
         """Throttle, 0 to 1."""
-        return self._body.throttle
+        return self._airframe.throttle
 
     @property
     def landed(self) -> bool:
-        """Whether the vehicle stands on the ground."""
-        return self._body.on_ground
+        """Whether the vehicle is on the ground."""
+        return self._airframe.on_ground
 
     @property
     def landing(self) -> bool:
         """Whether the vehicle descends to land."""
-        phase = self._phase
-        return isinstance(phase, Landing) or (isinstance(phase, Return | MissionRun) and phase.landing)
+        submode = self._submode
+        return isinstance(submode, Landing) or (
+            isinstance(submode, ReturnToLaunch | MissionRun) and submode.landing
+        )
 
     @property
     def target_m(self) -> Vector:
-        """Where navigation wants the vehicle to be now."""
+        """Where the position controller's target is."""
         control = self._flight.control
         return control.n, control.e, control.u
 
     @property
-    def phase(self) -> Phase:
-        """What the vehicle is doing."""
-        return self._phase
+    def submode(self) -> SubMode:
+        """The present submode."""
+        return self._submode
 
     @property
     def mission(self) -> MissionRun | None:
         """The mission that is running, if the vehicle is in AUTO."""
-        return self._phase if isinstance(self._phase, MissionRun) else None
+        return self._submode if isinstance(self._submode, MissionRun) else None
 
     # parameters
 
     def change_limits(self, limits: Limits) -> None:
-        """Fly by other parameters from now on; changed speeds hold for a mission that is under way."""
+        """Use other limits from now on; changed speeds apply to a mission that is flown."""
         before, self.limits = self.limits, limits
         self._flight.use_limits(limits)
         for kind, old, new in (
@@ -139,17 +154,17 @@ class Copter:
                 self.change_speed(kind, new)
 
     def change_wind(self, wind_m_s: Vector) -> None:
-        """Another velocity of the air, north, east, up."""
-        self._body.use_wind(wind_m_s)
+        """Use another velocity of the air, north, east, up."""
+        self._airframe.use_wind(wind_m_s)
 
     def change_speed(self, kind: int, speed_m_s: float) -> bool:
-        """Another speed for what is under way, kinds as in DO_CHANGE_SPEED; False if nothing takes it."""
+        """Change the speed of the present submode, kinds as in DO_CHANGE_SPEED; False if it has none."""
         flight = self._flight
         if self.mission is not None:
             change = {2: flight.navigation.set_speed_up, 3: flight.navigation.set_speed_down}
             change.get(kind, flight.navigation.set_speed)(speed_m_s)
             return True
-        if not isinstance(self._phase, TakeOff | GoTo | Drift | Hold):
+        if not isinstance(self._submode, TakeOff | GuidedPosition | GuidedVelocity | Hold):
             return False
         level, up, down = flight.control.speed_max, flight.control.speed_up, flight.control.speed_down
         speeds = {2: (level, speed_m_s, down), 3: (level, up, speed_m_s)}
@@ -162,59 +177,59 @@ class Copter:
         """Start the motors at idle."""
         self.motors = True
         self._flight.arming_wait_s = self.limits.arming_delay_s
-        self._flight.heading.armed_rad = self._body.yaw
+        self._flight.auto_yaw.armed_yaw_rad = self._airframe.yaw
 
     def disarm(self) -> None:
         """Stop the motors."""
         self.motors = False
-        self._phase = Standing()
+        self._submode = OnGround()
 
     def takeoff(self, altitude_m: float) -> None:
-        """Climb straight up, as NAV_TAKEOFF in GUIDED does; arms if need be."""
+        """Climb straight up, as NAV_TAKEOFF in GUIDED does; arms first if necessary."""
         if not self.motors:
             self.arm()
         limits = self.limits
         self._flight.control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
-        self._phase = TakeOff(self._flight, altitude_m)
+        self._submode = TakeOff(self._flight, altitude_m)
 
     def goto(self, position_m: Vector) -> None:
-        """Fly to a place, as GUIDED does."""
-        self._phase = GoTo(self._flight, position_m)
+        """Fly to a position, as GUIDED does."""
+        self._submode = GuidedPosition(self._flight, position_m)
 
     def fly_velocity(self, velocity_m_s: Vector) -> None:
         """Fly at a velocity, north, east, up, as GUIDED does."""
-        if isinstance(self._phase, Drift):
-            self._phase.velocity_m_s = velocity_m_s
+        if isinstance(self._submode, GuidedVelocity):
+            self._submode.velocity_m_s = velocity_m_s
         else:
-            self._phase = Drift(self._flight, velocity_m_s)
+            self._submode = GuidedVelocity(self._flight, velocity_m_s)
 
     def set_yaw(
         self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False
     ) -> None:
-        """Turn to a heading, or by an angle, until a command looks elsewhere."""
-        self._flight.heading.fix(angle_rad, rate_rad_s, direction, relative=relative)
+        """Turn to a heading, or by an angle, until another command turns the vehicle."""
+        self._flight.auto_yaw.set_fixed_yaw(angle_rad, rate_rad_s, direction, relative=relative)
 
     def hold(self) -> None:
-        """Stop and stay."""
-        self._phase = Hold(self._flight)
+        """Stop, and hold position."""
+        self._submode = Hold(self._flight)
 
     def start_auto(self, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> MissionRun:
-        """Fly a mission from an item on; what is returned tells how far it has come."""
-        self._phase = run = MissionRun(self._flight, items, start_seq)
+        """Fly a mission from an item on; returns its progress."""
+        self._submode = run = MissionRun(self._flight, items, start_seq)
         return run
 
     def return_home(self) -> None:
-        """Climb, return, wait and land, as RTL does."""
-        self._phase = Return(self._flight)
+        """Climb, return, loiter and land, as RTL does."""
+        self._submode = ReturnToLaunch(self._flight)
 
     def land(self) -> None:
         """Land here."""
-        self._phase = Landing(self._flight)
+        self._submode = Landing(self._flight)
 
     def step(self) -> None:
         """Move ``step_s`` on."""
-        self._phase.step()
+        self._submode.step()
         self.steps += 1
         self._flight.arming_wait_s = max(0.0, self._flight.arming_wait_s - self.step_s)
-        if self._phase.done and isinstance(self._phase, Landing | Return | MissionRun):
+        if self._submode.done and isinstance(self._submode, Landing | ReturnToLaunch | MissionRun):
             self.disarm()

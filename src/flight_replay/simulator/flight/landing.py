@@ -3,38 +3,38 @@
 from __future__ import annotations
 
 from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller
-from flight_replay.simulator.flight.phase import Flight
+from flight_replay.simulator.flight.flight_control import FlightControl
 
 # LAND_DETECTOR_TRIGGER_SEC.
-_LANDED_AFTER_S = 1.0
-_LOWEST_SLOW_M = 1.0
+_LAND_DETECTOR_S = 1.0
+_MIN_ALT_LOW_M = 1.0
 
 
 class Landing:
-    """Descend, slowly from LAND_ALT_LOW on, until the land detector is sure; then spool down.
+    """Descend, slowly below LAND_ALT_LOW, until the land detector triggers; then spool down.
 
-    When it is done, the motors stop.
+    It is done when the motors may stop.
     """
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: FlightControl) -> None:
         self._flight = flight
         self.done = False
         self._still_s = 0.0
         limits = flight.limits
         flight.control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
-        flight.heading.hold()
+        flight.auto_yaw.hold()
 
     def step(self) -> None:
         """Descend one step; on the ground, wait until the throttle is closed and all is still."""
         flight = self._flight
-        limits, body, control = flight.limits, flight.body, flight.control
+        limits, airframe, control = flight.limits, flight.airframe, flight.control
         control.update()
-        control.shape_rest()
-        low = max(limits.land_altitude_low_m, _LOWEST_SLOW_M)
+        control.input_stop_xy()
+        low = max(limits.land_altitude_low_m, _MIN_ALT_LOW_M)
         slowest = abs(limits.land_speed_m_s)
         fastest = max(limits.land_speed_high_m_s or control.speed_down, slowest)
-        rate = sqrt_controller(low - body.u, limits.position_z_p, control.accel_z_max, body.dt)
-        control.shape_climb(clamp(rate, -fastest, -slowest))
-        flight.heading.update()
-        self._still_s = self._still_s + body.dt if body.on_ground and control.throttle <= 0 else 0.0
-        self.done = self._still_s >= _LANDED_AFTER_S + limits.spool_s
+        rate = sqrt_controller(low - airframe.u, limits.position_z_p, control.accel_z_max, airframe.dt)
+        control.input_climb_rate(clamp(rate, -fastest, -slowest))
+        flight.auto_yaw.update()
+        self._still_s = self._still_s + airframe.dt if airframe.on_ground and control.throttle <= 0 else 0.0
+        self.done = self._still_s >= _LAND_DETECTOR_S + limits.spool_s

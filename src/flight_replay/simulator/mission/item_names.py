@@ -13,8 +13,8 @@ _NAMES = {
     222: "GuidedLimits", 600: "Tag", 601: "JumpToTag", 42600: "Winch",
 }  # fmt: skip
 
-SAYS_REACHED = frozenset({16, 19, 82})
-"""Commands whose end is spoken of as "Reached command #n"."""
+REPORTED_AS_REACHED = frozenset({16, 19, 82})
+"""Commands that are reported as "Reached command #n"."""
 
 
 def name_of(command: int) -> str:

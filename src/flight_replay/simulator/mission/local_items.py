@@ -1,7 +1,4 @@
-"""A mission as AUTO is given it: its items in ArduPilot's metres around home.
-
-Places are metres north, east and up of home; AUTO itself is in ``auto_run``.
-"""
+"""A mission as AUTO flies it: its items in ArduPilot's metres north, east and up of home."""
 
 from __future__ import annotations
 
@@ -9,7 +6,7 @@ from dataclasses import dataclass
 
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Mission
-from flight_replay.simulator.mission.stored_params import RULES, kept
+from flight_replay.simulator.mission.stored_params import PARAM_RULES, stored_params
 
 Params = tuple[float, float, float, float]
 
@@ -32,23 +29,23 @@ FLOWN = frozenset(
         Command.DELAY,
     }
 )
-"""Navigation items that are flown; those that ArduCopter lacks are passed over (start_command)."""
+"""Navigation items that are flown; those that ArduCopter lacks are skipped (start_command)."""
 _NOT_SIMULATED = frozenset({LOITER_TO_ALTITUDE, GUIDED_ENABLE, PAYLOAD_PLACE, SET_HOME, JUMP_TO_TAG})
 
 
 def is_navigation(command: int) -> bool:
-    """Whether the vehicle flies this item, rather than doing it on the way (AP_Mission::is_nav_cmd)."""
+    """Whether a command is a navigation command, not a DO or CONDITION command (AP_Mission::is_nav_cmd)."""
     return command <= _LAST_NAVIGATION or command == _SET_YAW_SPEED
 
 
-def as_flown(command: int) -> int:
-    """The command that does the same: a copter takes off and lands as VTOL planes do (start_command)."""
+def copter_command(command: int) -> int:
+    """The command that a copter runs: VTOL take-off and landing are its own (start_command)."""
     return {_VTOL_TAKEOFF: int(Command.TAKEOFF), _VTOL_LAND: int(Command.LAND)}.get(command, command)
 
 
 @dataclass(frozen=True, slots=True)
 class LocalItem:
-    """A mission item in the local frame; ``north_east_m`` None is "here", ``up_m`` None "keep altitude"."""
+    """A mission item in the local frame; ``north_east_m`` None is "here", ``up_m`` None "this altitude"."""
 
     seq: int
     command: int
@@ -56,21 +53,21 @@ class LocalItem:
     north_east_m: tuple[float, float] | None
     up_m: float | None
     above_terrain: bool = False
-    """Whether ``up_m`` counts from the ground below, which here is as high as home."""
+    """Whether ``up_m`` is above terrain, which here is level with home."""
 
     @property
     def is_navigation(self) -> bool:
-        """Whether AUTO flies this item, as against doing it on the way."""
+        """Whether it is a navigation item, not a DO or CONDITION item."""
         return is_navigation(self.command)
 
     @property
     def is_simulated(self) -> bool:
-        """Whether the model does as ArduCopter; it knows no time of day, for NAV_DELAY without seconds."""
+        """Whether the model does as ArduCopter; it has no time of day, for NAV_DELAY without seconds."""
         until_time_of_day = self.command == Command.DELAY and self.params[0] <= 0
         return self.command not in _NOT_SIMULATED and not until_time_of_day
 
-    def place(self, default: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Where the item is, taking what it leaves open from ``default`` (ModeAuto::loc_from_cmd)."""
+    def position(self, default: tuple[float, float, float]) -> tuple[float, float, float]:
+        """The item's position; what it leaves open is that of ``default`` (ModeAuto::loc_from_cmd)."""
         n, e = self.north_east_m or default[:2]
         return n, e, default[2] if self.up_m is None else self.up_m
 
@@ -84,19 +81,21 @@ def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) ->
         home_amsl_m: home's height above sea level, for items in the absolute frame. Heights above
             terrain count from home: the ground is level here.
     """
-    places = frame.on_board(
+    north_east = frame.on_board(
         [item.lat_deg for item in mission.items], [item.lon_deg for item in mission.items]
     )
     items = []
-    for seq, (item, (north, east)) in enumerate(zip(mission.items, places.tolist(), strict=True), FIRST_SEQ):
-        anywhere = item.lat_deg == 0 and item.lon_deg == 0
+    for seq, (item, (north, east)) in enumerate(
+        zip(mission.items, north_east.tolist(), strict=True), FIRST_SEQ
+    ):
+        is_here = item.lat_deg == 0 and item.lon_deg == 0
         up = item.alt_m - (home_amsl_m if item.frame in _ABSOLUTE_FRAMES else 0.0)
         items.append(
             LocalItem(
                 seq,
-                as_flown(int(item.command)),
-                kept(item.command, item.params) if item.command in RULES else item.params,
-                None if anywhere else (north, east),
+                copter_command(int(item.command)),
+                stored_params(item.command, item.params) if item.command in PARAM_RULES else item.params,
+                None if is_here else (north, east),
                 None if item.alt_m == 0 else up,
                 item.frame in _TERRAIN_FRAMES,
             )

@@ -1,4 +1,4 @@
-"""The mission on board: a list of stored items behind home, which is item 0 and not stored."""
+"""The mission on board: a list of stored items after home, which is item 0 and not stored."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from flight_replay.simulator.mission.local_items import is_navigation
 from flight_replay.simulator.mission.stored_items import StoredItem
-from flight_replay.simulator.mission.stored_params import TAKEOFFS
+from flight_replay.simulator.mission.stored_params import TAKEOFF_COMMANDS
 
 CAPACITY = 650
 """Items including home that ArduPilot's SITL and boards with 16 KB hold (StorageManager.cpp)."""
@@ -16,7 +16,7 @@ _LOOK_AHEAD = 16
 
 
 class MissionStore:
-    """Items by sequence number; ``on_count`` hears every new number of items, home included.
+    """Items by sequence number; ``on_count`` is called with every new number of items, home included.
 
     ``changes`` counts writes, and ``receiving`` says whether an upload is under way.
     """
@@ -37,13 +37,13 @@ class MissionStore:
         return (self._home(), *self._items[1:]) if self._items else ()
 
     def read(self, seq: int) -> StoredItem | None:
-        """The item at a place; home can always be read."""
+        """The item of a sequence number; home can always be read."""
         if seq == 0:
             return self._home()
         return self._items[seq] if 0 < seq < len(self._items) else None
 
     def write(self, seq: int, item: StoredItem) -> bool:
-        """Replace the item at a place, or append it right behind the last; False beyond that."""
+        """Replace an item, or append it right after the last; False beyond that."""
         if seq > len(self._items) or seq >= CAPACITY:
             return False
         if seq < len(self._items):
@@ -62,20 +62,20 @@ class MissionStore:
             self._on_count(count)
 
     def next_navigation(self, seq: int) -> int | None:
-        """The first item to fly at or behind a place."""
-        for place in range(max(seq, 1), len(self._items)):
-            if is_navigation(self._items[place].command):
-                return place
+        """The first navigation item from a sequence number on."""
+        for each in range(max(seq, 1), len(self._items)):
+            if is_navigation(self._items[each].command):
+                return each
         return None
 
     def starts_with_takeoff(self, seq: int) -> bool:
-        """Whether the next item to fly from a place on lifts off."""
+        """Whether the next navigation item from a sequence number on takes off."""
         for _ in range(_LOOK_AHEAD):
-            place = self.next_navigation(seq)
-            if place is None:
+            found = self.next_navigation(seq)
+            if found is None:
                 return False
-            command = self._items[place].command
+            command = self._items[found].command
             if command not in _SKIPPED_BEFORE_TAKEOFF:
-                return command in TAKEOFFS
-            seq = place + 1
+                return command in TAKEOFF_COMMANDS
+            seq = found + 1
         return False

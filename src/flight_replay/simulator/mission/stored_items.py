@@ -1,25 +1,24 @@
 """Mission items as ArduCopter 4.6 stores them: 15 bytes each, so that some of what is sent is lost.
 
-Places keep latitude and longitude to 1e-7 degree and altitude to the centimetre; parameters keep
-what the command has room for, and nothing else (AP_Mission: mavlink_int_to_mission_cmd and its
-inverse). What the GCS reads back is therefore what will be flown.
+Latitude and longitude are kept to 1e-7 degree, the altitude to the centimetre, and of the parameters
+what the command has room for (AP_Mission: mavlink_int_to_mission_cmd and its inverse). What a
+ground station reads back is therefore what will be flown.
 """
 
 from __future__ import annotations
 
 import math
-import struct
 from dataclasses import dataclass
 
 from flight_replay.mavlink import Message, dialect
-from flight_replay.simulator.mission.stored_params import PLACED, RULES, kept
+from flight_replay.simulator.mission.stored_params import (
+    PARAM_RULES,
+    STORED_IN_LOCATION,
+    float32,
+    stored_params,
+)
 
 _ALTITUDE_LIMIT_M = 83000.0  # LOCATION_ALT_MAX_M: what fits 24 bits of centimetres
-
-
-def float32(value: float) -> float:
-    """The nearest 32 bit float, which is what the autopilot computes with."""
-    return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 _METRES_PER_CM = float32(0.01)
@@ -27,8 +26,8 @@ _STORED_FRAME = {0: 0, 2: 0, 5: 0, 3: 3, 6: 3, 10: 10, 11: 10}
 _MAY_BE_NAN = {16: {4}, 21: {4}, 22: {4}, 84: {4}, 85: {3, 4}}
 
 
-class ItemRefused(Exception):  # noqa: N818
-    """An item that the autopilot does not take, with the MAV_MISSION_RESULT it answers."""
+class ItemRejected(Exception):  # noqa: N818
+    """An item that the autopilot rejects, with the MAV_MISSION_RESULT that it answers."""
 
     def __init__(self, result: int) -> None:
         super().__init__(dialect.enums["MAV_MISSION_RESULT"][result].name)
@@ -37,7 +36,7 @@ class ItemRefused(Exception):  # noqa: N818
 
 @dataclass(frozen=True, slots=True)
 class StoredItem:
-    """An item on board: degrees times 1e7 and centimetres for places, ``params`` as they read back."""
+    """An item on board: degrees times 1e7, centimetres, and ``params`` as they are read back."""
 
     command: int
     frame: int = 0
@@ -48,52 +47,50 @@ class StoredItem:
 
     @property
     def alt_m(self) -> float:
-        """Altitude in the item's frame, as 32 bit floats give it."""
+        """Altitude in the item's frame, as 32-bit floats give it."""
         return float32(self.alt_cm * _METRES_PER_CM)
 
-    @property
-    def is_place(self) -> bool:
-        """Whether latitude, longitude and altitude are stored."""
-        return self.command in PLACED
 
-
-def stored(message: Message) -> StoredItem:
+def to_stored_item(message: Message) -> StoredItem:
     """A MISSION_ITEM or MISSION_ITEM_INT as it is stored.
 
     Raises:
-        ItemRefused: for commands, frames and values that ArduCopter does not take.
+        ItemRefused: for commands, frames and values that ArduCopter rejects.
     """
-    x, y = _place(message)
+    x, y = _lat_lon_e7(message)
     params = (message.param1, message.param2, message.param3, message.param4)
     _check_params(message.command, params)
     if message.command in (0, 1):
-        raise ItemRefused(dialect.MAV_MISSION_INVALID)
-    if message.command not in RULES:
-        raise ItemRefused(dialect.MAV_MISSION_UNSUPPORTED)
-    if message.command not in PLACED:
-        return StoredItem(message.command, 0, kept(message.command, params))
-    _check_place(x, y, message.z)
+        raise ItemRejected(dialect.MAV_MISSION_INVALID)
+    if message.command not in PARAM_RULES:
+        raise ItemRejected(dialect.MAV_MISSION_UNSUPPORTED)
+    if message.command not in STORED_IN_LOCATION:
+        return StoredItem(message.command, 0, stored_params(message.command, params))
+    _check_location(x, y, message.z)
     frame = _STORED_FRAME.get(message.frame)
     if frame is None:
-        raise ItemRefused(dialect.MAV_MISSION_UNSUPPORTED_FRAME)
+        raise ItemRejected(dialect.MAV_MISSION_UNSUPPORTED_FRAME)
     return StoredItem(
-        message.command, frame, kept(message.command, params), x, y, int(float32(message.z * 100.0))
+        message.command, frame, stored_params(message.command, params), x, y, int(float32(message.z * 100.0))
     )
 
 
-def _place(message: Message) -> tuple[int, int]:
-    """Degrees times 1e7 of either kind of item; MISSION_ITEM is multiplied in 32 bit floats, as on board."""
-    if message.get_msgId() == dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT or message.command not in PLACED:
+def _lat_lon_e7(message: Message) -> tuple[int, int]:
+    """Degrees times 1e7; those of a MISSION_ITEM are multiplied as 32-bit floats, as on board."""
+    if (
+        message.get_msgId() == dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT
+        or message.command not in STORED_IN_LOCATION
+    ):
         return _whole(message.x), _whole(message.y)
     if not abs(message.x) <= 90:
-        raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM5_X)
+        raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM5_X)
     if not abs(message.y) <= 180:
-        raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM6_Y)
+        raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM6_Y)
     return int(float32(message.x * 1e7)), int(float32(message.y * 1e7))
 
 
 def _whole(value: float) -> int:
-    """What is sent where a command has no place need not be a number."""
+    """A whole number; commands without a location may have anything here, NaN too."""
     return int(value) if math.isfinite(value) else 0
 
 
@@ -101,16 +98,16 @@ def _check_params(command: int, params: tuple[float, ...]) -> None:
     may_be_nan = _MAY_BE_NAN.get(command, set())
     for number, value in enumerate(params, 1):
         if math.isinf(value) or (math.isnan(value) and number not in may_be_nan):
-            raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM1 + number - 1)
+            raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM1 + number - 1)
 
 
-def _check_place(lat_e7: int, lon_e7: int, alt_m: float) -> None:
+def _check_location(lat_e7: int, lon_e7: int, alt_m: float) -> None:
     if abs(lat_e7) > 90 * 10**7:
-        raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM5_X)
+        raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM5_X)
     if abs(lon_e7) > 180 * 10**7:
-        raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM6_Y)
+        raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM6_Y)
     if math.isnan(alt_m) or abs(alt_m) >= _ALTITUDE_LIMIT_M:
-        raise ItemRefused(dialect.MAV_MISSION_INVALID_PARAM7)
+        raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM7)
 
 
 def item_int(item: StoredItem, seq: int, *, current: bool, system: int, component: int) -> Message:
@@ -122,7 +119,7 @@ def item_int(item: StoredItem, seq: int, *, current: bool, system: int, componen
 
 
 def item_float(item: StoredItem, seq: int, *, current: bool, system: int, component: int) -> Message:
-    """The item as MISSION_ITEM, its degrees rounded to 32 bit floats as ArduPilot computes them."""
+    """The item as MISSION_ITEM, its degrees rounded to 32-bit floats as ArduPilot computes them."""
     scale = float32(1e-7)
     lat, lon = (float32(float32(value) * scale) for value in (item.lat_e7, item.lon_e7))
     return dialect.MAVLink_mission_item_message(

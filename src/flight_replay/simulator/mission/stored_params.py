@@ -1,6 +1,6 @@
-"""What ArduCopter 4.6 keeps of each mission command's four parameters (AP_Mission.h, AP_Mission.cpp).
+"""What ArduCopter 4.6 stores of each mission command's four parameters (AP_Mission.h, AP_Mission.cpp).
 
-A command that is missing here is answered with MAV_MISSION_UNSUPPORTED.
+A command that is not in PARAM_RULES is answered with MAV_MISSION_UNSUPPORTED.
 """
 
 from __future__ import annotations
@@ -16,11 +16,12 @@ def _integer(low: int, high: int) -> Rule:
     return lambda value: float(min(max(int(value), low), high))
 
 
-def _lost(value: float) -> float:
+def _not_stored(value: float) -> float:
     return 0.0
 
 
-def _real(value: float) -> float:
+def float32(value: float) -> float:
+    """The nearest 32-bit float, which is what the autopilot computes with."""
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
@@ -38,8 +39,8 @@ def _turns(value: float) -> float:
 
 def _circle_radius(value: float) -> float:
     size = abs(value)
-    kept = float(int(size)) if size <= 255 else min(255, int(size * 0.1)) * 10.0
-    return -kept if value < 0 else kept
+    metres = float(int(size)) if size <= 255 else min(255, int(size * 0.1)) * 10.0
+    return -metres if value < 0 else metres
 
 
 _U8, _U16 = _integer(0, 2**8 - 1), _integer(0, 2**16 - 1)
@@ -47,36 +48,36 @@ _I8, _I16 = _integer(-(2**7), 2**7 - 1), _integer(-(2**15), 2**15 - 1)
 
 
 def _rules(*rules: Rule) -> tuple[Rule, ...]:
-    return rules + (_lost,) * (4 - len(rules))
+    return rules + (_not_stored,) * (4 - len(rules))
 
 
-RULES: dict[int, tuple[Rule, ...]] = {
+PARAM_RULES: dict[int, tuple[Rule, ...]] = {
     16: _rules(_U16),  # NAV_WAYPOINT: delay, s
-    17: _rules(_lost, _lost, _integer(-(2**16) + 1, 2**16 - 1)),  # NAV_LOITER_UNLIM: radius, m
-    18: _rules(_turns, _lost, _circle_radius, _flag),  # NAV_LOITER_TURNS
-    19: _rules(_U16, _lost, _direction, _flag),  # NAV_LOITER_TIME: s
+    17: _rules(_not_stored, _not_stored, _integer(-(2**16) + 1, 2**16 - 1)),  # NAV_LOITER_UNLIM: radius, m
+    18: _rules(_turns, _not_stored, _circle_radius, _flag),  # NAV_LOITER_TURNS
+    19: _rules(_U16, _not_stored, _direction, _flag),  # NAV_LOITER_TIME: s
     20: _rules(),  # NAV_RETURN_TO_LAUNCH
-    21: _rules(_U16, _lost, _lost, _direction),  # NAV_LAND
+    21: _rules(_U16, _not_stored, _not_stored, _direction),  # NAV_LAND
     22: _rules(_U16),  # NAV_TAKEOFF
     30: _rules(_U16),  # NAV_CONTINUE_AND_CHANGE_ALT
-    31: _rules(_lost, _integer(-(2**16) + 1, 2**16 - 1), _lost, _flag),  # NAV_LOITER_TO_ALT
+    31: _rules(_not_stored, _integer(-(2**16) + 1, 2**16 - 1), _not_stored, _flag),  # NAV_LOITER_TO_ALT
     82: _rules(_U16),  # NAV_SPLINE_WAYPOINT: delay, s
-    83: _rules(_real, _real, _U8),  # NAV_ALTITUDE_WAIT
+    83: _rules(float32, float32, _U8),  # NAV_ALTITUDE_WAIT
     84: _rules(),  # NAV_VTOL_TAKEOFF
     85: _rules(_U16),  # NAV_VTOL_LAND
     92: _rules(_U16),  # NAV_GUIDED_ENABLE
-    93: _rules(_real, _I8, _I8, _I8),  # NAV_DELAY: s, or a time of day
+    93: _rules(float32, _I8, _I8, _I8),  # NAV_DELAY: s, or a time of day
     94: _rules(lambda value: min(max(int(value * 100), 0), 2**16 - 1) / 100),  # NAV_PAYLOAD_PLACE
-    112: _rules(_real),  # CONDITION_DELAY
-    114: _rules(_real),  # CONDITION_DISTANCE
-    115: _rules(_real, _real, _I8, _U8),  # CONDITION_YAW
+    112: _rules(float32),  # CONDITION_DELAY
+    114: _rules(float32),  # CONDITION_DISTANCE
+    115: _rules(float32, float32, _I8, _U8),  # CONDITION_YAW
     177: _rules(_U16, _I16),  # DO_JUMP
-    178: _rules(_U8, _real, _real),  # DO_CHANGE_SPEED
+    178: _rules(_U8, float32, float32),  # DO_CHANGE_SPEED
     179: _rules(_U16),  # DO_SET_HOME
     181: _rules(_U8, _U8),  # DO_SET_RELAY
-    182: _rules(_U8, _I16, _real),  # DO_REPEAT_RELAY
+    182: _rules(_U8, _I16, float32),  # DO_REPEAT_RELAY
     183: _rules(_U8, _U16),  # DO_SET_SERVO
-    184: _rules(_U8, _U16, _I16, _real),  # DO_REPEAT_SERVO
+    184: _rules(_U8, _U16, _I16, float32),  # DO_REPEAT_SERVO
     188: _rules(),  # DO_RETURN_PATH_START
     189: _rules(),  # DO_LAND_START
     191: _rules(),  # DO_GO_AROUND
@@ -85,43 +86,46 @@ RULES: dict[int, tuple[Rule, ...]] = {
     201: _rules(_U16),  # DO_SET_ROI
     202: _rules(_U8, _U16, _U8, _U8),  # DO_DIGICAM_CONFIGURE
     203: _rules(_U8, _U8, _I8, _U8),  # DO_DIGICAM_CONTROL
-    205: _rules(_real, _real, _real),  # DO_MOUNT_CONTROL
-    206: _rules(_real, _lost, _U8),  # DO_SET_CAM_TRIGG_DIST
+    205: _rules(float32, float32, float32),  # DO_MOUNT_CONTROL
+    206: _rules(float32, _not_stored, _U8),  # DO_SET_CAM_TRIGG_DIST
     207: _rules(_U16),  # DO_FENCE_ENABLE
     208: _rules(_U16),  # DO_PARACHUTE
     210: _rules(_U16),  # DO_INVERTED_FLIGHT
     211: _rules(_U8, _U8),  # DO_GRIPPER
     212: _rules(_U16),  # DO_AUTOTUNE_ENABLE
-    213: _rules(_real, _real, _U8),  # NAV_SET_YAW_SPEED
+    213: _rules(float32, float32, _U8),  # NAV_SET_YAW_SPEED
     215: _rules(_U16),  # DO_SET_RESUME_REPEAT_DIST
     216: _rules(_U16),  # DO_SPRAYER
-    217: _rules(_U16, _real, _real, _real),  # DO_SEND_SCRIPT_MESSAGE
+    217: _rules(_U16, float32, float32, float32),  # DO_SEND_SCRIPT_MESSAGE
     218: _rules(_U16, _U8),  # DO_AUX_FUNCTION
-    222: _rules(_U16, _real, _real, _real),  # DO_GUIDED_LIMITS
-    531: _rules(_U8, _real),  # SET_CAMERA_ZOOM
-    532: _rules(_U8, _real),  # SET_CAMERA_FOCUS
+    222: _rules(_U16, float32, float32, float32),  # DO_GUIDED_LIMITS
+    531: _rules(_U8, float32),  # SET_CAMERA_ZOOM
+    532: _rules(_U8, float32),  # SET_CAMERA_FOCUS
     534: _rules(_U8, _U8, _U8),  # SET_CAMERA_SOURCE
     600: _rules(_U16),  # JUMP_TAG
     601: _rules(_U16, _I16),  # DO_JUMP_TAG
-    1000: _rules(_real, _real, _real, _real),  # DO_GIMBAL_MANAGER_PITCHYAW
-    2000: _rules(_U8, _real, _U16, _U16),  # IMAGE_START_CAPTURE
+    1000: _rules(float32, float32, float32, float32),  # DO_GIMBAL_MANAGER_PITCHYAW
+    2000: _rules(_U8, float32, _U16, _U16),  # IMAGE_START_CAPTURE
     2001: _rules(_U16),  # IMAGE_STOP_CAPTURE
     2500: _rules(_U8),  # VIDEO_START_CAPTURE
     2501: _rules(_U8),  # VIDEO_STOP_CAPTURE
-    42600: _rules(_U8, _U8, _real, _real),  # DO_WINCH
+    42600: _rules(_U8, _U8, float32, float32),  # DO_WINCH
 }
 
 
-def kept(command: int, params: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-    """What is stored of the parameters of a command in RULES; what is not a number counts as 0."""
+def stored_params(
+    command: int, params: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
+    """What is stored of the parameters of a command in PARAM_RULES; NaN counts as 0."""
     values = [
-        rule(0.0 if math.isnan(value) else value) for rule, value in zip(RULES[command], params, strict=True)
+        rule(0.0 if math.isnan(value) else value)
+        for rule, value in zip(PARAM_RULES[command], params, strict=True)
     ]
     return values[0], values[1], values[2], values[3]
 
 
-PLACED = frozenset({16, 17, 18, 19, 21, 22, 30, 31, 82, 84, 85, 92, 94, 179, 188, 189, 191, 201})
-"""Commands stored with latitude, longitude and altitude."""
+STORED_IN_LOCATION = frozenset({16, 17, 18, 19, 21, 22, 30, 31, 82, 84, 85, 92, 94, 179, 188, 189, 191, 201})
+"""Commands stored with latitude, longitude and altitude (AP_Mission::stored_in_location)."""
 
-TAKEOFFS = frozenset({22, 84})
-"""Commands that lift off."""
+TAKEOFF_COMMANDS = frozenset({22, 84})
+"""Commands that take off."""

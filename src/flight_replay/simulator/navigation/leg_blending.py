@@ -1,4 +1,4 @@
-"""Straight legs in a row: a fast waypoint's next leg begins before the one to it has ended.
+"""Straight legs in a row: at a fast waypoint the next leg begins before the last one has ended.
 
 Source: SCurve::advance_target_along_track. The target moves by the sum of the legs, which cuts
 the corner between them.
@@ -12,12 +12,12 @@ from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.navigation.scurve import SCurve
 
-Move = tuple[Vector, float, float, float]
+LegMotion = tuple[Vector, float, float, float]
 """A direction, and position m, speed m/s and acceleration m/s² along it."""
 
 
 class StraightLegs:
-    """The leg that is flown, the one before it, which may not have ended, and the one after."""
+    """The leg that is flown, the one before, which may not have ended, and the one after."""
 
     __slots__ = ("current", "following", "previous", "unused_s")
 
@@ -26,22 +26,24 @@ class StraightLegs:
         self.unused_s = 0.0
 
     def begin(self, leg: SCurve, *, previous: SCurve) -> None:
-        """Fly ``leg`` now; what follows it is not known yet."""
+        """Fly ``leg`` now; the leg after it is not known yet."""
         self.previous, self.current, self.following = previous, leg, SCurve()
 
-    def advance(self, dt: float, origin: Vector, turn: Limits | None) -> tuple[Vector, Vector, Vector, bool]:
+    def advance(
+        self, dt: float, origin: Vector, corner: Limits | None
+    ) -> tuple[Vector, Vector, Vector, bool]:
         """Move ``dt`` seconds on.
 
         Args:
             dt: seconds.
             origin: where the current leg begins.
-            turn: limits within which the corner to the following leg may be cut; None to stop there.
+            corner: limits within which the corner to the following leg may be cut; None to stop there.
 
         Returns:
             Target position, velocity and acceleration, and whether the current leg is done.
         """
         leg, previous, following = self.current, self.previous, self.following
-        moves: list[Move] = []
+        moves: list[LegMotion] = []
         if not previous.finished:
             position, speed, accel = previous.advance(dt)
             moves.append((previous.direction, position - previous.length, speed, accel))
@@ -54,13 +56,13 @@ class StraightLegs:
             moves.append((following.direction, *following.advance(dt)))
             finished = finished or following.time >= leg.end_time - leg.time
             self.unused_s = 0.0
-        elif turn is not None and may_turn(leg, following, turn):
-            # The moment has come within the last step, on average in its middle.
+        elif corner is not None and can_blend(leg, following, corner):
+            # The blend begins within the last step, on average in its middle.
             moves.append((following.direction, *following.advance(0.5 * dt)))
         return *_sum(origin, moves), finished
 
 
-def may_turn(leg: SCurve, following: SCurve, limits: Limits) -> bool:
+def can_blend(leg: SCurve, following: SCurve, limits: Limits) -> bool:
     """Whether the following leg may begin now: the overlap stays within radius, speed and acceleration."""
     if leg.empty or following.empty or leg.time < leg.turn_out_time - following.turn_in_time:
         return False
@@ -80,7 +82,7 @@ def may_turn(leg: SCurve, following: SCurve, limits: Limits) -> bool:
     )
 
 
-def _sum(origin: Vector, moves: list[Move]) -> tuple[Vector, Vector, Vector]:
+def _sum(origin: Vector, moves: list[LegMotion]) -> tuple[Vector, Vector, Vector]:
     """Position, velocity and acceleration of motions along several directions."""
     n, e, u = origin
     vn = ve = vu = an = ae = au = 0.0

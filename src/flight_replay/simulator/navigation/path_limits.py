@@ -1,4 +1,4 @@
-"""How fast a path may be flown, in any direction."""
+"""Limits of speed and acceleration in any direction."""
 
 from __future__ import annotations
 

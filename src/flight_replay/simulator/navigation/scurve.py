@@ -23,15 +23,15 @@ from flight_replay.simulator.navigation.scurve_segments import (
     Segment,
     State,
     cruising,
+    empty_segment,
     from_speed,
     ramp_segments,
     state_within,
-    still,
 )
 from flight_replay.simulator.navigation.scurve_speed_change import with_top_speed
 
-# Of 32-bit numbers: a stop counts as reached when what is left of the leg is below that. So slowly does
-# a leg end that this is 0.1 s before its time is up.
+# Of 32-bit numbers: a stop counts as reached when less than this share of the leg is left. A leg ends so
+# slowly that this is 0.1 s before its end time.
 _RESOLUTION = 1.5e-7
 
 
@@ -39,7 +39,15 @@ class SCurve:
     """Motion along one straight leg, from rest to rest unless told otherwise; empty without length."""
 
     __slots__ = (
-        "_ends", "_enough", "_limits", "_segments", "direction", "length", "position", "time", "top_speed",
+        "_ends",
+        "_limits",
+        "_reached_m",
+        "_segments",
+        "direction",
+        "length",
+        "position",
+        "time",
+        "top_speed",
     )  # fmt: skip
 
     def __init__(self, track: Vector = (0.0, 0.0, 0.0), limits: PathLimits | None = None) -> None:
@@ -47,16 +55,16 @@ class SCurve:
         self._segments: list[Segment] = []
         self._ends: list[float] = []
         self.length = length = hypot(*track) if limits else 0.0
-        self._enough = length * (1.0 - _RESOLUTION)
+        self._reached_m = length * (1.0 - _RESOLUTION)
         self.direction = (0.0, 0.0, 0.0)
         if limits is None or length == 0:
             return
         self.direction = (track[0] / length, track[1] / length, track[2] / length)
         self._limits = Kinematics(limits.snap_m_s4, limits.jerk_m_s3, limits.accel_along(track))
         self.top_speed = limits.speed_along(track)
-        self._use(from_speed(self._limits, 0.0, self.top_speed, length))
+        self._set_segments(from_speed(self._limits, 0.0, self.top_speed, length))
 
-    def _use(self, segments: list[Segment]) -> None:
+    def _set_segments(self, segments: list[Segment]) -> None:
         self._segments = segments
         self._ends = [segment[0] for segment in segments]
 
@@ -75,7 +83,7 @@ class SCurve:
             return speed
         top_speed = self._segments[ACCEL_END][2]
         speed = min(speed, top_speed)
-        self._use(from_speed(self._limits, speed, top_speed, self.length))
+        self._set_segments(from_speed(self._limits, speed, top_speed, self.length))
         return speed
 
     def limit_destination_speed(self, speed: float) -> None:
@@ -83,10 +91,10 @@ class SCurve:
         if self.empty or speed == self._segments[END][2]:
             return
         top_speed = self._segments[CRUISE][2]
-        level = still(self._segments[CHANGE_END], accelerated=True)
+        level = empty_segment(self._segments[CHANGE_END], accelerated=True)
         shape = ramp(self._limits, min(speed, top_speed), top_speed, 0.5 * self.length)
         loss = ramp_segments(level, shape, gain=False)
-        self._use(cruising([*self._segments[:CRUISE], level, *loss], self.length))
+        self._set_segments(cruising([*self._segments[:CRUISE], level, *loss], self.length))
 
     def change_speed(self, limits: PathLimits) -> None:
         """Plan the rest of the leg for another top speed (SCurve::set_speed_max)."""
@@ -101,10 +109,10 @@ class SCurve:
         if self.time > 0:
             position, now, accel = self.at(self.time)
             here: Segment = (self.time, accel, now, position, 0.0, 0.0, 0.0)
-            self._use(with_top_speed(self._limits, here, self._segments, speed))
+            self._set_segments(with_top_speed(self._limits, here, self._segments, speed))
             return
         start_speed, end_speed = self._segments[START][2], self._segments[END][2]
-        self._use(from_speed(self._limits, 0.0, speed, self.length))
+        self._set_segments(from_speed(self._limits, 0.0, speed, self.length))
         self.limit_origin_speed(min(speed, start_speed))
         self.limit_destination_speed(min(speed, end_speed))
 
@@ -115,9 +123,9 @@ class SCurve:
         segments = self._segments
         i = bisect_right(self._ends, time)
         if i == 0:
-            return _coasting(segments[0], time)
+            return _extrapolated(segments[0], time)
         if i > END:
-            return _coasting(segments[END], time)
+            return _extrapolated(segments[END], time)
         before = segments[i - 1]
         position, speed, accel = state_within(before, segments[i], time - before[0])
         return (position if position > 0 else 0.0), speed, accel
@@ -146,12 +154,12 @@ class SCurve:
 
     @property
     def finished(self) -> bool:
-        """Whether time or length is used up."""
-        return not self._ends or self.time >= self._ends[END] or self.position >= self._enough
+        """Whether the end time or the end of the leg is reached."""
+        return not self._ends or self.time >= self._ends[END] or self.position >= self._reached_m
 
 
-def _coasting(segment: Segment, time: float) -> State:
-    """On from the end of a segment with its speed and acceleration."""
+def _extrapolated(segment: Segment, time: float) -> State:
+    """Extrapolated from the end of a segment with its speed and acceleration."""
     t, accel, speed, position, _, _, _ = segment
     s = time - t
     return max(0.0, position + s * (speed + 0.5 * s * accel)), speed + s * accel, accel

@@ -33,15 +33,15 @@ def state_within(before: Segment, segment: Segment, s: float) -> State:
     farther = position + s * (speed + s * (0.5 * accel + s * jerk / 6.0))
     if part:
         angle = beta * s
-        bend = part * sin(angle)
+        swing = part * sin(angle)
         part /= beta
-        grown -= bend
+        grown -= swing
         faster += part * (cos(angle) - 1.0)
-        farther += bend / (beta * beta) - part * s
+        farther += swing / (beta * beta) - part * s
     return farther, faster, grown
 
 
-def still(at: Segment, *, accelerated: bool = False) -> Segment:
+def empty_segment(at: Segment, *, accelerated: bool = False) -> Segment:
     """A segment of no duration after ``at``."""
     return (at[0], at[1] if accelerated else 0.0, at[2], at[3], 0.0, 0.0, 0.0)
 
@@ -49,7 +49,7 @@ def still(at: Segment, *, accelerated: bool = False) -> Segment:
 def following(before: Segment, duration: float, jerk: float, kind: int) -> Segment:
     """The segment of ``duration`` s after ``before``; ``jerk`` is its peak, m/s³."""
     if duration <= 0:
-        return still(before, accelerated=True)
+        return empty_segment(before, accelerated=True)
     if kind != CONSTANT:
         jerk *= 0.5
     beta = pi / duration
@@ -98,7 +98,7 @@ def from_speed(limits: Kinematics, speed: float, top_speed: float, length: float
 
 def with_stop(limits: Kinematics, gain: list[Segment], length: float) -> list[Segment]:
     """A leg of ``length`` that begins with the segments that gain speed, and ends at rest."""
-    level = still(gain[-1])
+    level = empty_segment(gain[-1])
     loss = ramp_segments(level, ramp(limits, 0.0, level[2], 0.5 * length), gain=False)
     return cruising(gain + [level] * (SEGMENTS_IN_RAMP + 1) + loss, length)
 

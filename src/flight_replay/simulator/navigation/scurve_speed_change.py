@@ -1,6 +1,6 @@
-"""Another speed in the middle of a straight leg, as DO_CHANGE_SPEED asks for it.
+"""A speed change in the middle of a straight leg, as by DO_CHANGE_SPEED.
 
-Source: SCurve::set_speed_max. What lies behind becomes the part that gains speed, a ramp to the
+Source: SCurve::set_speed_max. What was flown becomes the part that gains speed, a ramp to the
 new speed goes into the part between, and the braking at the end is planned again.
 """
 
@@ -19,8 +19,8 @@ from flight_replay.simulator.navigation.scurve_segments import (
     START,
     Segment,
     cruising,
+    empty_segment,
     ramp_segments,
-    still,
     with_stop,
 )
 
@@ -31,21 +31,21 @@ _JERK_TIMES = 12.0
 def with_top_speed(limits: Kinematics, now: Segment, segments: list[Segment], speed: float) -> list[Segment]:
     """The leg's segments with another top speed from ``now`` on, where the vehicle is on its way."""
     length, end_speed = segments[END][3], min(speed, segments[END][2])
-    segments = _without_past(segments, now)
+    segments = _restarted(segments, now)
     segments = _shorter_gain(limits, segments, now[0], speed)
     segments = _changed_cruise(limits, segments, speed)
     return _braked(limits, segments, end_speed, length)
 
 
-def _without_past(segments: list[Segment], now: Segment) -> list[Segment]:
-    """Turn what was flown already into the part that gains speed, to make room for a further change."""
+def _restarted(segments: list[Segment], now: Segment) -> list[Segment]:
+    """Make what was flown the part that gains speed, so that the speed can change once more."""
     time = now[0]
     if segments[ACCEL_END][0] <= time <= segments[CHANGE_END][0]:
         change = segments[ACCEL_END + 1 : CHANGE_END + 1]
-        start = still(segments[ACCEL_END], accelerated=True)
-        return [start, *change, *[still(change[-1])] * SEGMENTS_IN_RAMP, *segments[CRUISE:]]
+        start = empty_segment(segments[ACCEL_END], accelerated=True)
+        return [start, *change, *[empty_segment(change[-1])] * SEGMENTS_IN_RAMP, *segments[CRUISE:]]
     if segments[CHANGE_END][0] < time <= segments[CRUISE][0]:
-        return [still(segments[CHANGE_END]), *[still(now)] * CHANGE_END, *segments[CRUISE:]]
+        return [empty_segment(segments[CHANGE_END]), *[empty_segment(now)] * CHANGE_END, *segments[CRUISE:]]
     return segments
 
 
@@ -61,8 +61,8 @@ def _shorter_gain(limits: Kinematics, segments: list[Segment], time: float, spee
 
 
 def _changed_cruise(limits: Kinematics, segments: list[Segment], speed: float) -> list[Segment]:
-    """Put a ramp to the new speed into the cruise, where there is room for it."""
-    level = still(segments[ACCEL_END])
+    """Add a ramp to the new speed to the cruise, if there is room for it."""
+    level = empty_segment(segments[ACCEL_END])
     old, room = level[2], segments[CRUISE][3] - level[3]
     # ArduPilot's cube root is an integer division, 1/3 = 0, so that its first bound is 1 s.
     wait = _JERK_TIMES * min(1.0, limits.jerk * pi / (2.0 * limits.snap))
@@ -77,8 +77,8 @@ def _changed_cruise(limits: Kinematics, segments: list[Segment], speed: float) -
 
 
 def _braked(limits: Kinematics, segments: list[Segment], end_speed: float, length: float) -> list[Segment]:
-    """Lose speed at the end of the leg again, from the new speed."""
-    level = still(segments[CHANGE_END])
+    """Plan the braking at the end of the leg again, from the new speed."""
+    level = empty_segment(segments[CHANGE_END])
     end_speed = min(end_speed, level[2])
     loss = [level] * SEGMENTS_IN_RAMP
     if end_speed < level[2]:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.mission.stored_items import float32
+from flight_replay.simulator.mission.stored_params import float32
 from flight_replay.simulator.protocol import command_handlers, guided_targets
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command import Command

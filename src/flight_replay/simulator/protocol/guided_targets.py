@@ -12,7 +12,7 @@ from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.dynamics.vector import Vector
-from flight_replay.simulator.mission.stored_items import ItemRefused, stored
+from flight_replay.simulator.mission.stored_items import ItemRejected, to_stored_item
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command import Command
 
@@ -28,8 +28,8 @@ _ACCEPTED, _DENIED, _FAILED = 0, 2, 4
 def item(autopilot: Autopilot, message: Message) -> int:
     """A mission item with current 2 (fly there) or 3 (change height); gives a MAV_MISSION_RESULT."""
     try:
-        target = stored(message)
-    except ItemRefused as refused:
+        target = to_stored_item(message)
+    except ItemRejected as refused:
         return refused.result
     place_m = autopilot.ekf_frame.position_of(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
     if message.current == 3:

@@ -13,7 +13,7 @@ from flight_replay.events import Severity
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.store import CAPACITY
-from flight_replay.simulator.mission.stored_items import ItemRefused, StoredItem, stored
+from flight_replay.simulator.mission.stored_items import ItemRejected, StoredItem, to_stored_item
 from flight_replay.simulator.protocol.channel import Sender
 
 REQUEST_AGAIN_S = 1.0
@@ -131,8 +131,8 @@ class MissionUpload:
         if refused is not None:
             return refused
         try:
-            item = stored(message)
-        except ItemRefused as reason:
+            item = to_stored_item(message)
+        except ItemRejected as reason:
             return reason.result
         if item.command == _DO_JUMP and not self._can_jump(item, transfer):
             return int(_ERROR)

@@ -1,0 +1,125 @@
+"""The target heading (ArduCopter/autoyaw.cpp and AC_PosControl::calculate_yaw_and_rate_yaw)."""
+
+from __future__ import annotations
+
+from enum import Enum
+from math import atan2, hypot, pi, radians
+
+from flight_replay.simulator.dynamics.airframe import Airframe
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.position_control import PositionControl
+from flight_replay.simulator.dynamics.shaping import clamp
+
+# WP_YAW_BEHAVIOR.
+_NEVER, _NEXT_WAYPOINT, _NEXT_WAYPOINT_EXCEPT_RTL, _AHEAD = 0, 1, 2, 3
+# AC_PosControl.cpp turns the target only above this share of the highest speed.
+_TURNING_SHARE = 0.05
+# autoyaw.cpp: YAW_LOOK_AHEAD_MIN_SPEED, 1 m/s.
+_LOOK_AHEAD_SPEED_M_S = 1.0
+_REACHED_RAD = radians(2.0)
+
+
+class YawMode(Enum):
+    """What the target heading follows (AutoYaw::Mode)."""
+
+    HOLD = "the present heading"
+    LOOK_AT_NEXT_WP = "the target's path"
+    LOOK_AHEAD = "the flown path"
+    FIXED = "a given heading"
+
+
+class AutoYaw:
+    """The target heading; ``update`` turns the airframe one step towards it."""
+
+    def __init__(self, limits: Limits, airframe: Airframe, control: PositionControl) -> None:
+        self._limits, self._airframe, self._control = limits, airframe, control
+        self.mode = YawMode.HOLD
+        self.target_rad = self.armed_yaw_rad = airframe.yaw
+        self._remaining_rad = 0.0
+        self._slew_rad_s = 0.0
+
+    def use_limits(self, limits: Limits) -> None:
+        """Use other limits from now on."""
+        self._limits = limits
+
+    def hold(self) -> None:
+        """Hold the present heading."""
+        self.mode = YawMode.HOLD
+        self.target_rad = self._airframe.yaw
+
+    def set_default_mode(self, *, returning: bool = False) -> None:
+        """Choose the mode by WP_YAW_BEHAVIOR (AutoYaw::default_mode)."""
+        behavior = self._limits.wp_yaw_behavior
+        if behavior == _NEVER or (behavior == _NEXT_WAYPOINT_EXCEPT_RTL and returning):
+            self.mode = YawMode.HOLD
+        elif behavior == _AHEAD:
+            self.mode = YawMode.LOOK_AHEAD
+        else:
+            self.mode = YawMode.LOOK_AT_NEXT_WP
+
+    def set_fixed_yaw(
+        self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False
+    ) -> None:
+        """Turn to an angle, or by one (AutoYaw::set_fixed_yaw)."""
+        if relative:
+            self._remaining_rad = angle_rad * (1.0 if direction >= 0 else -1.0)
+        else:
+            self._remaining_rad = (angle_rad - self.target_rad + pi) % (2 * pi) - pi
+            if direction * self._remaining_rad < 0:
+                self._remaining_rad += 2 * pi if direction > 0 else -2 * pi
+        slew = self._limits.yaw_slew_rad_s
+        self._slew_rad_s = min(slew, rate_rad_s) if rate_rad_s > 0 else slew
+        self.mode = YawMode.FIXED
+
+    def look_at(self, position_m: tuple[float, float]) -> None:
+        """Face a position, north and east of home, and turn one step (ROI, circles)."""
+        self.mode = YawMode.HOLD
+        airframe = self._airframe
+        self.target_rad = atan2(position_m[1] - airframe.e, position_m[0] - airframe.n)
+        self.update()
+
+    def reset_to_armed_yaw(self) -> None:
+        """Turn to the heading that the vehicle was armed with (RESETTOARMEDYAW)."""
+        self.mode = YawMode.HOLD
+        self._remaining_rad = 0.0
+        self.target_rad = self.armed_yaw_rad
+
+    @property
+    def holds_in_rtl(self) -> bool:
+        """Whether RTL keeps the heading (AutoYaw::default_mode)."""
+        return self._limits.wp_yaw_behavior in (_NEVER, _NEXT_WAYPOINT_EXCEPT_RTL)
+
+    def resume_fixed_yaw(self) -> None:
+        """Go on turning to a fixed heading, even if the mode has changed since (ModeAuto::verify_yaw)."""
+        self.mode = YawMode.FIXED
+
+    @property
+    def reached(self) -> bool:
+        """Whether a fixed heading is reached, within 2 degrees (AutoYaw::reached_fixed_yaw_target)."""
+        error = (self.target_rad - self._airframe.yaw + pi) % (2 * pi) - pi
+        return self._remaining_rad == 0 and abs(error) <= _REACHED_RAD
+
+    def update(self) -> None:
+        """Turn the airframe one step."""
+        rate = 0.0
+        control, airframe = self._control, self._airframe
+        if self.mode is YawMode.LOOK_AT_NEXT_WP:
+            rate = self._along_target()
+        elif self.mode is YawMode.FIXED:
+            step = self._slew_rad_s * control.dt
+            step = clamp(self._remaining_rad, -step, step)
+            self._remaining_rad -= step
+            self.target_rad += step
+        elif self.mode is YawMode.LOOK_AHEAD and hypot(airframe.vn, airframe.ve) > _LOOK_AHEAD_SPEED_M_S:
+            self.target_rad = atan2(airframe.ve, airframe.vn)
+        airframe.turn_towards(self.target_rad, rate)
+
+    def _along_target(self) -> float:
+        """Take the heading of the target's velocity; returns its yaw rate."""
+        control = self._control
+        vn, ve = control.vn, control.ve
+        square = vn * vn + ve * ve
+        if square <= (_TURNING_SHARE * control.speed_max) ** 2:
+            return 0.0
+        self.target_rad = atan2(ve, vn)
+        return (control.accel_e * vn - control.accel_n * ve) / square

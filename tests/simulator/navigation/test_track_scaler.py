@@ -1,0 +1,73 @@
+"""The target waits for a copter that falls behind."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flight_replay.simulator.dynamics.aerodynamics import Air
+from flight_replay.simulator.dynamics.airframe import Airframe
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.position_control import PositionControl
+from flight_replay.simulator.navigation.track_scaler import TrackScaler, mean_clamped
+
+
+def scale_after(seconds: float, *, behind_m: float, made_good_m_s: float) -> float:
+    """The time scale after the target has flown at 5 m/s for some seconds."""
+    limits = Limits()
+    airframe = Airframe(limits, (0.0, 0.0, 20.0), 0.0, Air(), 0.02)
+    control = PositionControl(limits, airframe)
+    control.vn, control.n = 5.0, behind_m
+    airframe.vn = made_good_m_s
+    scaler = TrackScaler()
+    for _ in range(round(seconds / 0.02)):
+        scaler.advance(limits, control, airframe)
+    return scaler.scale
+
+
+def test_a_copter_that_keeps_up_does_not_slow_the_target() -> None:
+    """At the target's own speed and position, the time scale is 1."""
+    assert scale_after(10.0, behind_m=0.0, made_good_m_s=5.0) == 1.0
+
+
+def test_five_percent_of_lag_is_allowed() -> None:
+    """The time scale follows the share of speed that is made good plus five percent, within seconds."""
+    assert scale_after(20.0, behind_m=0.0, made_good_m_s=4.0) == pytest.approx(0.85, abs=0.001)
+    assert scale_after(2.5, behind_m=0.0, made_good_m_s=4.0) == pytest.approx(0.85 + 0.15 / 2.718, abs=0.001)
+
+
+def test_distance_counts_as_lag_and_stops_the_target() -> None:
+    """Far behind, the target waits."""
+    assert scale_after(30.0, behind_m=6.0, made_good_m_s=0.0) == pytest.approx(0.0, abs=0.001)
+
+
+def scale_after_stop(rest_s: float, start_n: float) -> float:
+    """The time scale when a target that came from the west, and rested, has started north or south."""
+    limits = Limits()
+    airframe = Airframe(limits, (0.0, 0.0, 20.0), 0.0, Air(), 0.02)
+    control = PositionControl(limits, airframe)
+    scaler = TrackScaler()
+    for north, east, seconds in ((0.0, 5.0, 1.0), (0.0, 0.0, rest_s), (start_n, 0.0, 0.4)):
+        control.vn, control.ve = north, east
+        airframe.vn, airframe.ve = 0.0, 0.95 * east
+        for _ in range(round(seconds / 0.02)):
+            scaler.advance(limits, control, airframe)
+    return scaler.scale
+
+
+def test_after_a_stop_legs_to_the_left_start_sooner_for_a_while() -> None:
+    """The drift of the estimate makes a start to the left sooner than one to the right, until it is over."""
+    assert scale_after_stop(2.0, 0.005) > scale_after_stop(2.0, -0.005) + 0.05
+    assert scale_after_stop(1.0, 0.005) > scale_after_stop(1.0, -0.005) + 0.02
+    assert scale_after_stop(6.0, 0.005) == pytest.approx(scale_after_stop(6.0, -0.005))
+
+
+@settings(deadline=None)
+@given(st.floats(-3, 3), st.floats(0.0, 5.0))
+def test_a_noisy_value_averages_within_its_bounds(mean: float, deviation: float) -> None:
+    """The mean of a clamped value lies within 0 and 1, and at a half where the value does."""
+    value = mean_clamped(mean, deviation)
+    assert 0.0 <= value <= 1.0
+    assert mean_clamped(0.5, deviation) == pytest.approx(0.5)
+    assert mean_clamped(1.0 - mean, deviation) == pytest.approx(1.0 - value, abs=1e-9)
