@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import errno
 import queue
 import socket
 import struct
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from flight_replay.errors import FlightReplayError
-from flight_replay.vehicle.link.ground_station_sockets import TcpServer, TransportSocket, socket_for
+from flight_replay.vehicle.link.ground_station_sockets import (
+    MAX_CONNECTIONS,
+    TcpServer,
+    TransportSocket,
+    UdpServer,
+    check_distinct,
+    socket_for,
+)
 from flight_replay.vehicle.link.ground_stations import QUEUED_FRAMES, GroundStation, ground_stations
 
 PATIENCE_S = 10.0
@@ -54,6 +62,14 @@ def command() -> bytes:
     """A command of a ground station, in MAVLink 1."""
     message = dialect.MAVLink_command_long_message(1, 1, dialect.MAV_CMD_DO_SET_MODE, 0, 1, 4, 0, 0, 0, 0, 0)
     return bytes(message.pack(dialect.MAVLink(None, 255, 190), force_mavlink1=True))
+
+
+def beat() -> bytes:
+    """The heartbeat of a ground station."""
+    message = dialect.MAVLink_heartbeat_message(
+        dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, dialect.MAV_STATE_ACTIVE, 3
+    )
+    return bytes(message.pack(dialect.MAVLink(None, 255, 190)))
 
 
 @contextmanager
@@ -101,7 +117,9 @@ def test_a_station_that_speaks_first_on_udp_is_answered() -> None:
         listening(socket.SOCK_DGRAM) as gcs,
     ):
         assert station.opened.wait(PATIENCE_S)
+        gcs.sendto(beat(), address)
         gcs.sendto(command(), address)
+        assert link.heard.get(timeout=PATIENCE_S) == beat()
         assert link.heard.get(timeout=PATIENCE_S) == command()
         link.speak(frame(2))
         assert gcs.recv(4096) == frame(2)
@@ -134,6 +152,9 @@ def test_two_stations_that_connect_by_tcp_both_watch_and_their_bytes_never_mix()
             socket.create_connection(address, PATIENCE_S) as one,
             socket.create_connection(address, PATIENCE_S) as two,
         ):
+            for each in (one, two):
+                each.sendall(beat())
+                assert link.heard.get(timeout=PATIENCE_S) == beat()
             one.sendall(command()[:10])
             two.sendall(frame(7, system=255))
             assert link.heard.get(timeout=PATIENCE_S) == frame(7, system=255)
@@ -142,7 +163,8 @@ def test_two_stations_that_connect_by_tcp_both_watch_and_their_bytes_never_mix()
             station.receive(decoded(frame(3)))
             assert receive(one, len(frame(3))) == receive(two, len(frame(3))) == frame(3)
         with socket.create_connection(address, PATIENCE_S) as late:
-            late.sendall(command())
+            late.sendall(beat() + command())
+            assert link.heard.get(timeout=PATIENCE_S) == beat()
             assert link.heard.get(timeout=PATIENCE_S) == command()
 
 
@@ -192,7 +214,8 @@ def test_a_station_that_is_not_there_holds_nothing_up() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "udp", "udp:14550", "tcp:host:port", "serial:/dev/x:1", "udp:host:99999", "tcpin::1"]
+    "text",
+    ["", "udp", "udp:14550", "tcp:host:port", "serial:/dev/x:1", "udp:host:99999", "tcpin::1", "udp:host:²"],
 )
 def test_strings_that_name_no_station_are_told(text: str) -> None:
     """One sentence names the string and how to write one; nothing has been started."""
@@ -207,8 +230,9 @@ def test_strings_that_name_no_station_are_told(text: str) -> None:
 
 def test_every_kind_of_station_has_its_socket() -> None:
     """Upper case and IPv6 brackets do no harm."""
-    for kind in ("udp", "UDPOUT", "udpin", "tcp"):
+    for kind in ("udp", "UDPOUT", "tcp"):
         assert isinstance(socket_for(f"{kind}:[::1]:14550"), TransportSocket)
+    assert isinstance(socket_for("udpin:[::1]:14550"), UdpServer)
     assert isinstance(socket_for("tcpin:127.0.0.1:0"), TcpServer)
 
 
@@ -221,8 +245,8 @@ def test_a_station_that_breaks_off_does_not_disturb_the_others() -> None:
         rude, kind = (socket.create_connection(address, PATIENCE_S) for _ in range(2))
         with kind:
             for each in (rude, kind):
-                each.sendall(command())
-                assert link.heard.get(timeout=PATIENCE_S) == command()
+                each.sendall(beat())
+                assert link.heard.get(timeout=PATIENCE_S) == beat()
             rude.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             rude.close()
             for number in range(10):
@@ -237,3 +261,119 @@ def test_a_closed_socket_says_so() -> None:
     sockets.close()
     with pytest.raises(OSError, match="the socket is closed"):
         sockets.read(0)
+
+
+POST = b"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 60\r\n\r\n"
+TLS_HELLO = bytes.fromhex("16030102000100")
+STRANGERS = {
+    "a web page's POST": POST + beat() + command(),
+    "TLS": TLS_HELLO + beat() + command(),
+    "a frame that is torn": beat()[:-1] + b"x" + beat() + command(),
+    "a marker and nonsense": b"\xfe\x00" + bytes(40) + beat() + command(),
+}
+
+
+@pytest.mark.parametrize("data", STRANGERS.values(), ids=STRANGERS.keys())
+def test_who_does_not_speak_mavlink_is_disconnected(data: bytes) -> None:
+    """Whatever follows, nothing of it reaches the vehicle."""
+    sockets, link = TcpServer(("127.0.0.1", 0)), FakeLink()
+    with (
+        running(GroundStation("tcpin", sockets, link.forward)),
+        socket.create_connection(("127.0.0.1", sockets.port), PATIENCE_S) as stranger,
+    ):
+        stranger.sendall(data)
+        with suppress(ConnectionResetError):
+            assert stranger.recv(1) == b""
+    assert link.heard.empty()
+
+
+def test_nothing_is_forwarded_before_a_ground_stations_heartbeat() -> None:
+    """A command alone, or behind the heartbeat of something else, does nothing."""
+    sockets, link = TcpServer(("127.0.0.1", 0)), FakeLink()
+    other = dialect.MAVLink_heartbeat_message(dialect.MAV_TYPE_GIMBAL, 8, 0, 0, 4, 3)
+    with (
+        running(GroundStation("tcpin", sockets, link.forward)),
+        socket.create_connection(("127.0.0.1", sockets.port), PATIENCE_S) as station,
+    ):
+        station.sendall(command() + other.pack(dialect.MAVLink(None, 1, 154)) + command())
+        station.sendall(beat() + frame(9, system=255))
+        assert link.heard.get(timeout=PATIENCE_S) == beat()
+        assert link.heard.get(timeout=PATIENCE_S) == frame(9, system=255)
+
+
+def test_a_udp_stranger_is_sent_nothing() -> None:
+    """Only stations that are admitted get the vehicle's frames, so nobody can aim them at others."""
+    link = FakeLink()
+    with listening(socket.SOCK_DGRAM) as free:
+        address = free.getsockname()
+    with (
+        ground_stations(link, [f"udpin:127.0.0.1:{address[1]}"]) as (station,),
+        listening(socket.SOCK_DGRAM) as stranger,
+        listening(socket.SOCK_DGRAM) as gcs,
+    ):
+        assert station.opened.wait(PATIENCE_S)
+        stranger.sendto(b"hello", address)
+        stranger.sendto(command(), address)
+        gcs.sendto(beat(), address)
+        assert link.heard.get(timeout=PATIENCE_S) == beat()
+        link.speak(frame(4))
+        assert gcs.recv(4096) == frame(4)
+        stranger.settimeout(0.2)
+        with pytest.raises(TimeoutError):
+            stranger.recv(4096)
+    assert link.heard.empty()
+
+
+@pytest.mark.parametrize("address", ["tcpin:0.0.0.0:5760", "udpin:[::]:14550", "tcpin:example.org:1"])
+def test_other_machines_are_let_in_only_when_asked_to(address: str) -> None:
+    """The refusal names the option."""
+    with pytest.raises(FlightReplayError, match="--gcs-open"):
+        socket_for(address)
+    assert socket_for(address, allow_open=True)
+
+
+def test_connections_are_few_and_running_out_of_descriptors_drops_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One too many is closed again; while none can be accepted, the others are served."""
+    sockets, link = TcpServer(("127.0.0.1", 0)), FakeLink()
+    with running(GroundStation("tcpin", sockets, link.forward)) as station, ExitStack() as stack:
+        address = ("127.0.0.1", sockets.port)
+        made = [
+            stack.enter_context(socket.create_connection(address, PATIENCE_S)) for _ in range(MAX_CONNECTIONS)
+        ]
+        for each in made:
+            each.sendall(beat())
+            assert link.heard.get(timeout=PATIENCE_S) == beat()
+        extra = stack.enter_context(socket.create_connection(address, PATIENCE_S))
+        assert extra.recv(1) == b""
+
+        def accept() -> None:
+            raise OSError(errno.EMFILE, "too many open files")
+
+        monkeypatch.setattr(socket.socket, "accept", lambda _: accept())
+        stack.enter_context(socket.create_connection(address, PATIENCE_S))
+        station.receive(decoded(frame(5)))
+        assert receive(made[0], len(frame(5))) == frame(5)
+
+
+@pytest.mark.parametrize(
+    ("connection", "stations"),
+    [
+        ("127.0.0.1:14550", ["udp:localhost:14550"]),
+        ("udp::14550", ["udpin:127.0.0.1:14550"]),
+        ("udpin:0.0.0.0:14550", ["tcp:127.0.0.1:5762", "udpout:[::1]:14550"]),
+        ("tcp:127.0.0.1:5760", ["tcp:127.0.0.1:5760"]),
+        (None, ["udp:10.0.0.2:14550", "udp:10.0.0.2:14550"]),
+    ],
+)
+def test_an_address_used_twice_is_refused(connection: str | None, stations: list[str]) -> None:
+    """Frames would go round in circles."""
+    with pytest.raises(FlightReplayError, match="is used twice"):
+        check_distinct(connection, stations)
+
+
+def test_different_addresses_may_be_used_together() -> None:
+    """Other ports, other hosts, other protocols, and a serial port."""
+    check_distinct("127.0.0.1:14550", ["udp:127.0.0.1:14551", "tcp:127.0.0.1:14550", "udp:10.0.0.2:14550"])
+    check_distinct("/dev/ttyUSB0,57600", ["udp:127.0.0.1:14550"])

@@ -58,17 +58,17 @@ def transport_for(connection_string: str, baud: int) -> Transport:
         return UdpClient(_address(connection_string, rest))
     if kind in ("udp", "udpin"):
         return UdpListener(_address(connection_string, rest))
-    if rest.isdigit() and "/" not in kind:
+    if rest.isascii() and rest.isdecimal() and "/" not in kind:
         return UdpListener(_address(connection_string, connection_string))
     device, _, speed = connection_string.partition(",")
     if not device:
         raise _invalid(connection_string)
-    return Serial(device, int(speed) if speed.isdigit() else baud)
+    return Serial(device, int(speed) if speed.isascii() and speed.isdecimal() else baud)
 
 
 def _address(connection_string: str, host_port: str) -> tuple[str, int]:
     host, _, port = host_port.rpartition(":")
-    if not port.isdigit() or not 0 < int(port) < 65536:
+    if not (port.isascii() and port.isdecimal()) or not 0 < int(port) < 65536:
         raise _invalid(connection_string)
     return host.strip("[]") or "0.0.0.0", int(port)
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Protocol
 
 from flight_replay.mavlink import Message
-from flight_replay.vehicle.link.frame_parser import ParserPool
+from flight_replay.vehicle.link.admission import Admission, NotMavlinkError
+from flight_replay.vehicle.link.frame_parser import MAX_SENDERS, ParserPool
 from flight_replay.vehicle.link.ground_station_sockets import GroundStationSocket, socket_for
 
 _log = logging.getLogger(__name__)
@@ -40,13 +41,20 @@ class SharedLink(Protocol):
 
 
 @contextmanager
-def ground_stations(link: SharedLink, addresses: Sequence[str]) -> Iterator[tuple[GroundStation, ...]]:
+def ground_stations(
+    link: SharedLink, addresses: Sequence[str], *, allow_open: bool = False
+) -> Iterator[tuple[GroundStation, ...]]:
     """Share the link with the ground stations that ``--gcs`` names, for as long as the context lasts.
+
+    ``allow_open`` lets them listen on other addresses than loopback.
 
     Raises:
         FlightReplayError: An address is invalid.
     """
-    stations = tuple(GroundStation(name, socket_for(name), link.forward) for name in addresses)
+    sockets = [socket_for(address, allow_open=allow_open) for address in addresses]
+    stations = tuple(
+        GroundStation(name, socket, link.forward) for name, socket in zip(addresses, sockets, strict=True)
+    )
     with ExitStack() as stack:
         for station in stations:
             station.start()
@@ -63,6 +71,7 @@ class GroundStation:
         self._name, self._sockets, self._forward = name, sockets, forward
         self._queue: deque[bytes] = deque(maxlen=QUEUED_FRAMES)
         self._parsers = ParserPool()
+        self._admissions: OrderedDict[Hashable, Admission] = OrderedDict()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"flight-replay gcs {name}", daemon=True)
         self.opened = threading.Event()
@@ -97,11 +106,13 @@ class GroundStation:
             if not self.opened.is_set():
                 self._sockets.open()
                 self._parsers.clear()
+                self._admissions.clear()
                 self.opened.set()
             self._send_queued()
             for source, data in self._sockets.read(_READ_S):
                 self._forward_frames(source, data)
-        except OSError as error:
+        except Exception as error:
+            # Whatever it is, the station is reopened: this thread must not end in flight.
             _log.debug("ground station %s: %s", self._name, error)
             self.opened.clear()
             self._stop.wait(_REOPEN_S)
@@ -112,5 +123,26 @@ class GroundStation:
 
     def _forward_frames(self, source: Hashable, data: bytes) -> None:
         """Forward whole frames only: bytes of two senders must not mix on the vehicle's link."""
-        for message in self._parsers.messages(data, source):
-            self._forward(bytes(message.get_msgbuf()))
+        if not self._sockets.listens:
+            for message in self._parsers.messages(data, source):
+                self._forward(bytes(message.get_msgbuf()))
+        elif data:
+            self._forward_if_admitted(source, data)
+        else:
+            self._admissions.pop(source, None)
+
+    def _forward_if_admitted(self, source: Hashable, data: bytes) -> None:
+        admission = self._admissions.pop(source, None) or Admission()
+        try:
+            frames = list(admission.frames(data))
+        except NotMavlinkError:
+            _log.warning("a sender at ground station port %s does not speak MAVLink: dropped", self._name)
+            self._sockets.drop(source)
+            return
+        self._admissions[source] = admission
+        while len(self._admissions) > MAX_SENDERS:
+            self._admissions.popitem(last=False)
+        if admission.admitted:
+            self._sockets.admit(source)
+        for frame in frames:
+            self._forward(frame)
