@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 from flight_replay.events import Event
 from flight_replay.supervisor import FlightRecord, Plan, fly
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
 
 Setup = Callable[[FakeVehicle], None]
+EventT = TypeVar("EventT")
 
 
 class FakeFlight:
@@ -23,7 +25,7 @@ class FakeFlight:
     def fly(self) -> FlightRecord:
         return fly(self.vehicle, self.vehicle.clock, self.plan, self.events.append)
 
-    def of(self, kind: type) -> list[Event]:
+    def of(self, kind: type[EventT]) -> list[EventT]:
         """The events of one kind."""
         return [event for event in self.events if isinstance(event, kind)]
 

@@ -75,7 +75,7 @@ def test_takeoff_is_done_at_95_percent() -> None:
     flight.fly()
     climbs = flight.of(events.Climbing)
     assert 10 <= len(climbs) <= 14
-    assert {event.threshold_m for event in climbs if isinstance(event, events.Climbing)} == {28.5}
+    assert {event.threshold_m for event in climbs} == {28.5}
     assert flight.of(events.TargetAltitudeReached) == [events.TargetAltitudeReached(30.0)]
 
 
@@ -157,11 +157,7 @@ def test_holds_in_the_mission_are_no_standstill() -> None:
     items = (waypoint(47.0, 8.0, 30.0, hold_s=120), change_speed(3.0), waypoint(47.001, 8.0, 30.0))
     flight.plan = replace(flight.plan, mission=Mission(items))
     assert flight.fly().ended == "mission complete"
-    distances = {
-        event.seq: event.distance_m
-        for event in flight.of(events.DistanceToWaypoint)
-        if isinstance(event, events.DistanceToWaypoint)
-    }
+    distances = {event.seq: event.distance_m for event in flight.of(events.DistanceToWaypoint)}
     assert distances[2] is None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 
 import pytest
 
@@ -276,3 +277,49 @@ def test_a_pilot_who_changes_the_mode_and_disarms_is_told_from_a_reboot() -> Non
 
     vehicle.schedule.append((30.0, take))
     assert fake_flight(vehicle).fly().ended in ("pilot", "disarmed")
+
+
+@pytest.mark.parametrize("mode", ["RTL", "LAND"])
+def test_a_failsafe_in_auto_is_not_answered_with_rtl(mode: str) -> None:
+    """No RTL phase begins: neither does the program command it, nor does it claim to have done so."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def failsafe() -> None:
+        vehicle.send_text("Radio Failsafe")
+        vehicle.mode = mode
+
+    vehicle.schedule.append((30.0, failsafe))
+    flight = fake_flight(vehicle)
+    flight.fly()
+    assert flight.of(events.ReturnCommanded) == []
+    assert events.PhaseStarted(events.Phase.RETURN) not in flight.events
+
+
+@pytest.mark.parametrize(("mode", "words"), [("RTL", "by itself: Radio Failsafe"), ("LAND", "by itself")])
+def test_a_failsafe_during_takeoff_is_not_answered_with_rtl(mode: str, words: str) -> None:
+    """Before AUTO too, the vehicle is left to its failsafe."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def failsafe() -> None:
+        vehicle.send_text("Radio Failsafe")
+        vehicle.mode = mode
+
+    vehicle.schedule.append((10.0, failsafe))
+    flight = fake_flight(vehicle)
+    with pytest.raises(VehicleError, match=words):
+        flight.fly()
+    assert flight.of(events.ReturnCommanded) == []
+    assert events.PhaseStarted(events.Phase.RETURN) not in flight.events
+    assert "RTL" not in vehicle.requested
+
+
+def test_a_pilot_who_takes_over_sees_no_rtl_phase() -> None:
+    """Neither in AUTO nor before: the events say nothing of a return."""
+    for when_s in (10.0, 30.0):
+        vehicle = FakeVehicle(FakeClock(), points=40)
+        vehicle.schedule.append((when_s, lambda vehicle=vehicle: setattr(vehicle, "mode", "LOITER")))  # type: ignore[misc]
+        flight = fake_flight(vehicle)
+        with suppress(VehicleError):
+            flight.fly()
+        assert vehicle.mode == "LOITER"
+        assert events.PhaseStarted(events.Phase.RETURN) not in flight.events

@@ -1,0 +1,200 @@
+"""From the ground to the top of the climb: what is requested when, and how each phase ends."""
+
+from __future__ import annotations
+
+import pytest
+
+from flight_replay import events
+from flight_replay.errors import PhaseTimeoutError, VehicleError
+from flight_replay.events import Phase, VehicleState, Waiting
+from flight_replay.supervisor.vehicle_interface import Heartbeat, PrearmStatus, Request, RequestAck
+from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
+from tests.helpers.supervised import fake_flight
+
+
+def test_a_high_take_off_takes_as_long_as_it_climbs() -> None:
+    """100 m at 2.5 m/s are 40 s: the 25 s without a climb count from the last gain of height."""
+    flight = fake_flight(takeoff_altitude_m=100.0)
+    assert flight.fly().problem is None
+    assert flight.of(events.TargetAltitudeReached) == [events.TargetAltitudeReached(100.0)]
+
+
+def test_a_climb_that_stops_halfway_ends_in_rtl() -> None:
+    """The height that was reached is in the message, 25 s later."""
+    flight = fake_flight()
+    stopped: list[float] = []
+
+    def stop() -> None:
+        flight.vehicle.climbs = False
+        stopped.append(flight.vehicle.altitude_m)
+
+    flight.vehicle.schedule.append((12.0, stop))
+    with pytest.raises(
+        PhaseTimeoutError, match=r"the vehicle did not climb above (\d+\.\d) m in 25 s"
+    ) as error:
+        flight.fly()
+    assert f"{stopped[0]:.1f} m" in str(error.value) or f"{stopped[0] - 0.25:.1f} m" in str(error.value)
+    assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(True)]
+    assert 12 + 25 < flight.wall_s < 12 + 25 + 3
+
+
+def test_take_off_is_requested_again_until_the_vehicle_climbs() -> None:
+    """The fake vehicle sends no ack: while it stays on the ground, every 1.2 s."""
+    flight = fake_flight(FakeVehicle(FakeClock(), climbs=False))
+    flight.vehicle.schedule.append((10.0, lambda: setattr(flight.vehicle, "climbs", True)))
+    assert flight.fly().problem is None
+    requests = flight.vehicle.requested.count("takeoff")
+    assert 4 <= requests <= 6
+
+
+def test_an_accepted_take_off_is_not_requested_again() -> None:
+    """ArduCopter may spool up for seconds before it climbs."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+    vehicle.schedule.append((10.0, lambda: setattr(vehicle, "climbs", True)))
+    request_takeoff = vehicle.request_takeoff
+
+    def accept(altitude_m: float) -> None:
+        request_takeoff(altitude_m)
+        vehicle.queue.append(RequestAck(Request.TAKEOFF, True))
+
+    vehicle.request_takeoff = accept  # type: ignore[method-assign]
+    assert fake_flight(vehicle).fly().problem is None
+    assert vehicle.requested.count("takeoff") == 1
+
+
+def test_a_refused_take_off_gives_its_reason() -> None:
+    """The result in the ack, where no status text explains it."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+    request_takeoff = vehicle.request_takeoff
+
+    def refuse(altitude_m: float) -> None:
+        request_takeoff(altitude_m)
+        vehicle.queue.append(RequestAck(Request.TAKEOFF, False, "temporarily rejected"))
+
+    vehicle.request_takeoff = refuse  # type: ignore[method-assign]
+    with pytest.raises(PhaseTimeoutError, match=r'in 25 s: it says "temporarily rejected"$'):
+        fake_flight(vehicle).fly()
+    assert vehicle.requested.count("takeoff") > 10
+
+
+def test_a_climb_of_less_than_half_a_metre_is_none() -> None:
+    """A vehicle that only lifts its feet is requested to take off again."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+
+    def lift() -> None:
+        vehicle.altitude_m = 0.4
+
+    vehicle.schedule.append((8.0, lift))
+    with pytest.raises(
+        PhaseTimeoutError, match=r"did not climb above 0\.0 m in 25 s; check its status texts$"
+    ):
+        fake_flight(vehicle).fly()
+
+
+def test_a_refused_arming_is_requested_again_soon() -> None:
+    """1.2 s after each refusal; it succeeds when the refusals end."""
+    vehicle = FakeVehicle(FakeClock(), refuse_arm="Arm: Throttle too high")
+    vehicle.schedule.append((10.0, lambda: setattr(vehicle, "refuse_arm", "")))
+    flight = fake_flight(vehicle)
+    assert flight.fly().problem is None
+    assert 5 <= vehicle.requested.count("arm") <= 7
+    reasons = {event.reason for event in flight.of(Waiting) if event.phase is Phase.ARM}
+    assert "Arm: Throttle too high" in reasons
+
+
+def test_an_arming_without_an_ack_is_requested_again_after_five_seconds() -> None:
+    """A lost packet, or a firmware that sends no ack."""
+    vehicle = FakeVehicle(FakeClock())
+    request_arm = vehicle.request_arm
+    times_s: list[float] = []
+
+    def lose_the_first() -> None:
+        times_s.append(vehicle.time_s)
+        if len(times_s) > 1:
+            request_arm()
+
+    vehicle.request_arm = lose_the_first  # type: ignore[method-assign]
+    assert fake_flight(vehicle).fly().problem is None
+    assert len(times_s) == 2
+    assert times_s[1] - times_s[0] == pytest.approx(5.0, abs=0.3)
+
+
+def test_pre_arm_checks_are_requested_every_five_seconds() -> None:
+    """While the vehicle is not ready, and the first time after 5 s; its own text is emitted as the reason."""
+    vehicle = FakeVehicle(FakeClock(), ready_after_s=17.0)
+    vehicle.schedule.append((7.0, lambda: vehicle.send_text("PreArm: Compass not calibrated")))
+    flight = fake_flight(vehicle)
+    assert flight.fly().problem is None
+    assert vehicle.requested.count("report") == 3
+    waits = [event.reason for event in flight.of(Waiting) if event.phase is Phase.PREARM]
+    assert waits[0] == ""
+    assert waits[3] == "no position yet"
+    assert waits[-1] == "PreArm: Compass not calibrated"
+    assert len(waits) == pytest.approx(17, abs=2)
+
+
+@pytest.mark.parametrize("missing", [Heartbeat, VehicleState, PrearmStatus])
+def test_a_vehicle_is_ready_only_with_all_reports(missing: type) -> None:
+    """Heartbeat, position and pre-arm status: while one of them is missing, nothing is requested."""
+    vehicle = FakeVehicle(FakeClock(), ready_after_s=0.0)
+    report = vehicle._report
+    requested: list[list[str]] = []
+
+    def left_out() -> None:
+        report()
+        if vehicle.time_s < 60.0:
+            vehicle.queue = [item for item in vehicle.queue if not isinstance(item, missing)]
+
+    vehicle._report = left_out  # type: ignore[method-assign]
+    vehicle.schedule.append((9.9, lambda: requested.append(list(vehicle.requested))))
+    assert fake_flight(vehicle).fly().problem is None
+    assert "GUIDED" not in requested[0]
+
+
+def test_a_refused_mode_is_requested_again_until_its_deadline() -> None:
+    """Every 1.2 s after a refusal, for 15 s."""
+    flight = fake_flight(FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"})))
+    with pytest.raises(PhaseTimeoutError, match=r'did not change to GUIDED in 15 s: it says "FAILED"$'):
+        flight.fly()
+    assert 11 <= flight.vehicle.requested.count("GUIDED") <= 14
+
+
+@pytest.mark.parametrize("idle_s", [3.0, 6.0])
+def test_who_disarmed_the_vehicle_is_told_by_the_time(idle_s: float) -> None:
+    """Sooner than 4 s after arming somebody disarmed it; later it disarmed itself, and is armed again."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+    request_takeoff = vehicle.request_takeoff
+
+    def disarm_later(altitude_m: float) -> None:
+        if "takeoff" not in vehicle.requested:
+            vehicle.schedule.append((vehicle.clock.now_s - vehicle.began_s + idle_s, disarm))
+        request_takeoff(altitude_m)
+
+    def disarm() -> None:
+        vehicle.armed, vehicle.climbs = False, True
+
+    vehicle.request_takeoff = disarm_later  # type: ignore[method-assign]
+    flight = fake_flight(vehicle)
+    if idle_s < 4.0:
+        with pytest.raises(
+            VehicleError, match="disarmed before take-off by the pilot or another ground station"
+        ):
+            flight.fly()
+        return
+    assert flight.fly().problem is None
+    assert vehicle.requested.count("arm") == 2
+
+
+def test_nothing_is_requested_while_the_mode_is_in_doubt() -> None:
+    """One heartbeat of a pilot's mode on the ground: the next one shows whose choice it is."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+
+    def change() -> None:
+        vehicle.mode = "LOITER"
+        vehicle.queue.append(Heartbeat("LOITER", True))
+        vehicle.requested.clear()
+
+    vehicle.schedule.append((9.0, change))
+    with pytest.raises(VehicleError, match="LOITER by the pilot"):
+        fake_flight(vehicle).fly()
+    assert vehicle.requested == []
