@@ -34,7 +34,7 @@ def route(count: int) -> Mission:
     return Mission(tuple(items))
 
 
-def put(
+def upload(
     link: VirtualLink, mission: Mission, *, as_int: bool = True, no_progress_s: float = 12.0
 ) -> MissionStorage:
     """Put a mission on board over a link whose round trip is known."""
@@ -58,7 +58,7 @@ CONDITIONS = {
 def test_what_is_on_board_is_what_was_sent(conditions: LinkConditions, seed: int) -> None:
     """Whatever the link does, the mission that is called verified is there, item for item."""
     link = VirtualLink(conditions, seed=seed)
-    storage = put(link, route(100))
+    storage = upload(link, route(100))
     stored = [item.command for item in link.autopilot.store.items[1:]]
     assert stored == [item.command for item in route(100).items]
     assert storage.verified()
@@ -72,7 +72,7 @@ def test_a_bad_link_costs_seconds_not_minutes(conditions: str, limit_s: float) -
     """No loss waits for ArduPilot's own second, and no delay is paid for each item."""
     link = VirtualLink(CONDITIONS[conditions], seed=5)
     began_s = link.now_s()
-    put(link, route(100))
+    upload(link, route(100))
     assert link.now_s() - began_s < limit_s
 
 
@@ -93,7 +93,7 @@ def test_no_link_makes_a_wrong_mission_pass(
     )
     sent = route(12)
     try:
-        put(link, sent)
+        upload(link, sent)
     except FlightReplayError:
         return
     stored = link.autopilot.store.items[1:]
@@ -109,7 +109,7 @@ def test_a_refused_item_is_named_with_the_vehicles_reason(result: int) -> None:
     """Each MISSION_ACK code ends the upload at once, in one sentence."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
     with pytest.raises(MissionError) as caught:
-        put(link, route(10))
+        upload(link, route(10))
     if result == dialect.MAV_MISSION_NO_SPACE:
         assert "no space for 11 mission items" in str(caught.value)
     else:
@@ -122,7 +122,7 @@ def test_an_answer_that_may_pass_is_retried_until_a_deadline(result: int) -> Non
     """What could be a busy or confused vehicle is tried again, not for ever, and named in the end."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
     with pytest.raises(FlightReplayError):
-        put(link, route(10), no_progress_s=4.0)
+        upload(link, route(10), no_progress_s=4.0)
     assert link.now_s() < 60
 
 
@@ -130,15 +130,15 @@ def test_a_refused_upload_is_told() -> None:
     """An ACK against the whole, after the last item, is no success."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_upload=2)))
     with pytest.raises(MissionError, match="refused mission item 10: unsupported frame"):
-        put(link, route(9))
+        upload(link, route(9))
 
 
 def test_a_mission_too_long_leaves_the_old_one_on_board() -> None:
     """The vehicle says that it has no room before anything is overwritten."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(capacity=20)))
-    put(link, route(10))
+    upload(link, route(10))
     with pytest.raises(MissionError, match="no space for 34 mission items; choose fewer with --max-points"):
-        put(link, route(30))
+        upload(link, route(30))
     assert len(link.autopilot.store.items) == 12
 
 
@@ -146,7 +146,7 @@ def test_a_dead_link_ends_the_upload() -> None:
     """Without an answer the upload stops at its deadline."""
     link = VirtualLink(LinkConditions(loss=1.0))
     with pytest.raises(VehicleError, match="upload stopped at mission item 0"):
-        put(link, route(3))
+        upload(link, route(3))
     assert link.now_s() < 15
 
 
@@ -157,7 +157,7 @@ def test_another_stations_upload_is_waited_for() -> None:
     frame = dialect.MAVLink_mission_count_message(1, 1, 5).pack(other)
     for message, sender in link.channel.receive(frame):
         link.ground_link.handle(message, sender)
-    assert put(link, route(3)).verified()
+    assert upload(link, route(3)).verified()
     assert link.now_s() > 5
 
 
@@ -165,7 +165,7 @@ def test_requests_to_another_station_are_not_answered() -> None:
     """An item goes out only for a request that is addressed to us."""
     link = VirtualLink()
     heard = dialect.MAVLink_mission_request_message(255, 190, 2)
-    storage = put(link, route(4))
+    storage = upload(link, route(4))
     sent = len(link.sent)
     link._deliver(False, heard.pack(dialect.MAVLink(None, 1, 1)))
     link.pass_time(1.0)
@@ -176,7 +176,7 @@ def test_requests_to_another_station_are_not_answered() -> None:
 def test_a_change_by_another_station_is_noticed() -> None:
     """What another station writes afterwards makes the mission unverified."""
     link = VirtualLink()
-    storage = put(link, route(4))
+    storage = upload(link, route(4))
     other = dialect.MAVLink(None, 255, 190)
     frame = dialect.MAVLink_mission_clear_all_message(1, 1).pack(other)
     for message, sender in link.channel.receive(frame):
@@ -194,7 +194,7 @@ def test_the_mission_on_board_is_read_with_home() -> None:
     link = VirtualLink()
     link.pass_time(20)
     assert MissionStorage(link, as_int=True).download().items == ()
-    put(link, route(3))
+    upload(link, route(3))
     found = MissionStorage(link, as_int=True).download()
     assert len(found.items) == 3
     assert found.home is not None
@@ -212,7 +212,7 @@ def test_positions_on_board_are_within_a_centimetre_anywhere(lat_deg: float, lon
     """MISSION_ITEM_INT carries what the log says, at any latitude and across the antimeridian."""
     link = VirtualLink(start=Start(lat_deg, lon_deg, 10.0))
     places = [(lat_deg + 1.23456e-5 * i, lon_deg) for i in range(1, 4)]
-    put(link, Mission(tuple(waypoint(lat, lon, 30.0) for lat, lon in places)))
+    upload(link, Mission(tuple(waypoint(lat, lon, 30.0) for lat, lon in places)))
     for stored, (lat, lon) in zip(link.autopilot.store.items[1:], places, strict=True):
         assert float(distance_m(stored.lat_e7 / 1e7, stored.lon_e7 / 1e7, lat, lon)) < 0.012
 
@@ -220,7 +220,7 @@ def test_positions_on_board_are_within_a_centimetre_anywhere(lat_deg: float, lon
 def test_old_firmware_gets_float_items() -> None:
     """ArduCopter 3.3 knows no MISSION_ITEM_INT: floats are sent, asked for, and compared as floats."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(supports_item_int=False)))
-    assert put(link, route(5), as_int=False).verified()
+    assert upload(link, route(5), as_int=False).verified()
     kinds = {message.get_type() for message in link.sent}
     assert "MISSION_ITEM" in kinds
     assert not kinds & {"MISSION_ITEM_INT", "MISSION_REQUEST_INT"}
@@ -256,7 +256,7 @@ class IntegersOnly(VirtualLink):
 def test_who_asks_for_integers_gets_them() -> None:
     """A vehicle whose word on what it can do was lost shows it by what it asks for, and answers."""
     link = IntegersOnly()
-    storage = put(link, route(12), as_int=False)
+    storage = upload(link, route(12), as_int=False)
     assert storage.verified()
     assert [item.command for item in link.autopilot.store.items[1:]] == [i.command for i in route(12).items]
 
@@ -313,6 +313,6 @@ def test_a_link_that_became_slow_is_learnt_anew(as_int: bool) -> None:
     link = VirtualLink(LinkConditions(delay_s=0.5))
     for _ in range(20):
         link.round_trip.measured(0.005)
-    put(link, route(100), as_int=as_int)
+    upload(link, route(100), as_int=as_int)
     assert link.now_s() < 25
     assert len(link.sent) < 700
