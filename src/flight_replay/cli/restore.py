@@ -20,14 +20,14 @@ from flight_replay.mission.items import Mission
 USAGE = "usage: python -m flight_replay.cli.restore FILE CONNECTION [BAUD]"
 
 
-class MissionStorage(Protocol):
+class HasMissionOnBoard(Protocol):
     """A vehicle whose mission can be read."""
 
     def mission_on_board(self) -> Mission:
         """The mission that is on board now."""
 
 
-def save_mission_on_board(vehicle: MissionStorage, folder: Path, now: datetime) -> Path | None:
+def save_mission_on_board(vehicle: HasMissionOnBoard, folder: Path, now: datetime) -> Path | None:
     """Save the mission on board to a new ``.waypoints`` file; None if there is no mission.
 
     Raises:

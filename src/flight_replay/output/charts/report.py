@@ -128,7 +128,7 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
     flight = summary.get("flight")
     if flight is not None:
         tables["Flight"] = [
-            ("vehicle", f"{flight['vehicle']} ({'simulated' if flight['simulated'] else 'real'})"),
+            ("vehicle", str(flight["vehicle"])),
             ("waypoints reached", f"{flight['waypoints_reached']} of {summary['route']['points']}"),
             ("ended", str(flight["ended"])),
             ("time in AUTO", f"{flight['auto_s']:.1f} s"),
@@ -143,7 +143,7 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
 
 def _log_rows(log: Summary) -> list[tuple[str, str]]:
     vehicles = ", ".join(
-        f"{each['system']}/{each['component']}: {each['fixes']} fixes" for each in log["vehicles"]
+        f"{each['system']}:{each['component']} ({each['fixes']} fixes)" for each in log["vehicles"]
     )
     return [
         ("file", str(log["path"])),
