@@ -1,8 +1,8 @@
-"""The fault table: whatever link, autopilot, pilot or other stations do, each row keeps the promises.
+"""The fault table: faults of the link, the autopilot, the pilot and other stations.
 
-The promises: no mission is flown that was not verified on board; nothing waits longer than its
-deadline; the one line is right; an armed and reachable vehicle has been told to return, and its
-answer is reported.
+Each row keeps the promises: no mission is flown that was not verified on board; no wait is longer
+than its deadline; the error line is right; an armed vehicle that can be reached is commanded to
+return, and whether it confirmed RTL is reported.
 """
 
 from __future__ import annotations
@@ -21,26 +21,25 @@ from tests.helpers.link_conditions import LinkConditions
 
 AUTO, GUIDED, LOITER = CopterMode.AUTO, CopterMode.GUIDED, CopterMode.LOITER
 RTL, LAND = CopterMode.RTL, CopterMode.LAND
-EVERY_WAIT_S = 60.0
-"""No row waits longer: the sum of the deadlines that one row can meet."""
+MAX_WALL_S = 60.0
+"""The sum of the deadlines that one row can reach, in wall-clock time."""
 
 
-def kept(outcome: FaultRun) -> None:
-    """What must hold in every row."""
-    assert outcome.wall_s < EVERY_WAIT_S
+def assert_promises(outcome: FaultRun) -> None:
+    """The promises that every row keeps."""
+    assert outcome.wall_s < MAX_WALL_S
     assert outcome.line is None or "\n" not in outcome.line
-    told = outcome.modes_requested()
-    if AUTO in told:
+    if AUTO in outcome.modes_requested():
         assert_verified_before_auto(outcome.link)
 
 
 def assert_verified_before_auto(link: FaultLink) -> None:
-    """Every item was read from the vehicle again between the upload and AUTO."""
+    """Every item was read back between the upload and AUTO."""
     messages = link.to_vehicle
     auto = next(i for i, message in enumerate(messages) if requested_mode(message) == AUTO)
     upload = max(i for i, m in enumerate(messages[:auto]) if m.get_type() == "MISSION_ITEM_INT")
-    asked = {m.seq for m in messages[upload:auto] if m.get_type() == "MISSION_REQUEST_INT"}
-    assert asked >= set(range(1, len(ROUTE.items) + 1))
+    read_back = {m.seq for m in messages[upload:auto] if m.get_type() == "MISSION_REQUEST_INT"}
+    assert read_back >= set(range(1, len(ROUTE.items) + 1))
 
 
 # The link
@@ -58,17 +57,17 @@ CONDITIONS = {
 QUICK = {"5 % lost"}
 
 
-def rows(names: list[str], slow: set[str]) -> list[object]:
-    """Names as parameters, the slow ones marked."""
+def marked(names: list[str], slow: set[str]) -> list[object]:
+    """Names as parameters; those in ``slow`` carry the marker."""
     return [pytest.param(name, marks=pytest.mark.slow if name in slow else ()) for name in names]
 
 
-@pytest.mark.parametrize("name", rows(list(CONDITIONS), set(CONDITIONS) - QUICK))
+@pytest.mark.parametrize("name", marked(list(CONDITIONS), set(CONDITIONS) - QUICK))
 def test_a_bad_link_does_not_change_the_flight(name: str) -> None:
-    """Frames that are lost, late, duplicated, mixed or spoilt cost time, and nothing else."""
+    """Frames that are lost, late, duplicated, reordered or corrupt cost time only."""
     conditions, speedup = CONDITIONS[name]
     outcome = replay(None, conditions, speedup=speedup)
-    kept(outcome)
+    assert_promises(outcome)
     assert outcome.line is None
     assert outcome.record is not None
     assert outcome.record.ended == "duration"
@@ -110,19 +109,19 @@ MOMENTS: dict[str, Callable[[Message], bool]] = {
 }
 
 
-@pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS)))
-def test_a_cut_of_three_seconds_is_lived_through(moment: str) -> None:
-    """Wherever the link is silent for 3 s, the flight goes on afterwards and ends as asked."""
+@pytest.mark.parametrize("moment", marked(list(MOMENTS), set(MOMENTS)))
+def test_a_silence_of_three_seconds_does_not_end_the_flight(moment: str) -> None:
+    """Afterwards the flight goes on and ends as asked."""
     cut = Trigger(MOMENTS[moment], lambda link: link.cut(3.0))
     outcome = replay(
         None, None, cut, speedup=10.0 if moment in ("arming", "take-off") else 20.0, duration_s=100.0
     )
-    kept(outcome)
+    assert_promises(outcome)
     assert outcome.line is None
     assert outcome.rtl_confirmed
 
 
-SAYS = {
+ERRORS = {
     "connect": "no heartbeat of a vehicle on",
     "upload": "upload stopped at mission item",
     "read-back": "cannot download mission item",
@@ -133,12 +132,12 @@ SAYS = {
 }
 
 
-@pytest.mark.parametrize("moment", rows(list(MOMENTS), set(MOMENTS)))
+@pytest.mark.parametrize("moment", marked(list(MOMENTS), set(MOMENTS)))
 def test_a_link_that_is_cut_for_ever_ends_the_program(moment: str) -> None:
-    """The line says where the link was lost; in the air the loss is told within 5 s."""
+    """The error says where the link was lost; in the air the loss is reported within 5 s."""
     outcome = replay(None, None, Trigger(MOMENTS[moment], lambda link: link.cut(FOREVER_S)))
-    kept(outcome)
-    assert SAYS[moment] in (outcome.line or "")
+    assert_promises(outcome)
+    assert ERRORS[moment] in (outcome.line or "")
     assert not outcome.rtl_confirmed
     if moment in ("arming", "take-off", "AUTO", "RTL"):
         (lost,) = outcome.link_events
@@ -147,22 +146,22 @@ def test_a_link_that_is_cut_for_ever_ends_the_program(moment: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_lost_link_that_comes_back_is_used_again() -> None:
-    """Silence of 6 s in AUTO is told, the link is found again, and the flight ends as asked."""
+def test_a_restored_link_is_used_again() -> None:
+    """A silence of 6 s in AUTO is reported, and the flight ends as asked."""
     outcome = replay(None, None, Trigger(in_mode(AUTO), lambda link: link.cut(6.0)), duration_s=120.0)
-    kept(outcome)
+    assert_promises(outcome)
     assert [type(event) for event in outcome.link_events] == [LinkLost, LinkRestored]
     assert outcome.line is None
     assert outcome.rtl_confirmed
 
 
 @pytest.mark.parametrize(
-    "moment", rows(["connect", "upload", "take-off", "AUTO"], {"connect", "upload", "take-off"})
+    "moment", marked(["connect", "upload", "take-off", "AUTO"], {"connect", "upload", "take-off"})
 )
 def test_a_connection_that_is_closed_is_opened_again(moment: str) -> None:
-    """A TCP connection that ends is made anew, and the flight goes on."""
+    """A TCP connection that ends is opened again, and the flight goes on."""
     outcome = replay(None, None, Trigger(MOMENTS[moment], FaultLink.disconnect))
-    kept(outcome)
+    assert_promises(outcome)
     assert outcome.line is None
     assert outcome.rtl_confirmed
 
@@ -171,19 +170,19 @@ def test_a_connection_that_is_closed_is_opened_again(moment: str) -> None:
 
 
 def at(moment: str, after_s: float, action: sim.Action) -> Faults:
-    """A vehicle that is sound until something happens."""
+    """A vehicle with one fault."""
     return Faults(script=(ScriptedFault(moment, after_s, action),))
 
 
 REBOOT_SPEEDUP = 10.0
-"""The clock that begins anew must be heard before it has caught up with what it showed before."""
+"""The vehicle's new clock must be received before it reaches the time of the old one."""
 
 
 @pytest.mark.slow
 def test_a_reboot_in_the_air_ends_the_flight() -> None:
-    """The program says so, and does not go on as if it knew the vehicle."""
+    """The error says so, and nothing more is flown."""
     outcome = replay(at("AUTO", 5.0, sim.Reboot()), speedup=REBOOT_SPEEDUP, duration_s=200.0)
-    kept(outcome)
+    assert_promises(outcome)
     assert "rebooted" in (outcome.line or "")
     assert outcome.record is not None
     assert outcome.record.ended == "reboot"
@@ -191,35 +190,35 @@ def test_a_reboot_in_the_air_ends_the_flight() -> None:
 
 @pytest.mark.slow
 def test_a_reboot_on_the_ground_ends_the_flight_before_it_began() -> None:
-    """Nothing is armed that rebooted after its mission was verified."""
+    """A vehicle that rebooted after its mission was verified is not armed."""
     faults = Faults(
         prearm_failure="Compass not calibrated",
         script=(ScriptedFault("upload", 30.0, sim.Reboot()),),
     )
     outcome = replay(faults, speedup=REBOOT_SPEEDUP)
-    kept(outcome)
+    assert_promises(outcome)
     assert "rebooted" in (outcome.line or "")
     assert not outcome.was_armed()
 
 
-@pytest.mark.parametrize(("result", "words"), [(5, "invalid")])
-def test_a_refused_mission_is_not_flown(result: int, words: str) -> None:
-    """The line names item and reason (every code: test_upload.py), and nothing is armed."""
+@pytest.mark.parametrize(("result", "reason"), [(5, "invalid")])
+def test_a_refused_mission_is_not_flown(result: int, reason: str) -> None:
+    """The error names item and reason (every code: test_mission_upload.py), and nothing is armed."""
     outcome = replay(Faults(mission=MissionFaults(result_of_item={7: result})))
-    kept(outcome)
+    assert_promises(outcome)
     assert "mission item 7" in (outcome.line or "")
-    assert words in (outcome.line or "")
+    assert reason in (outcome.line or "")
     assert not outcome.was_armed()
 
 
 @pytest.mark.parametrize("moment", ["GUIDED", "armed"], ids=["before arming", "later"])
 def test_a_mission_changed_by_another_station_is_not_flown(moment: str) -> None:
-    """What is on board is read again before arming and before AUTO.
+    """The mission on board is read again before arming and before AUTO.
 
-    A change right after the upload would meet its own read-back, which puts it right.
+    A change right after the upload would be corrected by the read-back of the upload.
     """
     outcome = replay(at(moment, 0.0, sim.MoveItem(len(ROUTE.items))))
-    kept(outcome)
+    assert_promises(outcome)
     assert "another ground station changed it" in (outcome.line or "")
     assert AUTO not in outcome.modes_requested()
     assert outcome.was_armed() == outcome.rtl_confirmed
@@ -227,10 +226,10 @@ def test_a_mission_changed_by_another_station_is_not_flown(moment: str) -> None:
 
 @pytest.mark.slow
 def test_a_vehicle_that_never_is_ready_is_not_armed() -> None:
-    """The autopilot's own reason is shown while waiting, and in the line."""
+    """The autopilot's reason is shown while waiting, and in the error."""
     reason = "PreArm: Compass not calibrated"
     outcome = replay(Faults(prearm_failure="Compass not calibrated"))
-    kept(outcome)
+    assert_promises(outcome)
     assert reason in (outcome.line or "")
     assert any(isinstance(event, Waiting) and event.reason == reason for event in outcome.events)
     assert not outcome.was_armed()
@@ -238,9 +237,9 @@ def test_a_vehicle_that_never_is_ready_is_not_armed() -> None:
 
 @pytest.mark.slow
 def test_an_arming_that_is_refused_ends_the_flight() -> None:
-    """The line has the reason that the autopilot gave."""
+    """The error has the autopilot's reason."""
     outcome = replay(Faults(arm_failure="Throttle too high"))
-    kept(outcome)
+    assert_promises(outcome)
     assert "did not arm" in (outcome.line or "")
     assert "Throttle too high" in (outcome.line or "")
     assert not outcome.was_armed()
@@ -249,54 +248,54 @@ def test_an_arming_that_is_refused_ends_the_flight() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("mode", "name", "home"), [(GUIDED, "GUIDED", False), (AUTO, "AUTO", True)])
 def test_a_mode_that_is_refused_ends_the_flight(mode: int, name: str, home: bool) -> None:
-    """Refused GUIDED leaves the vehicle on the ground; refused AUTO sends it home."""
+    """If GUIDED is refused the vehicle stays on the ground; if AUTO is refused it returns."""
     outcome = replay(Faults(refused_modes={mode: "Mode change failed: no"}))
-    kept(outcome)
+    assert_promises(outcome)
     assert f"did not change to {name}" in (outcome.line or "")
     assert outcome.rtl_confirmed is home
 
 
 @pytest.mark.slow
-def test_rtl_that_is_refused_is_told() -> None:
-    """A vehicle that will not return is said to be the pilot's."""
+def test_a_refused_rtl_is_an_error() -> None:
+    """The error asks to take control of the vehicle."""
     outcome = replay(Faults(refused_modes={RTL: "Mode change failed: no"}))
-    kept(outcome)
+    assert_promises(outcome)
     assert "did not confirm RTL" in (outcome.line or "")
 
 
 @pytest.mark.slow
 def test_a_take_off_that_does_not_climb_ends_in_rtl() -> None:
-    """The height at which it stayed is in the line."""
+    """The error has the altitude that was reached."""
     outcome = replay(Faults(takeoff_climbs=False))
-    kept(outcome)
+    assert_promises(outcome)
     assert "did not climb above" in (outcome.line or "") or "before take-off" in (outcome.line or "")
     assert AUTO not in outcome.modes_requested()
 
 
-@pytest.mark.parametrize("moment", rows(["takeoff", "AUTO"], {"takeoff"}))
-def test_a_pilot_who_takes_over_is_let_be(moment: str) -> None:
-    """After a mode change by the pilot, nothing is commanded any more."""
+@pytest.mark.parametrize("moment", marked(["takeoff", "AUTO"], {"takeoff"}))
+def test_a_pilot_who_takes_over_is_not_overruled(moment: str) -> None:
+    """After a mode change by the pilot no mode is commanded."""
     outcome = replay(at(moment, 3.0, sim.PilotMode(LOITER)), duration_s=200.0)
-    kept(outcome)
+    assert_promises(outcome)
     assert "LOITER by the pilot" in (outcome.line or "")
     assert outcome.modes_requested() == ([GUIDED, AUTO] if moment == "AUTO" else [GUIDED])
 
 
 @pytest.mark.parametrize(("mode", "name"), [pytest.param(RTL, "RTL", marks=pytest.mark.slow), (LAND, "LAND")])
 def test_a_failsafe_is_accepted(mode: int, name: str) -> None:
-    """The vehicle's own decision is reported with its words, and not overruled."""
+    """It is reported with the autopilot's text, and not overruled."""
     outcome = replay(at("AUTO", 3.0, sim.FailsafeMode(mode, "Radio Failsafe")), duration_s=200.0)
-    kept(outcome)
+    assert_promises(outcome)
     assert f"changed to {name} by itself: Radio Failsafe" in (outcome.line or "")
     assert outcome.modes_requested() == [GUIDED, AUTO]
 
 
 @pytest.mark.slow
-def test_a_low_battery_is_told() -> None:
-    """The battery's failsafe is the vehicle's decision: it is accepted, with its words."""
+def test_a_battery_failsafe_is_accepted() -> None:
+    """It is reported with the autopilot's text, and not overruled."""
     drained = at("AUTO", 3.0, sim.SetParameter("SIM_BATT_VOLTAGE", 9.0))
     outcome = replay(drained, duration_s=200.0, BATT_FS_LOW_ACT=2.0, BATT_LOW_VOLT=10.5)
-    kept(outcome)
+    assert_promises(outcome)
     assert "changed to RTL by itself" in (outcome.line or "")
     assert "attery" in (outcome.line or "")
     assert outcome.modes_requested() == [GUIDED, AUTO]
@@ -312,30 +311,32 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("name", rows(list(OTHERS), set(OTHERS) - {"second copter"}))
-def test_heartbeats_of_others_do_not_confuse(name: str) -> None:
-    """Neither a gimbal, a radio, an ADS-B receiver nor a second copter changes what is known."""
+@pytest.mark.parametrize("name", marked(list(OTHERS), set(OTHERS) - {"second copter"}))
+def test_heartbeats_of_other_components_are_ignored(name: str) -> None:
+    """Of a gimbal, a radio, an ADS-B receiver and a second copter."""
     outcome = replay(Faults(other_heartbeats=(OTHERS[name],)))
-    kept(outcome)
+    assert_promises(outcome)
     assert outcome.line is None
     assert outcome.rtl_confirmed
-    told = [event.text for event in outcome.events if isinstance(event, Notice)]
-    assert told == (["vehicle 2 is also on this link; it is ignored"] if name == "second copter" else [])
+    notices = [event.text for event in outcome.events if isinstance(event, Notice)]
+    assert notices == (["vehicle 2 is also on this link; it is ignored"] if name == "second copter" else [])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("firmware", "word"), [(sim.PLANE, "fixed wing"), (sim.ROVER, "ground rover")])
-def test_other_vehicles_are_refused(firmware: sim.Firmware, word: str) -> None:
+@pytest.mark.parametrize(
+    ("firmware", "vehicle_type"), [(sim.PLANE, "fixed wing"), (sim.ROVER, "ground rover")]
+)
+def test_other_vehicles_are_refused(firmware: sim.Firmware, vehicle_type: str) -> None:
     """A plane or a rover is refused before anything is uploaded."""
     outcome = replay(Faults(firmware=firmware))
-    kept(outcome)
-    assert f"{word}, system 1) is not a multicopter" in (outcome.line or "")
+    assert_promises(outcome)
+    assert f"{vehicle_type}, system 1) is not a multicopter" in (outcome.line or "")
     assert not [m for m in outcome.link.to_vehicle if m.get_type() == "MISSION_COUNT"]
 
 
 @pytest.mark.slow
-def test_the_oldest_copter_is_flown_in_its_own_way() -> None:
-    """ArduCopter 3.3: MAVLink 1, float items, SET_MODE, an arming that takes 2.5 s."""
+def test_arducopter_3_3_is_flown() -> None:
+    """It has MAVLink 1, float items, SET_MODE, and takes 2.5 s to arm."""
     outcome = replay(sim.old_copter())
     assert outcome.line is None
     assert outcome.rtl_confirmed

@@ -1,4 +1,4 @@
-"""The real ArduCopter, in ArduPilot's simulator: what the built-in copter promises must hold there too.
+"""Replays on a real ArduCopter in ArduPilot SITL.
 
 ``SITL_BINARY`` names the binary (3.3 to 4.7); without it these tests are skipped.
 """
@@ -77,15 +77,15 @@ def test_the_sample_is_replayed(speedup: str, capsys: pytest.CaptureFixture[str]
     ids=["20 % lost", "late", "duplicated and corrupt"],
 )  # fmt: skip
 def test_a_bad_link_does_not_change_the_flight(conditions: LinkConditions) -> None:
-    """The mission is verified on board, flown and left for RTL, whatever the link does."""
+    """The mission is verified on board and flown, and RTL is confirmed."""
     with copter(conditions) as (vehicle, _, events):
         record = fly(vehicle, events)
     assert (record.ended, record.problem, record.rtl_confirmed) == ("duration", None, True)
     assert ReturnCommanded(True) in events
 
 
-def test_a_lost_link_that_comes_back_is_used_again() -> None:
-    """Five seconds of silence in AUTO are told, and the flight ends as asked."""
+def test_a_restored_link_is_used_again() -> None:
+    """A silence of five seconds in AUTO is reported, and the flight ends as asked."""
 
     def in_auto(message: object) -> bool:
         return getattr(message, "custom_mode", 0) == 3 and message.get_type() == "HEARTBEAT"  # type: ignore[attr-defined]
@@ -109,8 +109,8 @@ def test_positions_on_board_are_within_a_centimetre() -> None:
         assert abs(item.lon_deg - lon) < limit
 
 
-def test_limits_are_raised_and_put_back() -> None:
-    """In the firmware's own naming scheme."""
+def test_limits_are_raised_and_restored() -> None:
+    """By the firmware's own parameter names."""
     with copter() as (vehicle, _, _events):
         wanted = vehicle.limits_as_parameters({"wp_speed_m_s": 9.0, "wp_accel_m_s2": 2.2})
         assert len(wanted) == 2
@@ -121,7 +121,7 @@ def test_limits_are_raised_and_put_back() -> None:
 
 
 def test_a_reboot_before_arming_ends_the_flight() -> None:
-    """The program does not go on as if it knew the vehicle."""
+    """Nothing is armed."""
     with copter() as (vehicle, _, events):
         if not vehicle.identity.takes_item_int:
             pytest.skip("the simulator of 3.3 does not reboot")
@@ -135,7 +135,7 @@ def test_a_reboot_before_arming_ends_the_flight() -> None:
 
 
 def test_a_fence_on_the_map_is_read() -> None:
-    """Polygon and circle come back as areas, once the fence is switched on."""
+    """Polygon and circle are read as areas once the fence is enabled."""
     corners = [(47.39, 8.53), (47.41, 8.53), (47.41, 8.56), (47.39, 8.56)]
     items = [(5001, 4.0, *corner) for corner in corners] + [(5004, 30.0, 47.4, 8.55)]
     with simulator("sitl", None, START, speedup=SPEEDUP) as connection:
