@@ -13,8 +13,8 @@ from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from flight_replay.simulator.server.addresses import Address, parse_address
-from flight_replay.simulator.server.endpoint import Endpoint, Pacer
-from flight_replay.simulator.server.links import Listener, TcpConnection
+from flight_replay.simulator.server.endpoint import Endpoint, StepScheduler
+from flight_replay.simulator.server.links import ListenSocket, TcpClientSocket
 from tests.helpers.sim_station import GUIDED, START
 
 LOCAL = "127.0.0.1"
@@ -91,18 +91,18 @@ def test_connection_strings_are_those_of_mavlink_tools(text: str, address: Addre
 
 @pytest.mark.parametrize("text", ["5760", "tcp:5760", "tcp::5760", "http:a:1", "tcp:a:b", "udp:a:70000", ""])
 def test_other_strings_are_refused_with_an_example(text: str) -> None:
-    """The message shows what a place to listen looks like."""
-    with pytest.raises(SimulatorError, match=r"give tcp:127\.0\.0\.1:5760"):
+    """The message shows what a valid address looks like."""
+    with pytest.raises(SimulatorError, match=r"use tcp:127\.0\.0\.1:5760"):
         parse_address(text)
 
 
 def test_a_port_in_use_is_one_clear_sentence(opened: Callable[..., Endpoint]) -> None:
     """It names the port, and what was opened before is closed again."""
     taken = opened(f"tcp:{LOCAL}:0").addresses[0]
-    with pytest.raises(SimulatorError, match=f"cannot listen on {taken}: .*in use; choose another port"):
+    with pytest.raises(SimulatorError, match=f"cannot listen on {taken}: .*in use; choose another address"):
         opened(f"tcp:{LOCAL}:0", str(taken))
     with pytest.raises(SimulatorError, match=r"cannot listen on tcp:192\.0\.2\.1:5760"):
-        Listener(Address("tcp", "192.0.2.1", 5760))
+        ListenSocket(Address("tcp", "192.0.2.1", 5760))
 
 
 def test_several_stations_at_once(opened: Callable[..., Endpoint]) -> None:
@@ -182,7 +182,7 @@ def test_a_station_that_never_reads_is_let_go(opened: Callable[..., Endpoint]) -
     """Unsent bytes are bounded: first telemetry pauses, then the connection ends."""
     here, there = socket.socketpair()
     with there:
-        connection = TcpConnection.__new__(TcpConnection)
+        connection = TcpClientSocket.__new__(TcpClientSocket)
         here.setblocking(False)
         connection.socket, connection.is_open, connection._unsent = here, True, bytearray()
         while connection.has_room:
@@ -197,14 +197,14 @@ def test_a_station_that_never_reads_is_let_go(opened: Callable[..., Endpoint]) -
 
 def test_time_is_paced_by_the_clock_and_never_skipped() -> None:
     """Steps come at speedup times real time; a stall makes the vehicle late, not jumpy."""
-    pacer = Pacer(100.0)
-    assert pacer.wait_s(100.0) == 0
-    pacer.stepped(100.0, 0.02, 2.0)
-    assert pacer.wait_s(100.0) == pytest.approx(0.01)
-    assert pacer.wait_s(100.01) == pytest.approx(0)
-    pacer.stepped(107.0, 0.02, 2.0)
-    pacer.stepped(107.0, 0.02, 2.0)
-    assert pacer.wait_s(107.0) == pytest.approx(0.01)
+    scheduler = StepScheduler(100.0)
+    assert scheduler.wait_s(100.0) == 0
+    scheduler.stepped(100.0, 0.02, 2.0)
+    assert scheduler.wait_s(100.0) == pytest.approx(0.01)
+    assert scheduler.wait_s(100.01) == pytest.approx(0)
+    scheduler.stepped(107.0, 0.02, 2.0)
+    scheduler.stepped(107.0, 0.02, 2.0)
+    assert scheduler.wait_s(107.0) == pytest.approx(0.01)
 
 
 def test_running_follows_sim_speedup(opened: Callable[..., Endpoint]) -> None:

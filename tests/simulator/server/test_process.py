@@ -79,7 +79,7 @@ def test_what_cannot_be_launched_says_why() -> None:
         run(START, parameters={"NO_SUCH": 1}),
     ):
         pass
-    with pytest.raises(SimulatorError, match="is no place to listen"), run(START, listen=["5760"]):
+    with pytest.raises(SimulatorError, match="is not a valid address"), run(START, listen=["5760"]):
         pass
 
 
@@ -125,7 +125,7 @@ def test_the_process_ends_with_its_stdin(
     assert '"addresses": ["tcp:127.0.0.1:' in capsys.readouterr().out
     monkeypatch.setattr(Input, "readline", lambda self: Settings(START, ("x",)).as_line())
     assert child.main() == 1
-    assert "no place to listen" in capsys.readouterr().out
+    assert "is not a valid address" in capsys.readouterr().out
 
 
 def test_settings_travel_as_one_line() -> None:

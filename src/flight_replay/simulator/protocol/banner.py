@@ -1,4 +1,4 @@
-"""What the vehicle says of itself when a station connects."""
+"""The banner that a station gets when it connects."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _TYPES = {0: "PLUS", 1: "X", 2: "V", 3: "H"}
 
 
 def send(autopilot: Autopilot, sender: Sender) -> None:
-    """Firmware, what this really is, and the frame, to one station."""
+    """Send firmware, what this really is, and the frame type to one station."""
     frame_class = _CLASSES.get(int(autopilot.parameters["FRAME_CLASS"]), "QUAD")
     frame_type = _TYPES.get(int(autopilot.parameters["FRAME_TYPE"]), "PLUS")
     for text in (

@@ -1,4 +1,4 @@
-"""One link's end at the vehicle: bytes to messages and back, what streams over it, and how fast.
+"""The vehicle's end of one link: bytes to messages and back, and what is streamed at which rate.
 
 Like ArduPilot, a channel speaks MAVLink 2 from the start, or MAVLink 1 if SERIAL0_PROTOCOL says so
 (or the firmware is too old) until a MAVLink 2 message comes in. No sockets and no clock here.
@@ -15,7 +15,7 @@ from flight_replay.simulator.autopilot.parameter_table import Parameter
 from flight_replay.simulator.protocol.stream_rates import GROUPS, StreamRates
 from flight_replay.simulator.protocol.telemetry import BUILDERS
 
-# A list of parameters goes out at this pace of wall time, so that a station's buffers keep up with it.
+# The parameter list is sent at this rate, by wall-clock time, so that a station's buffers keep up.
 _PARAMETERS_PER_S = 2000
 _STREAM_NAMES = {1: "RAW_SENS", 2: "EXT_STAT", 3: "RC_CHAN", 4: "RAW_CTRL", 6: "POSITION",
                  10: "EXTRA1", 11: "EXTRA2", 12: "EXTRA3"}  # fmt: skip
@@ -47,17 +47,17 @@ class LinkChannel:
         self.restart()
 
     def restart(self) -> None:
-        """The autopilot was booted anew: rates are SRn's again, and no list is under way."""
+        """Reset after a boot: rates are those of SRn_* again, and no parameter list is being sent."""
         parameters = self._autopilot.parameters
         rates_hz = {stream: parameters[f"SR{self._number}_{name}"] for stream, name in _STREAM_NAMES.items()}
         self._rates = StreamRates(rates_hz)
         self._next_parameter: int | None = None
-        self._others_due_s = 0.0
+        self._other_heartbeats_due_s = 0.0
 
     # in
 
     def receive(self, data: bytes) -> list[tuple[Message, Sender]]:
-        """The messages that have come in whole, with their senders; damaged ones are dropped."""
+        """The messages that have been received whole, with their senders; damaged ones are dropped."""
         found = []
         for message in self._decoder.parse_buffer(data) or []:
             if message.get_type() in ("BAD_DATA", "UNKNOWN"):
@@ -86,7 +86,7 @@ class LinkChannel:
         encoder.seq = (encoder.seq + 1) % 256
 
     def forward(self, data: bytes) -> None:
-        """Pass on what another station sent."""
+        """Send on what another station sent."""
         self._transmit(data)
 
     def send_parameter(self, parameter: Parameter, index: int) -> None:
@@ -98,17 +98,17 @@ class LinkChannel:
         )
 
     def send_parameters(self) -> None:
-        """Begin to send the full list; a second request begins anew."""
+        """Begin to send the full parameter list; a second request begins again."""
         self._next_parameter = 0
 
     def step(self) -> None:
-        """Send what is due by the vehicle's clock; while the link is full, telemetry is left out."""
+        """Send what is due by the vehicle's clock; while the link has no room, telemetry is left out."""
         if not self._has_room():
             return
         for message_id in self._rates.due(self._autopilot.time_s):
             self.request(message_id)
         self._send_some_parameters()
-        self._send_others_heartbeats()
+        self._send_other_heartbeats()
 
     def _send_some_parameters(self) -> None:
         if self._next_parameter is None:
@@ -123,12 +123,12 @@ class LinkChannel:
             self.send_parameter(parameter, self._next_parameter)
             self._next_parameter += 1
 
-    def _send_others_heartbeats(self) -> None:
-        """Heartbeats, and places, of whoever else the fault script puts on the link."""
+    def _send_other_heartbeats(self) -> None:
+        """Heartbeats, and positions, of the other systems that ``Faults`` puts on the link."""
         others = self._autopilot.faults.other_heartbeats
-        if not others or self._autopilot.time_s < self._others_due_s:
+        if not others or self._autopilot.time_s < self._other_heartbeats_due_s:
             return
-        self._others_due_s = self._autopilot.time_s + 1.0
+        self._other_heartbeats_due_s = self._autopilot.time_s + 1.0
         for other in others:
             self._encoder.srcSystem, self._encoder.srcComponent = other.system, other.component
             self._send_as_is(dialect.MAVLink_heartbeat_message(*other.fields, 3))
@@ -143,12 +143,12 @@ class LinkChannel:
     # rates
 
     def set_stream_rate(self, stream: int, rate_hz: int) -> None:
-        """Send a group of messages so many times a second."""
+        """Send the messages of a MAV_DATA_STREAM ``rate_hz`` times per second of vehicle time."""
         if stream == dialect.MAV_DATA_STREAM_ALL or stream in GROUPS:
             self._rates.set_group(stream, rate_hz)
 
     def set_interval(self, message_id: int, interval_us: int) -> bool:
-        """Send one message every so many µs; -1 stops it, 0 goes back to its group's rate."""
+        """Send a message every so many µs; -1 stops it, 0 resets its rate; False if it is unknown."""
         if message_id not in BUILDERS:
             return False
         interval_s = min(interval_us / 1e6, _LONGEST_INTERVAL_S)
@@ -163,7 +163,7 @@ class LinkChannel:
         return -1 if interval_s is None else round(interval_s * 1e6)
 
     def request(self, message_id: int) -> bool:
-        """Send one message now."""
+        """Send a message once, now; False if it is unknown."""
         builder = BUILDERS.get(message_id)
         if builder is None:
             return False
@@ -190,7 +190,7 @@ _RC_CHANNELS_RAW = dialect.MAVLINK_MSG_ID_RC_CHANNELS_RAW
 
 
 def _as_mavlink1(message: Message) -> Message:
-    """The same message without the fields that MAVLink 2 added behind the others."""
+    """The same message without the extension fields of MAVLink 2."""
     from pymavlink.dialects.v10 import ardupilotmega as version1
 
     kind = version1.mavlink_map[message.get_msgId()]

@@ -12,27 +12,33 @@ from flight_replay.simulator.autopilot.ekf_frame import ALTITUDE_LIMIT_M
 from flight_replay.simulator.autopilot.modes import USER_TAKEOFF
 from flight_replay.simulator.protocol import banner, telemetry
 from flight_replay.simulator.protocol.channel import Sender
-from flight_replay.simulator.protocol.command import Command
+from flight_replay.simulator.protocol.command_int import (
+    ACCEPTED,
+    DENIED,
+    FAILED,
+    TEMPORARILY_REJECTED,
+    UNSUPPORTED,
+    CommandInt,
+)
 
-ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 _FORCED_ARM, _FORCED_DISARM = 2989.0, 21196.0
 _CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 
 
-def _done(is_so: bool) -> int:
-    return ACCEPTED if is_so else FAILED
+def _result(succeeded: bool) -> int:
+    return ACCEPTED if succeeded else FAILED
 
 
-def accept(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Nothing to do here."""
+def accept(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Accept what has no effect here."""
     return ACCEPTED
 
 
-def arm_disarm(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Arm or disarm; 2989 skips the checks, 21196 either those or the flight."""
+def arm_disarm(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Arm or disarm; 2989 skips the arming checks, 21196 arms without them and disarms in flight."""
     wanted, force, *_ = command.params
     if wanted == 1:
-        return _done(autopilot.arming.arm(forced=force in (_FORCED_ARM, _FORCED_DISARM)))
+        return _result(autopilot.arming.arm(forced=force in (_FORCED_ARM, _FORCED_DISARM)))
     if wanted != 0:
         return UNSUPPORTED
     if not autopilot.arming.may_disarm() and force != _FORCED_DISARM:
@@ -41,15 +47,15 @@ def arm_disarm(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     return ACCEPTED
 
 
-def set_mode(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def set_mode(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Change to a custom mode."""
     if not int(command.params[0]) & _CUSTOM_MODE:
         return DENIED
-    return _done(autopilot.request_mode(int(command.params[1])))
+    return _result(autopilot.request_mode(int(command.params[1])))
 
 
-def takeoff(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Lift off to a height above home, from the ground, armed, in a mode that takes off (takeoff.cpp)."""
+def takeoff(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Take off to an altitude above home: from the ground, armed, in a mode that allows it (takeoff.cpp)."""
     if command.frame not in (
         dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
         dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
@@ -67,31 +73,31 @@ def takeoff(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     return ACCEPTED
 
 
-def mission_start(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Enter AUTO and let the mission leave the ground."""
+def mission_start(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Enter AUTO, and allow the mission to take off."""
     if not autopilot.request_mode(CopterMode.AUTO):
         return FAILED
     autopilot.mission.allow_takeoff()
     return ACCEPTED
 
 
-def loiter(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def loiter(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Enter LOITER."""
-    return _done(autopilot.request_mode(CopterMode.LOITER))
+    return _result(autopilot.request_mode(CopterMode.LOITER))
 
 
-def return_to_launch(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def return_to_launch(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Enter RTL."""
-    return _done(autopilot.request_mode(CopterMode.RTL))
+    return _result(autopilot.request_mode(CopterMode.RTL))
 
 
-def land(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def land(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Enter LAND."""
-    return _done(autopilot.request_mode(CopterMode.LAND))
+    return _result(autopilot.request_mode(CopterMode.LAND))
 
 
-def change_speed(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Another level, climb or descent speed, where the mode takes one."""
+def change_speed(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Change the horizontal, climb or descent speed, in modes that have one."""
     kind, speed_m_s, *_ = command.params
     if autopilot.mode not in (CopterMode.AUTO, CopterMode.GUIDED, CopterMode.RTL) or speed_m_s <= 0:
         return FAILED
@@ -99,7 +105,7 @@ def change_speed(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     return ACCEPTED
 
 
-def condition_yaw(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def condition_yaw(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Turn to a heading, or by an angle."""
     angle_deg, rate_deg_s, direction, relative = command.params
     if not 0 <= angle_deg <= 360 or relative not in (0, 1):
@@ -110,8 +116,8 @@ def condition_yaw(autopilot: Autopilot, command: Command, sender: Sender) -> int
     return ACCEPTED
 
 
-def set_home(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Home moves here, or to a place."""
+def set_home(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Move home here, or to a location."""
     if not autopilot.sensors.origin_set:
         return FAILED
     if command.params[0] == 1 or (command.x == 0 and command.y == 0):
@@ -119,32 +125,32 @@ def set_home(autopilot: Autopilot, command: Command, sender: Sender) -> int:
         return ACCEPTED
     if command.params[0] != 0:
         return FAILED
-    place_m = autopilot.ekf_frame.position_of(command.x, command.y, command.z, command.frame)
-    if place_m is None:
+    position_m = autopilot.ekf_frame.position_of(command.x, command.y, command.z, command.frame)
+    if position_m is None:
         return DENIED
-    autopilot.move_home(place_m)
+    autopilot.move_home(position_m)
     return ACCEPTED
 
 
-def get_home_position(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def get_home_position(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Send HOME_POSITION and GPS_GLOBAL_ORIGIN."""
     sent = [telemetry.home_position(autopilot), telemetry.gps_global_origin(autopilot)]
     for message in sent:
         if message is not None:
             sender.channel.send(message)
-    return _done(sent[0] is not None)
+    return _result(sent[0] is not None)
 
 
-def set_mission_current(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Go to a mission item; param2 1 begins the mission anew."""
+def set_mission_current(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Make a mission item the current one."""
     seq = int(command.params[0])
     if not 0 <= seq < len(autopilot.store):
         return DENIED
-    return _done(autopilot.mission.set_current(seq))
+    return _result(autopilot.mission.set_current(seq))
 
 
-def reboot(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Start anew, on the ground only."""
+def reboot(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Reboot, when disarmed only."""
     if autopilot.armed:
         return FAILED
     if command.params[0] not in (1, 3):
@@ -153,15 +159,15 @@ def reboot(autopilot: Autopilot, command: Command, sender: Sender) -> int:
     return ACCEPTED
 
 
-def run_prearm_checks(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def run_prearm_checks(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Run the prearm checks, and report those that fail."""
     if autopilot.armed:
-        return 1  # MAV_RESULT_TEMPORARILY_REJECTED
+        return TEMPORARILY_REJECTED
     autopilot.prearm.report_problems()
     return ACCEPTED
 
 
-def request_capabilities(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def request_capabilities(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Send AUTOPILOT_VERSION."""
     if command.params[0] != 1:
         return FAILED
@@ -169,13 +175,13 @@ def request_capabilities(autopilot: Autopilot, command: Command, sender: Sender)
     return ACCEPTED
 
 
-def request_message(autopilot: Autopilot, command: Command, sender: Sender) -> int:
+def request_message(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Send one message once."""
-    return _done(sender.channel.request(int(command.params[0])))
+    return _result(sender.channel.request(int(command.params[0])))
 
 
-def set_message_interval(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Send one message every so often, on this link."""
+def set_message_interval(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Send a message at an interval, on this link."""
     number = int(command.params[0])
     if sender.channel.set_interval(number, int(command.params[1])):
         return ACCEPTED
@@ -183,16 +189,16 @@ def set_message_interval(autopilot: Autopilot, command: Command, sender: Sender)
     return DENIED
 
 
-def get_message_interval(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Say how often a message is sent."""
+def get_message_interval(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Send the interval of a message."""
     number = int(command.params[0])
     interval_us = sender.channel.interval_us(number)
     known = interval_us is not None
     sender.channel.send(dialect.MAVLink_message_interval_message(number & 0xFFFF, interval_us or 0))
-    return _done(known)
+    return _result(known)
 
 
-def send_banner(autopilot: Autopilot, command: Command, sender: Sender) -> int:
-    """Say what this is."""
+def send_banner(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Send the banner."""
     banner.send(autopilot, sender)
     return ACCEPTED

@@ -13,43 +13,45 @@ from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.stored_params import float32
 from flight_replay.simulator.protocol import command_handlers, guided_targets
 from flight_replay.simulator.protocol.channel import Sender
-from flight_replay.simulator.protocol.command import Command
+from flight_replay.simulator.protocol.command_int import UNSUPPORTED, CommandInt
 
-_PLACED = frozenset({dialect.MAV_CMD_DO_SET_HOME, dialect.MAV_CMD_DO_REPOSITION, dialect.MAV_CMD_DO_SET_ROI})
+_HAS_LOCATION = frozenset(
+    {dialect.MAV_CMD_DO_SET_HOME, dialect.MAV_CMD_DO_REPOSITION, dialect.MAV_CMD_DO_SET_ROI}
+)
 
 
-# Commands that this firmware knows as COMMAND_INT alone.
+# Commands that ArduCopter takes as COMMAND_INT only.
 _ONLY_INT = frozenset({dialect.MAV_CMD_DO_REPOSITION})
-_LARGEST = 2.0**31 - 128  # the largest 32 bit float that a 32 bit integer takes
+_MAX_INT_FLOAT = 2.0**31 - 128  # the largest 32-bit float that fits a 32-bit integer
 
-Handler = Callable[["Autopilot", Command, Sender], int]
+Handler = Callable[["Autopilot", CommandInt, Sender], int]
 
 
 def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
-    """Run a COMMAND_LONG; its places come in 32 bit floats."""
+    """Run a COMMAND_LONG; its locations are 32-bit floats."""
     number = message.command
     if number in _ONLY_INT:
-        _acknowledge(sender, number, dialect.MAV_RESULT_UNSUPPORTED)
+        _acknowledge(sender, number, UNSUPPORTED)
         return True
-    scale = 1e7 if number in _PLACED else 1.0
+    scale = 1e7 if number in _HAS_LOCATION else 1.0
     x, y = (int(_number(part * scale)) for part in (message.param5, message.param6))
     frame = dialect.MAV_FRAME_GLOBAL
     if number == dialect.MAV_CMD_NAV_TAKEOFF:
         frame = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
-    _answer(autopilot, Command(number, _params(message), x, y, message.param7, frame), sender)
+    _answer(autopilot, CommandInt(number, _params(message), x, y, message.param7, frame), sender)
     return True
 
 
 def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     """Run a COMMAND_INT."""
-    command = Command(message.command, _params(message), message.x, message.y, message.z, message.frame)
+    command = CommandInt(message.command, _params(message), message.x, message.y, message.z, message.frame)
     _answer(autopilot, command, sender)
     return True
 
 
-def _answer(autopilot: Autopilot, command: Command, sender: Sender) -> None:
+def _answer(autopilot: Autopilot, command: CommandInt, sender: Sender) -> None:
     handler = COMMANDS.get(command.number)
-    result = dialect.MAV_RESULT_UNSUPPORTED
+    result = UNSUPPORTED
     if handler is not None and command.number not in autopilot.faults.firmware.unknown_commands:
         result = handler(autopilot, command, sender)
     _acknowledge(sender, command.number, result)
@@ -71,8 +73,8 @@ def _params(message: Message) -> tuple[float, float, float, float]:
 
 
 def _number(value: float) -> float:
-    """A parameter that whole numbers can be made of: what is not a number counts as 0."""
-    return 0.0 if math.isnan(value) else float32(min(max(value, -_LARGEST), _LARGEST))
+    """A parameter that can be made a whole number: NaN counts as 0."""
+    return 0.0 if math.isnan(value) else float32(min(max(value, -_MAX_INT_FLOAT), _MAX_INT_FLOAT))
 
 
 COMMANDS: dict[int, Handler] = {
@@ -100,4 +102,4 @@ COMMANDS: dict[int, Handler] = {
     dialect.MAV_CMD_DO_SEND_BANNER: command_handlers.send_banner,
     dialect.MAV_CMD_DO_SET_ROI: command_handlers.accept,
 }
-"""Handlers by MAV_CMD; each gives a MAV_RESULT."""
+"""Handlers by MAV_CMD; each returns a MAV_RESULT."""

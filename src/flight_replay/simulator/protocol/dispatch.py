@@ -1,6 +1,6 @@
-"""What the autopilot does with messages that are neither commands nor the mission protocol's.
+"""Handlers of the messages that are not the mission protocol's.
 
-A handler says whether it dealt with the message.
+A handler returns whether it has dealt with the message.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.protocol import banner, guided_targets, telemetry
 from flight_replay.simulator.protocol.channel import Sender
+from flight_replay.simulator.protocol.command_int import ACCEPTED, FAILED
 from flight_replay.simulator.protocol.commands import command_int, command_long
 
 Handler = Callable[["Autopilot", Message, Sender], bool]
@@ -53,7 +54,7 @@ def _param_set(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
 def _set_mode(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
     entered = bool(message.base_mode & _CUSTOM_MODE) and autopilot.request_mode(message.custom_mode)
     if autopilot.faults.firmware.acks_set_mode:
-        result = dialect.MAV_RESULT_ACCEPTED if entered else dialect.MAV_RESULT_FAILED
+        result = ACCEPTED if entered else FAILED
         sender.channel.send(dialect.MAVLink_command_ack_message(message.get_msgId(), result))
     return True
 
@@ -72,7 +73,7 @@ def _mission_set_current(autopilot: Autopilot, message: Message, sender: Sender)
 
 
 def _mission_item(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
-    """DroneKit's and old stations' way to guide the copter: an item with current 2, or 3 for height."""
+    """A GUIDED target as DroneKit and old stations send it: an item with current 2, or 3 for altitude."""
     if message.current not in (2, 3) or message.mission_type != dialect.MAV_MISSION_TYPE_MISSION:
         return False
     result = guided_targets.item(autopilot, message)
@@ -99,7 +100,7 @@ def _autopilot_version_request(autopilot: Autopilot, message: Message, sender: S
 
 
 def _file_transfer(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
-    """There are no files here; said at once, so that nobody waits for a timeout."""
+    """Refuse: there are no files. A station that gets no answer waits for a timeout."""
     seq, session, opcode = struct.unpack_from("<HBB", bytes(message.payload))
     answer = struct.pack("<HBBBBBxIB", (seq + 1) % 2**16, session, _FTP_NAK, 1, opcode, 0, 0, _FTP_NOT_FOUND)
     payload = list(answer.ljust(_FTP_PAYLOAD, b"\0"))

@@ -1,7 +1,7 @@
-"""The mission protocol as ArduPilot 4.6 speaks it (MissionItemProtocol.cpp), in vehicle time.
+"""The mission protocol as ArduPilot 4.6 implements it (MissionItemProtocol.cpp), in vehicle time.
 
-This is what is asked for without an upload: reading, clearing, and lists that are always empty
-(fence and rally points, which this copter has none of). Uploads are ``mission_upload.py``'s.
+Here are download and clearing, and the lists of fence and rally points, which are always empty.
+Uploads are in ``mission_upload``.
 """
 
 from __future__ import annotations
@@ -39,24 +39,24 @@ class MissionProtocol:
         self._upload = upload = MissionUpload(autopilot, acknowledge)
         self._warned = False
         self.handlers: dict[str, Handler] = {
-            "MISSION_COUNT": self._about_mission(upload.count, self._count_elsewhere),
-            "MISSION_ITEM": self._about_mission(upload.item, _ERROR),
-            "MISSION_WRITE_PARTIAL_LIST": self._about_mission(upload.write_partial, _ERROR),
+            "MISSION_COUNT": self._for_mission(upload.count, self._other_count),
+            "MISSION_ITEM": self._for_mission(upload.item, _ERROR),
+            "MISSION_WRITE_PARTIAL_LIST": self._for_mission(upload.write_partial, _ERROR),
             "MISSION_REQUEST_LIST": self._request_list,
-            "MISSION_REQUEST": self._about_mission(self._request, _ERROR),
-            "MISSION_CLEAR_ALL": self._about_mission(self._clear_all, _ACCEPTED),
+            "MISSION_REQUEST": self._for_mission(self._request, _ERROR),
+            "MISSION_CLEAR_ALL": self._for_mission(self._clear_all, _ACCEPTED),
         }
         if self._knows_item_int:
             self.handlers["MISSION_ITEM_INT"] = self.handlers["MISSION_ITEM"]
             self.handlers["MISSION_REQUEST_INT"] = self.handlers["MISSION_REQUEST"]
 
     def update(self) -> None:
-        """Ask again, or give up, by the vehicle's clock."""
+        """Request items again, or time out, by the vehicle's clock."""
         self._upload.update()
 
     @staticmethod
-    def _about_mission(handler: Handler, elsewhere: int | Callable[[Message], int]) -> Handler:
-        """Leave messages about other lists to a fixed answer; about no list at all, to UNSUPPORTED."""
+    def _for_mission(handler: Handler, other_lists: int | Callable[[Message], int]) -> Handler:
+        """Answer messages about fence and rally points with ``other_lists``; other types are UNSUPPORTED."""
 
         def handle(message: Message, sender: Sender) -> None:
             if message.mission_type == _MISSION:
@@ -64,17 +64,17 @@ class MissionProtocol:
                 return
             result = int(dialect.MAV_MISSION_UNSUPPORTED)
             if message.mission_type in _ALWAYS_EMPTY:
-                result = elsewhere if isinstance(elsewhere, int) else elsewhere(message)
+                result = other_lists if isinstance(other_lists, int) else other_lists(message)
             acknowledge(sender, result, message.mission_type)
 
         return handle
 
     @staticmethod
-    def _count_elsewhere(message: Message) -> int:
+    def _other_count(message: Message) -> int:
         return int(_ACCEPTED if message.count == 0 else _NO_SPACE)
 
     def _is_busy(self, sender: Sender) -> bool:
-        """While somebody uploads, nobody reads."""
+        """Deny a download while a station uploads."""
         if self._store.receiving:
             acknowledge(sender, _DENIED)
         return self._store.receiving
@@ -106,7 +106,7 @@ class MissionProtocol:
             self._warned = True
             self._autopilot.say(Severity.WARNING, "got MISSION_REQUEST; use MISSION_REQUEST_INT!")
         answer = item_float if as_float else item_int
-        # ArduPilot compares the command, not the place, with the current place (get_item).
+        # ArduPilot compares the item's command, not its number, with the current number (get_item).
         current = item.command == self._autopilot.mission.seq
         sender.channel.send(
             answer(item, message.seq, current=current, system=sender.system, component=sender.component)

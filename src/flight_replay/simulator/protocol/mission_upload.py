@@ -1,7 +1,7 @@
-"""An upload of mission items, as ArduPilot 4.6 takes it (MissionItemProtocol.cpp), in vehicle time.
+"""An upload of mission items as ArduPilot 4.6 receives it (MissionItemProtocol.cpp), in vehicle time.
 
-Items are asked for one by one with MISSION_REQUEST, again after a second without an answer; an
-upload that is silent for 8 seconds is cancelled. While one station uploads, others are denied.
+Items are requested one by one with MISSION_REQUEST, again after a second without an answer; an
+upload without items for 8 seconds is cancelled. While one station uploads, others are denied.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from flight_replay.simulator.mission.store import CAPACITY
 from flight_replay.simulator.mission.stored_items import ItemRejected, StoredItem, to_stored_item
 from flight_replay.simulator.protocol.channel import Sender
 
-REQUEST_AGAIN_S = 1.0
-CANCEL_S = 8.0
+REQUEST_RETRY_S = 1.0
+TIMEOUT_S = 8.0
 _DO_JUMP = 177
 _ACCEPTED, _ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
 
 
 @dataclass(slots=True)
 class _Transfer:
-    """An upload under way: who sends, what is asked next, and since when."""
+    """An upload in progress: the sender, the item that is requested, and since when."""
 
     sender: Sender
     next_seq: int
@@ -48,19 +48,19 @@ class MissionUpload:
         self._store.receiving = False
 
     def update(self) -> None:
-        """Ask again, or give up."""
+        """Request the item again, or time out."""
         transfer, now_s = self._transfer, self._autopilot.time_s
         if transfer is None:
             return
-        if now_s - transfer.received_s > CANCEL_S:
+        if now_s - transfer.received_s > TIMEOUT_S:
             self._end()
             self._autopilot.say(Severity.WARNING, "Mission upload timeout")
             self._ack(transfer.sender, dialect.MAV_MISSION_OPERATION_CANCELLED)
-        elif now_s - transfer.requested_s > REQUEST_AGAIN_S:
-            self._ask(transfer)
+        elif now_s - transfer.requested_s > REQUEST_RETRY_S:
+            self._request(transfer)
 
     def count(self, message: Message, sender: Sender) -> None:
-        """MISSION_COUNT begins an upload, or begins one's own anew."""
+        """MISSION_COUNT begins an upload, or begins the station's own upload again."""
         if self._transfer is not None and not self._transfer.sender.is_same_station(sender):
             self._ack(sender, dialect.MAV_MISSION_DENIED)
         elif message.count > self._capacity:
@@ -82,18 +82,18 @@ class MissionUpload:
         now_s = self._autopilot.time_s
         self._transfer = _Transfer(sender, first_seq, last_seq, now_s, now_s)
         self._store.receiving = True
-        self._ask_or_complete(self._transfer)
+        self._request_or_complete(self._transfer)
 
-    def _ask_or_complete(self, transfer: _Transfer) -> None:
+    def _request_or_complete(self, transfer: _Transfer) -> None:
         if transfer.next_seq <= transfer.last_seq:
-            self._ask(transfer)
+            self._request(transfer)
             return
         self._end()
         self._autopilot.trigger("upload")
         self._autopilot.say(Severity.INFO, "Flight plan received")
         self._ack(transfer.sender, self._faults.result_of_upload)
 
-    def _ask(self, transfer: _Transfer) -> None:
+    def _request(self, transfer: _Transfer) -> None:
         transfer.requested_s = self._autopilot.time_s
         sender = transfer.sender
         sender.channel.send(
@@ -101,7 +101,7 @@ class MissionUpload:
         )
 
     def item(self, message: Message, sender: Sender) -> None:
-        """MISSION_ITEM or MISSION_ITEM_INT: kept if it is the one that was asked for."""
+        """MISSION_ITEM or MISSION_ITEM_INT: stored if it is the one that was requested."""
         if message.get_type() == "MISSION_ITEM" and self._faults.supports_item_int and not self._warned:
             self._warned = True
             self._autopilot.say(Severity.WARNING, "got MISSION_ITEM; GCS should send MISSION_ITEM_INT")
@@ -113,20 +113,20 @@ class MissionUpload:
         elif not transfer.sender.is_same_station(sender):
             self._ack(sender, dialect.MAV_MISSION_DENIED)
         else:
-            self._take(message, transfer)
+            self._receive_item(message, transfer)
 
-    def _take(self, message: Message, transfer: _Transfer) -> None:
-        """Store an item and go on; one that is refused ends the upload."""
-        result = self._kept(message, transfer)
+    def _receive_item(self, message: Message, transfer: _Transfer) -> None:
+        """Store an item and request the next; one that is rejected ends the upload."""
+        result = self._store_item(message, transfer)
         if result != _ACCEPTED:
             self._end()
             self._ack(transfer.sender, result)
             return
         transfer.received_s = self._autopilot.time_s
         transfer.next_seq += 1
-        self._ask_or_complete(transfer)
+        self._request_or_complete(transfer)
 
-    def _kept(self, message: Message, transfer: _Transfer) -> int:
+    def _store_item(self, message: Message, transfer: _Transfer) -> int:
         refused = self._faults.result_of_item.get(message.seq)
         if refused is not None:
             return refused
@@ -134,10 +134,10 @@ class MissionUpload:
             item = to_stored_item(message)
         except ItemRejected as reason:
             return reason.result
-        if item.command == _DO_JUMP and not self._can_jump(item, transfer):
+        if item.command == _DO_JUMP and not self._jump_target_exists(item, transfer):
             return int(_ERROR)
         return int(_ACCEPTED if self._store.write(message.seq, item) else _ERROR)
 
-    def _can_jump(self, item: StoredItem, transfer: _Transfer) -> bool:
+    def _jump_target_exists(self, item: StoredItem, transfer: _Transfer) -> bool:
         target = int(item.params[0])
         return target != 0 and (target < len(self._store) or target <= transfer.last_seq)

@@ -1,7 +1,7 @@
-"""Which messages a link is sent, and how often, by the vehicle's clock.
+"""Which messages are streamed over a link, and how often, by the vehicle's clock.
 
-The groups are ArduCopter's (GCS_Mavlink.cpp); a rate asked for a group replaces what was asked
-for its messages, and the other way round.
+The groups are ArduCopter's (GCS_Mavlink.cpp); a rate requested for a group replaces those of its
+messages, and the other way round.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ class StreamRates:
             self._apply_group(group)
 
     def interval_s(self, message_id: int) -> float | None:
-        """Seconds between two messages of a kind, None if it is not sent by itself."""
+        """Seconds between two messages of a number, None if it is not streamed."""
         return self._interval_s.get(message_id)
 
     def set_group(self, group: int, rate_hz: float) -> None:
-        """Send a group's messages ``rate_hz`` times a second; group 0 is every group."""
+        """Stream a group's messages ``rate_hz`` times a second; group 0 is every group."""
         for each in GROUPS if group == dialect.MAV_DATA_STREAM_ALL else [group]:
             self._group_hz[each] = rate_hz
             self._apply_group(each)
@@ -63,7 +63,7 @@ class StreamRates:
             self._set(message_id, 1 / rate_hz if rate_hz > 0 else None)
 
     def set_message(self, message_id: int, interval_s: float | None) -> None:
-        """Send one message every so many seconds; None stops it, 0 goes back to its group's rate."""
+        """Stream a message every so many seconds; None stops it, 0 resets it to its group's rate."""
         if interval_s == 0:
             group = next((each for each, ids in GROUPS.items() if message_id in ids), None)
             rate_hz = self._group_hz.get(group, 0.0) if group is not None else 0.0
@@ -82,7 +82,7 @@ class StreamRates:
         self._earliest_s = 0.0
 
     def due(self, time_s: float) -> list[int]:
-        """The messages whose time has come; one that is late is sent once, not made up for."""
+        """The messages that are due; one that is late is sent once, and those missed are left out."""
         if time_s < self._earliest_s:
             return []
         ready = [message_id for message_id, at_s in self._due_s.items() if at_s <= time_s]

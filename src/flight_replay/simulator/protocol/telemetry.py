@@ -1,7 +1,7 @@
 """The autopilot's state as MAVLink messages: one builder for each message number.
 
-A builder returns None while ArduCopter would not send the message, LOCAL_POSITION_NED before the
-EKF has a position, say. Flags and constants are those of an ArduCopter 4.6 SITL.
+A builder returns None while ArduCopter does not send the message: LOCAL_POSITION_NED before the EKF
+has a position, for instance. Flags and constants are those of an ArduCopter 4.6 SITL.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from flight_replay.simulator.protocol.telemetry_sensors import SENSORS
 
 Builder = Callable[["Autopilot"], "Message | None"]
 
-# MAV_SYS_STATUS_SENSOR masks of a disarmed SITL copter without GPS; the rest is added as it comes up.
+# MAV_SYS_STATUS_SENSOR masks of a disarmed SITL copter without GPS; the rest is added when it starts.
 _PRESENT, _ENABLED, _HEALTHY = 1399979023, 1380031503, 1196530703
 _GPS = dialect.MAV_SYS_STATUS_SENSOR_GPS
 _AHRS = dialect.MAV_SYS_STATUS_AHRS
 _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _LOGGING = dialect.MAV_SYS_STATUS_LOGGING
 _BATTERY = dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-_HEIGHT_CONTROL = dialect.MAV_SYS_STATUS_SENSOR_Z_ALTITUDE_CONTROL
-_PLACE_CONTROL = dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
+_ALTITUDE_CONTROL = dialect.MAV_SYS_STATUS_SENSOR_Z_ALTITUDE_CONTROL
+_POSITION_CONTROL = dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
 _OFFICIAL_RELEASE = 255
 
 
@@ -53,9 +53,9 @@ def _sys_status(autopilot: Autopilot) -> Message:
     if autopilot.sensors.origin_set:
         enabled, healthy = enabled | _AHRS, healthy | _AHRS
     if autopilot.armed:
-        control = 0 if autopilot.mode in MANUAL_THROTTLE else _HEIGHT_CONTROL
+        control = 0 if autopilot.mode in MANUAL_THROTTLE else _ALTITUDE_CONTROL
         control |= (
-            _PLACE_CONTROL if autopilot.mode in NEEDS_POSITION or autopilot.mode == CopterMode.LAND else 0
+            _POSITION_CONTROL if autopilot.mode in NEEDS_POSITION or autopilot.mode == CopterMode.LAND else 0
         )
         enabled, healthy = enabled | _LOGGING | control, healthy | control
     if autopilot.armed or autopilot.prearm.passed:
@@ -90,14 +90,14 @@ def _mission_current(autopilot: Autopilot) -> Message:
 
 
 def mission_current(autopilot: Autopilot, seq: int) -> Message:
-    """MISSION_CURRENT with the number given, which a station takes as the answer to its request."""
+    """MISSION_CURRENT with a given number, which answers a station's MISSION_SET_CURRENT."""
     total = max(len(autopilot.store) - 1, 0)
     in_auto = int(autopilot.mode == CopterMode.AUTO)
     return dialect.MAVLink_mission_current_message(seq, total, autopilot.mission.state, in_auto)
 
 
 def autopilot_version(autopilot: Autopilot) -> Message:
-    """AUTOPILOT_VERSION with the capabilities of the firmware that is played."""
+    """AUTOPILOT_VERSION with the capabilities of the simulated firmware."""
     firmware = autopilot.faults.firmware
     major, minor, patch = firmware.version
     version = major << 24 | minor << 16 | patch << 8 | _OFFICIAL_RELEASE

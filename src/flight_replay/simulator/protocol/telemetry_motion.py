@@ -1,4 +1,4 @@
-"""Where the copter is, how it moves and where it is going, as MAVLink messages."""
+"""The copter's position, motion and target as MAVLink messages."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ def _heading_deg(autopilot: Autopilot) -> float:
 
 
 def _global_position_int(autopilot: Autopilot) -> Message:
-    place = autopilot.location
+    location = autopilot.location
     north, east, up = (round(speed * 100) for speed in autopilot.flight.velocity_m_s)
     heading = round(_heading_deg(autopilot) * 100) % 36000
-    above_home_mm = place.alt_mm - (autopilot.home.alt_cm * 10 if autopilot.home else 0)
+    above_home_mm = location.alt_mm - (autopilot.home.alt_cm * 10 if autopilot.home else 0)
     if not autopilot.sensors.origin_set:
         return dialect.MAVLink_global_position_int_message(_boot_ms(autopilot), 0, 0, 0, 0, 0, 0, 0, heading)
     return dialect.MAVLink_global_position_int_message(
         _boot_ms(autopilot),
-        place.lat_e7,
-        place.lon_e7,
-        place.alt_mm,
+        location.lat_e7,
+        location.lon_e7,
+        location.alt_mm,
         above_home_mm,
         north,
         east,
@@ -99,10 +99,10 @@ def _position_target_global_int(autopilot: Autopilot) -> Message | None:
     target = autopilot.target_m
     if target is None:
         return None
-    place = autopilot.start.location_of(target)
+    location = autopilot.start.location_of(target)
     return dialect.MAVLink_position_target_global_int_message(
-        _boot_ms(autopilot), dialect.MAV_FRAME_GLOBAL, _POSITION_ONLY, place.lat_e7, place.lon_e7,
-        place.alt_mm / 1000, 0, 0, 0, 0, 0, 0, 0, 0,
+        _boot_ms(autopilot), dialect.MAV_FRAME_GLOBAL, _POSITION_ONLY, location.lat_e7, location.lon_e7,
+        location.alt_mm / 1000, 0, 0, 0, 0, 0, 0, 0, 0,
     )  # fmt: skip
 
 
@@ -120,16 +120,18 @@ def _position_target_local_ned(autopilot: Autopilot) -> Message | None:
 def _ahrs2(autopilot: Autopilot) -> Message | None:
     if not autopilot.sensors.attitude_ok:
         return None
-    place = autopilot.location if autopilot.sensors.origin_set else None
-    lat_e7, lon_e7, alt_m = (place.lat_e7, place.lon_e7, place.alt_mm / 1000) if place else (0, 0, 0.0)
+    location = autopilot.location if autopilot.sensors.origin_set else None
+    lat_e7, lon_e7, alt_m = (
+        (location.lat_e7, location.lon_e7, location.alt_mm / 1000) if location else (0, 0, 0.0)
+    )
     return dialect.MAVLink_ahrs2_message(*autopilot.flight.attitude_rad, alt_m, lat_e7, lon_e7)
 
 
 def _simstate(autopilot: Autopilot) -> Message:
-    place = autopilot.location
+    location = autopilot.location
     return dialect.MAVLink_simstate_message(
         *autopilot.flight.attitude_rad, 0.0, 0.0, -9.80665, *autopilot.flight.rates_rad_s,
-        place.lat_e7, place.lon_e7,
+        location.lat_e7, location.lon_e7,
     )  # fmt: skip
 
 

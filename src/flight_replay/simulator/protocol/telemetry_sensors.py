@@ -1,4 +1,4 @@
-"""What the sensors and the board would report: GPS, EKF, radio, motors, and constants for the rest."""
+"""What sensors and board report: GPS, EKF, RC, motors, and constants for the rest."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def _gps_raw_int(autopilot: Autopilot) -> Message:
             0, fix_type, 0, 0, 0, dop, 200 if fix_type else _UNKNOWN_DOP, 0, 0, satellites,
             0, accuracy, accuracy,
         )  # fmt: skip
-    place = autopilot.location
+    location = autopilot.location
     north, east, _ = autopilot.flight.velocity_m_s
     course = round(math.degrees(math.atan2(east, north)) % 360 * 100) % 36000
     return dialect.MAVLink_gps_raw_int_message(
-        _boot_us(autopilot), fix_type, place.lat_e7, place.lon_e7, place.alt_mm, 121, 200,
-        round(math.hypot(north, east) * 100), course, _SATELLITES, place.alt_mm, 300, 300,
+        _boot_us(autopilot), fix_type, location.lat_e7, location.lon_e7, location.alt_mm, 121, 200,
+        round(math.hypot(north, east) * 100), course, _SATELLITES, location.alt_mm, 300, 300,
     )  # fmt: skip
 
 
@@ -78,7 +78,7 @@ def _raw_imu(autopilot: Autopilot) -> Message:
 
 
 def _inertial(autopilot: Autopilot) -> tuple[int, ...]:
-    """Accelerations mG, turn rates mrad/s and the magnetic field mGauss, of a copter in slow flight."""
+    """Accelerations mG, angular rates mrad/s and the magnetic field mGauss, of a copter in slow flight."""
     roll, pitch, _ = autopilot.flight.attitude_rad
     weight = (math.sin(pitch), -math.sin(roll) * math.cos(pitch), -math.cos(roll) * math.cos(pitch))
     rates = autopilot.flight.rates_rad_s
@@ -123,7 +123,7 @@ def _vibration(autopilot: Autopilot) -> Message:
 
 
 def _wind(autopilot: Autopilot) -> Message | None:
-    """Where the wind comes from, its speed, and its speed downwards."""
+    """Direction that the wind comes from, its speed, and its speed downwards."""
     if not autopilot.sensors.position_ok:
         return None
     north, east, up = wind_m_s(autopilot.parameters, autopilot.flight.position_m[2])

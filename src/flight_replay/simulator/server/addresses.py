@@ -1,7 +1,7 @@
-"""Connection strings, as MAVLink tools write them.
+"""Addresses to listen on or send to, as MAVLink tools write them.
 
 ``tcp:HOST:PORT`` and ``tcpin:`` listen, ``udp:`` and ``udpout:`` send to an address, ``udpin:``
-waits for a first datagram.
+listens for datagrams and answers the last sender.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _TRANSPORTS = {"tcp": "tcp", "tcpin": "tcp", "udp": "udpout", "udpout": "udpout"
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Where a link begins: ``kind`` is "tcp", "udpout" or "udpin"."""
+    """An address of the simulator: ``kind`` is "tcp", "udpout" or "udpin"."""
 
     kind: str
     host: str
@@ -27,7 +27,7 @@ class Address:
 
 
 def parse_address(text: str) -> Address:
-    """A connection string as an address.
+    """Parse an address.
 
     Raises:
         SimulatorError: if it is not ``tcp:``, ``udp:``, ``udpin:`` or ``udpout:``, a host and a port.
@@ -36,6 +36,6 @@ def parse_address(text: str) -> Address:
     host, _, port = rest.rpartition(":")
     if transport not in _TRANSPORTS or not host or not port.isdigit() or int(port) > 65535:
         raise SimulatorError(
-            f"'{text}' is no place to listen; give tcp:127.0.0.1:5760 or udp:127.0.0.1:14550"
+            f"'{text}' is not a valid address; use tcp:127.0.0.1:5760 or udp:127.0.0.1:14550"
         )
     return Address(_TRANSPORTS[transport], host.strip("[]"), int(port))

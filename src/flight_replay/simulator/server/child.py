@@ -1,6 +1,6 @@
-"""The simulator as a process of its own, for ``launch.py``: settings come over stdin, addresses go out.
+"""The simulator as a process of its own, for ``launch``: reads settings from stdin, writes its addresses.
 
-It ends when stdin does, so it never outlives the program that started it. Run as
+It ends when stdin is closed, so it never outlives the program that started it. Run as
 ``python -m flight_replay.simulator.server.child``.
 """
 
@@ -16,8 +16,8 @@ from flight_replay.simulator.server.settings import open_endpoint, settings_of
 
 
 def main() -> int:
-    """Read the settings, answer with addresses or an error, then fly until stdin ends."""
-    # Ctrl-C in a terminal reaches the whole group; whoever started this decides when it ends.
+    """Read the settings, write the addresses or an error, then run until stdin is closed."""
+    # Ctrl-C in a terminal reaches the whole process group; the program that started this one ends it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         endpoint = open_endpoint(settings_of(sys.stdin.readline()))

@@ -17,24 +17,26 @@ from flight_replay.simulator.server.addresses import parse_address
 DEFAULT_LISTEN = "tcp:127.0.0.1:5760"
 # Where ArduPilot's own SITL starts: the Canberra Model Aircraft Club.
 DEFAULT_HOME = Start(-35.363262, 149.165237, 584.0, 353.0)
-_FASTEST = 1000.0
+_MAX_SPEEDUP = 1000.0
 
 
 def home(text: str) -> Start:
-    """LAT,LON,ALT,HDG; altitude and heading may be left out."""
+    """Parse LAT,LON,ALT,HDG; altitude and heading may be left out."""
     try:
         lat_deg, lon_deg, *rest = (float(part) for part in text.split(","))
         alt_m, heading_deg = (*rest, 0.0, 0.0)[:2]
     except ValueError:
         raise argparse.ArgumentTypeError(f"'{text}' is not LAT,LON,ALT,HDG in degrees and metres") from None
-    sane = abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and all(map(math.isfinite, (alt_m, heading_deg)))
-    if not sane or len(rest) > 2:
-        raise argparse.ArgumentTypeError(f"'{text}' is no place on earth; give LAT,LON,ALT,HDG")
+    valid = abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and all(map(math.isfinite, (alt_m, heading_deg)))
+    if not valid or len(rest) > 2:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not a valid position; use LAT,LON,ALT,HDG in degrees and metres"
+        )
     return Start(lat_deg, lon_deg, alt_m, heading_deg)
 
 
 def address(text: str) -> str:
-    """A connection string that can be listened on."""
+    """Check an address, and write it in full."""
     try:
         return str(parse_address(text))
     except SimulatorError as error:
@@ -42,14 +44,14 @@ def address(text: str) -> str:
 
 
 def speedup(text: str) -> float:
-    """A factor above 0."""
+    """Parse a factor above 0."""
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 0 < value <= _FASTEST:
+    if not 0 < value <= _MAX_SPEEDUP:
         raise argparse.ArgumentTypeError(
-            f"'{text}' is no speedup; give a number above 0, at most {_FASTEST:g}"
+            f"'{text}' is not a valid speedup; use a number above 0, at most {_MAX_SPEEDUP:g}"
         )
     return value
 
@@ -64,30 +66,30 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         type=address,
         metavar="ADDRESS",
-        help=f"tcp:HOST:PORT waits for any number of clients, udp:HOST:PORT sends there, udpin:HOST:PORT "
-        f"waits for a first datagram; repeatable, port 0 is any free one (default: {DEFAULT_LISTEN})",
+        help=f"tcp:HOST:PORT accepts any number of clients, udp:HOST:PORT sends there, udpin:HOST:PORT "
+        f"listens for datagrams; repeatable, port 0 takes a free one (default: {DEFAULT_LISTEN})",
     )
     parser.add_argument(
         "--home",
         type=home,
         default=DEFAULT_HOME,
         metavar="LAT,LON,ALT,HDG",
-        help="where it stands: degrees, metres above sea level, degrees from north "
-        "(default: where ArduPilot's SITL starts)",
+        help="position on the ground: degrees, metres above mean sea level, heading in degrees "
+        "(default: that of ArduPilot's SITL)",
     )
     parser.add_argument(
         "--speedup",
         type=speedup,
         default=1.0,
         metavar="X",
-        help="vehicle seconds per second; SIM_SPEEDUP changes it in flight (default: 1)",
+        help="how many times faster than real time it runs; SIM_SPEEDUP changes it in flight (default: 1)",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {version('flight-replay')}")
     return parser
 
 
-def _joined(argv: Sequence[str]) -> list[str]:
-    """``--home`` and its value as one word: argparse takes -35.4,149.2 for an option of its own."""
+def _join_home(argv: Sequence[str]) -> list[str]:
+    """``--home`` and its value joined: argparse takes -35.4,149.2 for an option."""
     words = list(argv)
     while "--home" in words[:-1]:
         at = words.index("--home")
@@ -96,7 +98,7 @@ def _joined(argv: Sequence[str]) -> list[str]:
 
 
 class _Signals:
-    """Remembers the signal that asked for the end."""
+    """The signal that asked the program to end, once it has come."""
 
     def __init__(self) -> None:
         self.received: int | None = None
@@ -106,8 +108,8 @@ class _Signals:
     def _note(self, number: int, frame: FrameType | None) -> None:
         self.received = number
 
-    def is_over(self) -> bool:
-        """Whether the end was asked for."""
+    def was_received(self) -> bool:
+        """Whether a signal has come."""
         return self.received is not None
 
 
@@ -115,11 +117,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run until Ctrl-C or SIGTERM.
 
     Returns:
-        1 if it cannot start, told in one line; 128 and the signal's number when stopped by one.
+        1 if it cannot start, with one line on stderr; 128 plus the signal's number when it was stopped.
     """
-    options = _parser().parse_args(_joined(sys.argv[1:] if argv is None else argv))
+    options = _parser().parse_args(_join_home(sys.argv[1:] if argv is None else argv))
     signals = _Signals()
-    # Not before the options are known to be good: these import the MAVLink dialect.
+    # Only after the options are known to be valid: these import the MAVLink dialect, which takes time.
     from flight_replay.simulator.server.settings import Settings, open_endpoint
 
     listen = tuple(options.listen or [DEFAULT_LISTEN])
@@ -133,7 +135,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             verb = "sending to" if address.kind == "udpout" else "listening on"
             sys.stdout.write(f"{verb} {address}\n")
         sys.stdout.flush()
-        endpoint.run(signals.is_over)
+        endpoint.run(signals.was_received)
     finally:
         endpoint.close()
     return 128 + (signals.received or 0)

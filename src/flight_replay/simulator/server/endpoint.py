@@ -1,6 +1,6 @@
-"""The simulator on its links: stations come and go, messages in and out, time paced.
+"""The simulator on the network: accepts stations, routes messages, and keeps time.
 
-The one module that joins the autopilot to sockets and to the wall clock.
+The only module that connects the autopilot to sockets and to wall-clock time.
 """
 
 from __future__ import annotations
@@ -15,29 +15,29 @@ from flight_replay.simulator.autopilot.flight_model import STEP_S
 from flight_replay.simulator.protocol.channel import LinkChannel, Sender
 from flight_replay.simulator.protocol.ground_link import GroundLink
 from flight_replay.simulator.server.addresses import Address
-from flight_replay.simulator.server.links import Connection, Listener
+from flight_replay.simulator.server.links import ClientSocket, ListenSocket
 
 _OWN_COMPONENTS = (0, 1)
 _LONGEST_WAIT_S = 0.1
-_SLOWEST = 0.01
-# Farther behind than this, the simulation gives up catching up: it is slower, but never in bursts.
-_WORTH_CATCHING_UP_S = 0.2
+_MIN_SPEEDUP = 0.01
+# More behind than this, the simulation does not catch up: it runs slower, but never in bursts.
+_MAX_LAG_S = 0.2
 
 
 class Endpoint:
-    """An autopilot with open links; ``run`` serves them until told to stop."""
+    """An autopilot with open links; ``run`` serves them until it is told to stop."""
 
     def __init__(self, autopilot: Autopilot, addresses: Sequence[Address]) -> None:
         """Open the links.
 
         Raises:
-            SimulatorError: if one cannot be opened; those that were are closed again.
+            SimulatorError: if one cannot be opened; the others are closed again.
         """
         self.autopilot = autopilot
         self._link = GroundLink(autopilot)
         self._selector = selectors.DefaultSelector()
-        self._listeners: list[Listener] = []
-        self._stations: dict[LinkChannel, Connection] = {}
+        self._listeners: list[ListenSocket] = []
+        self._stations: dict[LinkChannel, ClientSocket] = {}
         try:
             for address in addresses:
                 self._open(address)
@@ -46,24 +46,24 @@ class Endpoint:
             raise
 
     def _open(self, address: Address) -> None:
-        listener = Listener(address)
+        listener = ListenSocket(address)
         self._listeners.append(listener)
         if address.kind == "tcp":
             self._selector.register(listener.socket, selectors.EVENT_READ, listener)
         else:
-            self._welcome(listener)
+            self._accept(listener)
 
     @property
     def addresses(self) -> tuple[Address, ...]:
-        """Where the links are, with real port numbers."""
+        """The addresses of the links, with real port numbers."""
         return tuple(listener.address for listener in self._listeners)
 
     @property
     def stations(self) -> int:
-        """How many are connected."""
+        """Number of connected stations."""
         return len(self._stations)
 
-    def _welcome(self, listener: Listener) -> None:
+    def _accept(self, listener: ListenSocket) -> None:
         connection = listener.accept()
         if connection is None:
             return
@@ -73,22 +73,22 @@ class Endpoint:
         self._stations[channel] = connection
         self._selector.register(connection.socket, selectors.EVENT_READ, channel)
 
-    def _dismiss(self, channel: LinkChannel) -> None:
+    def _disconnect(self, channel: LinkChannel) -> None:
         connection = self._stations.pop(channel)
         self._link.close_channel(channel)
         self._selector.unregister(connection.socket)
         connection.close()
 
     def run(self, stop: Callable[[], bool], clock: Callable[[], float] = time.monotonic) -> None:
-        """Serve until ``stop`` says so, which is asked at least ten times a second."""
-        pacer = Pacer(clock())
+        """Serve until ``stop`` returns True; it is called at least ten times a second."""
+        scheduler = StepScheduler(clock())
         while not stop():
-            self.exchange(min(pacer.wait_s(clock()), _LONGEST_WAIT_S))
-            if pacer.wait_s(clock()) > 0:
+            self.exchange(min(scheduler.wait_s(clock()), _LONGEST_WAIT_S))
+            if scheduler.wait_s(clock()) > 0:
                 continue
             self.step()
             speedup = self.autopilot.parameters["SIM_SPEEDUP"]
-            pacer.stepped(clock(), STEP_S, max(speedup, _SLOWEST) if speedup > 0 else 1.0)
+            scheduler.stepped(clock(), STEP_S, max(speedup, _MIN_SPEEDUP) if speedup > 0 else 1.0)
 
     def step(self) -> None:
         """Let a step of vehicle time pass, and send what is due."""
@@ -96,10 +96,10 @@ class Endpoint:
         self._flush()
 
     def exchange(self, timeout_s: float) -> None:
-        """Wait for something to come in, at most so long, and answer it."""
+        """Wait for messages, at most ``timeout_s``, and answer them."""
         for key, _ in self._selector.select(timeout_s):
-            if isinstance(key.data, Listener):
-                self._welcome(key.data)
+            if isinstance(key.data, ListenSocket):
+                self._accept(key.data)
             else:
                 self._read(key.data)
         self._flush()
@@ -113,10 +113,10 @@ class Endpoint:
         for channel, connection in list(self._stations.items()):
             connection.flush()
             if not connection.is_open:
-                self._dismiss(channel)
+                self._disconnect(channel)
 
-    def _route(self, message: Message, sender: Sender, came_by: LinkChannel) -> None:
-        """To the vehicle, to the other stations, or both, by target (MAVLink_routing.cpp)."""
+    def _route(self, message: Message, sender: Sender, origin: LinkChannel) -> None:
+        """Send to the vehicle, to the other stations, or both, by target (MAVLink_routing.cpp)."""
         own = int(self.autopilot.parameters["SYSID_THISMAV"]) & 0xFF
         system = getattr(message, "target_system", 0)
         component = getattr(message, "target_component", 0)
@@ -125,30 +125,30 @@ class Endpoint:
         if system == own:
             return
         for channel in self._stations:
-            if channel is not came_by and (system in channel.systems or (system == 0 and channel.systems)):
+            if channel is not origin and (system in channel.systems or (system == 0 and channel.systems)):
                 channel.forward(bytes(message.get_msgbuf()))
 
     def close(self) -> None:
-        """Hang up on everybody and let go of the ports."""
+        """Disconnect all stations and close the ports."""
         for channel in list(self._stations):
-            self._dismiss(channel)
+            self._disconnect(channel)
         for listener in self._listeners:
             listener.close()
         self._selector.close()
 
 
-class Pacer:
-    """When the next step may be taken; times are a monotonic clock's seconds."""
+class StepScheduler:
+    """When the next step is due; times are seconds of a monotonic clock."""
 
     def __init__(self, now_s: float) -> None:
         self._next_s = now_s
 
     def wait_s(self, now_s: float) -> float:
-        """How long until the next step; 0 if it is due."""
+        """Seconds until the next step; 0 if it is due."""
         return max(0.0, self._next_s - now_s)
 
     def stepped(self, now_s: float, step_s: float, speedup: float) -> None:
-        """A step of ``step_s`` vehicle seconds was taken at ``speedup`` times real time."""
+        """Note that a step of ``step_s`` vehicle seconds was taken at ``speedup`` times real time."""
         self._next_s += step_s / speedup
-        if now_s - self._next_s > _WORTH_CATCHING_UP_S:
+        if now_s - self._next_s > _MAX_LAG_S:
             self._next_s = now_s

@@ -1,4 +1,4 @@
-"""Starts and stops a built-in copter for the length of a ``with`` block."""
+"""Runs the built-in copter for the length of a ``with`` block."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server.settings import Settings
 
-_STOPS_WITHIN_S = 5.0
+_STOP_TIMEOUT_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Running:
-    """A simulator that runs: connection strings, the first as DroneKit takes it."""
+class RunningCopter:
+    """A built-in copter that is running, and its connection strings; DroneKit understands the first."""
 
     addresses: tuple[str, ...]
     process_id: int
 
     @property
     def connection(self) -> str:
-        """Where to connect to."""
+        """The connection string."""
         return self.addresses[0]
 
 
@@ -38,14 +38,14 @@ def run(
     listen: Sequence[str] = ("tcp:127.0.0.1:0",),
     parameters: Mapping[str, float] | None = None,
     faults: Faults | None = None,
-) -> Iterator[Running]:
-    """Run the built-in copter in a process of its own while the block lasts.
+) -> Iterator[RunningCopter]:
+    """Run the built-in copter in a process of its own until the block ends.
 
     Args:
-        start: where it stands.
-        speedup: vehicle seconds per second.
-        listen: links, port 0 for any free one; the default is one TCP port on loopback.
-        parameters: ArduPilot names to values that differ from the defaults.
+        start: position on the ground, and heading.
+        speedup: how many times faster than real time it runs.
+        listen: addresses, port 0 for any free one; by default one TCP port on loopback.
+        parameters: values by ArduPilot's names, where they differ from the defaults.
         faults: what is wrong with it.
 
     Raises:
@@ -65,7 +65,7 @@ def run(
         _stop(process)
 
 
-def _started(process: subprocess.Popen[str], settings: Settings) -> Running:
+def _started(process: subprocess.Popen[str], settings: Settings) -> RunningCopter:
     assert process.stdin is not None
     assert process.stdout is not None
     with contextlib.suppress(BrokenPipeError):
@@ -74,22 +74,22 @@ def _started(process: subprocess.Popen[str], settings: Settings) -> Running:
     line = process.stdout.readline()
     if not line:
         raise SimulatorError(
-            f"the built-in copter ended with status {process.wait()} while starting; see its last words above"
+            f"the built-in copter ended with status {process.wait()} while starting; see its messages above"
         )
     answer = json.loads(line)
     if "error" in answer:
         raise SimulatorError(str(answer["error"]))
-    return Running(tuple(answer["addresses"]), process.pid)
+    return RunningCopter(tuple(answer["addresses"]), process.pid)
 
 
 def _stop(process: subprocess.Popen[str]) -> None:
-    """End the process by ending its stdin; by force if that takes too long."""
+    """End the process by closing its stdin; kill it if that takes too long."""
     assert process.stdin is not None
     assert process.stdout is not None
     with contextlib.suppress(OSError):
         process.stdin.close()
     try:
-        process.wait(_STOPS_WITHIN_S)
+        process.wait(_STOP_TIMEOUT_S)
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()

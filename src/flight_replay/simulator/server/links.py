@@ -1,4 +1,4 @@
-"""Links over the network: TCP that is listened on, UDP that is sent to or listened on. Nothing blocks."""
+"""Links over the network: TCP and UDP that listen, UDP that sends to an address. Nothing blocks."""
 
 from __future__ import annotations
 
@@ -11,39 +11,39 @@ from flight_replay.errors import SimulatorError
 from flight_replay.simulator.server.addresses import Address
 
 _BUFFER = 65536
-# More unsent bytes than this and telemetry pauses; a station that never reads is let go beyond the other.
-_ENOUGH_UNSENT = 1 << 18
-_TOO_MUCH_UNSENT = 1 << 22
+# With more unsent bytes than this, telemetry pauses; with more than the other, the station is disconnected.
+_PAUSE_UNSENT = 1 << 18
+_CLOSE_UNSENT = 1 << 22
 
 
-class Connection(Protocol):
-    """One station's end: bytes both ways."""
+class ClientSocket(Protocol):
+    """The connection to one station: bytes both ways."""
 
     socket: socket.socket
 
     @property
     def is_open(self) -> bool:
-        """Whether the other side may still be there."""
+        """Whether the connection is open, as far as is known."""
 
     @property
     def has_room(self) -> bool:
-        """Whether it takes more bytes without piling them up."""
+        """Whether more bytes can be sent without a growing queue."""
 
     def read(self) -> list[bytes]:
-        """What has come in."""
+        """What has been received."""
 
     def write(self, data: bytes) -> None:
-        """Send, now or as soon as there is room."""
+        """Send, now or when there is room."""
 
     def flush(self) -> None:
-        """Send what waits."""
+        """Send what is queued."""
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
 
 
-class TcpConnection:
-    """A TCP client."""
+class TcpClientSocket:
+    """The connection to a TCP client."""
 
     def __init__(self, sock: socket.socket) -> None:
         sock.setblocking(False)
@@ -54,11 +54,11 @@ class TcpConnection:
 
     @property
     def has_room(self) -> bool:
-        """Whether little is waiting to be sent."""
-        return len(self._unsent) < _ENOUGH_UNSENT
+        """Whether the queue is short."""
+        return len(self._unsent) < _PAUSE_UNSENT
 
     def read(self) -> list[bytes]:
-        """What has come in; an end or a reset closes the connection."""
+        """What has been received; an end or a reset closes the connection."""
         try:
             data = self.socket.recv(_BUFFER)
         except (BlockingIOError, InterruptedError):
@@ -73,11 +73,11 @@ class TcpConnection:
     def write(self, data: bytes) -> None:
         """Queue bytes; ``flush`` sends them."""
         self._unsent += data
-        if len(self._unsent) > _TOO_MUCH_UNSENT:
+        if len(self._unsent) > _CLOSE_UNSENT:
             self.is_open = False
 
     def flush(self) -> None:
-        """Send what the system takes."""
+        """Send as much of the queue as the system takes."""
         if not self._unsent or not self.is_open:
             return
         try:
@@ -90,13 +90,13 @@ class TcpConnection:
         del self._unsent[:sent]
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self.is_open = False
         self.socket.close()
 
 
-class UdpConnection:
-    """A UDP peer: the one that the socket is connected to, or whoever sent last."""
+class UdpClientSocket:
+    """A UDP peer: the one that the socket is connected to, or the last sender."""
 
     is_open = True
     has_room = True
@@ -108,9 +108,9 @@ class UdpConnection:
         self._peer: tuple[str, int] | None = None
 
     def read(self) -> list[bytes]:
-        """Every datagram that waits."""
+        """Every datagram that was received."""
         found: list[bytes] = []
-        # An error is an ICMP refusal of something sent: nobody listens there yet.
+        # An error is an ICMP answer to something sent: nothing listens there yet.
         with contextlib.suppress(OSError):
             while True:
                 data, self._peer = self.socket.recvfrom(_BUFFER)
@@ -118,7 +118,7 @@ class UdpConnection:
         return found
 
     def write(self, data: bytes) -> None:
-        """One datagram for each message; what the system does not take is lost, as on the air."""
+        """Send one datagram per message; what the system does not take is lost, as on a radio."""
         with contextlib.suppress(OSError):
             if self._connected:
                 self.socket.send(data)
@@ -126,10 +126,10 @@ class UdpConnection:
                 self.socket.sendto(data, self._peer)
 
     def flush(self) -> None:
-        """Nothing waits."""
+        """Nothing is queued."""
 
     def close(self) -> None:
-        """Let go of the port."""
+        """Close the port."""
         self.socket.close()
 
 
@@ -137,33 +137,33 @@ def _family(host: str) -> socket.AddressFamily:
     return socket.AF_INET6 if ":" in host else socket.AF_INET
 
 
-class Listener:
-    """An open link: ``address`` has the port that was given to port 0."""
+class ListenSocket:
+    """A socket that accepts stations; ``address`` has the port that was chosen for port 0."""
 
     def __init__(self, address: Address) -> None:
         """Open the link.
 
         Raises:
-            SimulatorError: if the port is in use, or the host is not this machine's.
+            SimulatorError: if the port is in use, or the host is not one of this machine.
         """
         is_tcp = address.kind == "tcp"
         self.socket = socket.socket(
             _family(address.host), socket.SOCK_STREAM if is_tcp else socket.SOCK_DGRAM
         )
-        self._single: UdpConnection | None = None
+        self._udp: UdpClientSocket | None = None
         try:
             self._open(address)
         except OSError as error:
             self.socket.close()
             raise SimulatorError(
-                f"cannot listen on {address}: {error.strerror or error}; choose another port with --listen"
+                f"cannot listen on {address}: {error.strerror or error}; choose another address with --listen"
             ) from error
 
     def _open(self, address: Address) -> None:
         if address.kind == "udpout":
             self.socket.connect((address.host, address.port))
             self.address = address
-            self._single = UdpConnection(self.socket, connected=True)
+            self._udp = UdpClientSocket(self.socket, connected=True)
             return
         if address.kind == "tcp" and os.name != "nt":
             # On Windows the option would let two programs share the port.
@@ -174,19 +174,19 @@ class Listener:
             self.socket.listen()
             self.socket.setblocking(False)
         else:
-            self._single = UdpConnection(self.socket, connected=False)
+            self._udp = UdpClientSocket(self.socket, connected=False)
 
-    def accept(self) -> Connection | None:
-        """A station that has come: each TCP client once, the one UDP connection at the first call."""
+    def accept(self) -> ClientSocket | None:
+        """A station that has connected: each TCP client once, the one UDP peer at the first call."""
         if self.address.kind != "tcp":
-            single, self._single = self._single, None
-            return single
+            udp, self._udp = self._udp, None
+            return udp
         try:
             client, _ = self.socket.accept()
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
-        return TcpConnection(client)
+        return TcpClientSocket(client)
 
     def close(self) -> None:
-        """Let go of the port."""
+        """Close the port."""
         self.socket.close()

@@ -1,4 +1,4 @@
-"""What to simulate, as plain data that travels from one process to another, and how to open it."""
+"""The settings of a simulator, as plain data that can be sent to another process."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flight_replay.simulator.server.endpoint import Endpoint
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What to simulate, and where it can be reached."""
+    """What to simulate, and the addresses to listen on."""
 
     start: Start
     listen: tuple[str, ...] = ("tcp:127.0.0.1:0",)
@@ -30,7 +30,7 @@ class Settings:
 
 
 def settings_of(line: str) -> Settings:
-    """Settings from ``Settings.as_line``; the line comes from the process that started this one."""
+    """Settings from ``Settings.as_line``, which only the process that started this one may have written."""
     settings = pickle.loads(base64.b64decode(line))
     assert isinstance(settings, Settings)
     return settings
@@ -47,7 +47,7 @@ def open_endpoint(settings: Settings) -> Endpoint:
         parameters = firmware.parameter_table(settings.parameters)
     except KeyError as error:
         raise SimulatorError(
-            f"the built-in copter has no parameter {error.args[0]}; check its name"
+            f"the built-in copter has no parameter {error.args[0]}; check the name"
         ) from None
     autopilot = Autopilot(settings.start, parameters=parameters, faults=settings.faults, unix_s=time.time())
     return Endpoint(autopilot, [parse_address(each) for each in settings.listen])
