@@ -1,4 +1,4 @@
-"""The supervisor when things end early: interrupts, lost links, reboots, motors that stop, other missions."""
+"""Flights that end early: Ctrl-C, lost links, reboots, disarming, missions changed by another station."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from tests.helpers.supervised import fake_flight
 
 
 @pytest.mark.parametrize("when_s", [6.0, 12.0, 20.0, 30.0])
-def test_ctrl_c_sends_the_vehicle_home(when_s: float) -> None:
-    """An interrupt in the air commands RTL first, says that it is confirmed, and goes on up."""
+def test_ctrl_c_commands_rtl(when_s: float) -> None:
+    """Ctrl-C in the air commands RTL, emits that it is confirmed, and is raised again."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def interrupt() -> None:
@@ -30,7 +30,7 @@ def test_ctrl_c_sends_the_vehicle_home(when_s: float) -> None:
 
 
 def test_an_interrupt_before_arming_commands_nothing() -> None:
-    """Nothing was armed, so nothing is sent home."""
+    """The vehicle is not armed, so RTL is not needed."""
     flight = fake_flight()
 
     def interrupt() -> None:
@@ -42,8 +42,8 @@ def test_an_interrupt_before_arming_commands_nothing() -> None:
     assert "RTL" not in flight.vehicle.requested
 
 
-def test_a_link_that_comes_back_is_used_again() -> None:
-    """12 s of silence are told within 5 s, and the flight ends as asked."""
+def test_a_restored_link_continues_the_flight() -> None:
+    """A silence of 12 s is emitted within 5 s, and the flight ends as planned."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule += [
         (30.0, lambda: setattr(flight.vehicle, "silent", True)),
@@ -55,8 +55,8 @@ def test_a_link_that_comes_back_is_used_again() -> None:
     assert lost.silent_s < 5 < back.silent_s
 
 
-def test_a_link_lost_for_ever_ends_with_what_is_known() -> None:
-    """After the time allowed, RTL is tried into the void and the record says what happened."""
+def test_a_link_that_stays_lost_ends_the_flight() -> None:
+    """RTL is still requested, and the record says that the link is lost."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "silent", True)))
     record = flight.fly()
@@ -67,7 +67,7 @@ def test_a_link_lost_for_ever_ends_with_what_is_known() -> None:
 
 
 def test_a_reboot_in_the_air_ends_the_flight() -> None:
-    """Whatever was known before is void; RTL is asked of what is left."""
+    """RTL is requested of the rebooted autopilot."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.queue.append(Rebooted())))
     record = flight.fly()
@@ -76,7 +76,7 @@ def test_a_reboot_in_the_air_ends_the_flight() -> None:
 
 
 def test_a_reboot_on_the_ground_is_an_error() -> None:
-    """Before arming nothing is commanded any more."""
+    """Before arming, nothing is commanded."""
     flight = fake_flight()
     flight.vehicle.schedule.append((2.0, lambda: flight.vehicle.queue.append(Rebooted())))
     with pytest.raises(VehicleError, match="rebooted"):
@@ -84,16 +84,16 @@ def test_a_reboot_on_the_ground_is_an_error() -> None:
     assert "RTL" not in flight.vehicle.requested
 
 
-def test_a_mission_that_changes_in_flight_is_left() -> None:
-    """Another count of items on board than at the start ends AUTO with RTL."""
+def test_a_mission_that_changes_in_flight_ends_the_flight() -> None:
+    """Another number of items on board than at the start ends AUTO with RTL."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.queue.append(MissionCurrent(3, 7))))
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("mission changed", True)
 
 
-def test_a_mission_of_the_same_length_uploaded_in_flight_is_left() -> None:
-    """The count does not show it, but the vehicle's words do: nothing unverified is flown on."""
+def test_a_mission_uploaded_in_flight_ends_the_flight() -> None:
+    """With the same number of items too: the status text of the upload shows it."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((2.0, lambda: flight.vehicle.send_text("Flight plan received", 6)))
     flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.send_text("Flight plan received", 6)))
@@ -110,8 +110,8 @@ def test_rtl_that_is_refused_is_a_problem() -> None:
     assert "did not confirm RTL" in (record.problem or "")
 
 
-def test_a_clock_that_stands_still_does_not_hold_the_wait() -> None:
-    """A vehicle whose time never moves is given up by the clock here."""
+def test_a_wait_ends_if_the_vehicles_clock_stands_still() -> None:
+    """By wall-clock time, after three times its limit."""
     flight = fake_flight(FakeVehicle(FakeClock(), reports_clock=False), deadlines=Deadlines(prearm_s=20))
     with pytest.raises(PhaseTimeoutError, match="not ready to arm in 20 s"):
         flight.fly()
@@ -131,7 +131,7 @@ def test_a_listener_that_fails_does_not_disturb_the_flight() -> None:
 
 
 def test_a_vehicle_that_disarms_on_the_ground_is_armed_again() -> None:
-    """ArduCopter disarms itself after 10 s on the ground, which a slow link can take."""
+    """ArduCopter disarms itself after 10 s on the ground, and a slow link can take that long."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
 
     def disarm() -> None:
@@ -142,8 +142,8 @@ def test_a_vehicle_that_disarms_on_the_ground_is_armed_again() -> None:
     assert flight.vehicle.requested.count("arm") == 2
 
 
-def test_a_vehicle_that_keeps_disarming_is_given_up() -> None:
-    """Three times is enough; nothing is left to be sent home."""
+def test_a_vehicle_is_armed_three_times_at_most() -> None:
+    """A vehicle that disarms itself each time is an error; RTL is not needed."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
     for second in range(16, 90, 11):
         flight.vehicle.schedule.append((second, lambda: setattr(flight.vehicle, "armed", False)))
@@ -154,7 +154,7 @@ def test_a_vehicle_that_keeps_disarming_is_given_up() -> None:
 
 
 def test_a_vehicle_that_somebody_disarms_is_not_armed_again() -> None:
-    """Before it lifts off, somebody may have walked up to it and stopped its motors."""
+    """Before take-off, somebody beside it may have disarmed it."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40, climbs=False))
     flight.vehicle.schedule.append((6.0, lambda: setattr(flight.vehicle, "armed", False)))
     with pytest.raises(VehicleError, match="disarmed before take-off by the pilot"):
@@ -163,8 +163,8 @@ def test_a_vehicle_that_somebody_disarms_is_not_armed_again() -> None:
     assert "RTL" not in flight.vehicle.requested
 
 
-def test_a_vehicle_that_falls_while_it_climbs_is_not_armed_again() -> None:
-    """A crash at 15 m is no vehicle that waited too long on the ground."""
+def test_a_vehicle_that_crashes_during_takeoff_is_not_armed_again() -> None:
+    """Disarming at 15 m is not the autopilot's disarming on the ground."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def crash() -> None:
@@ -177,8 +177,8 @@ def test_a_vehicle_that_falls_while_it_climbs_is_not_armed_again() -> None:
     assert flight.vehicle.requested.count("arm") == 1
 
 
-def test_a_vehicle_that_disarms_in_flight_is_no_success() -> None:
-    """A crash ends the flight with the vehicle's words, though its mode still is AUTO."""
+def test_disarming_in_flight_is_a_problem() -> None:
+    """The record has the status text of a crash, though the mode still is AUTO."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def crash() -> None:
@@ -191,7 +191,7 @@ def test_a_vehicle_that_disarms_in_flight_is_no_success() -> None:
     assert "Crash: Disarming" in (record.problem or "")
 
 
-def test_a_disarmed_vehicle_that_never_tells_its_clock_is_not_waited_for() -> None:
+def test_a_disarmed_vehicle_without_a_clock_ends_the_flight() -> None:
     """Some seconds of heartbeats without a clock are enough."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 

@@ -1,4 +1,4 @@
-"""The supervisor: phases, deadlines, and the promise that what is in the air is sent home."""
+"""Whole flights under the supervisor: phases in order, deadlines, and the record."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import Setup, fake_flight
 
 
-def test_a_good_flight_asks_each_step_once_in_order() -> None:
-    """GUIDED, the mission checked, arm, take-off, checked again, AUTO, RTL: each asked once."""
+def test_a_flight_requests_each_step_once_in_order() -> None:
+    """GUIDED, mission verified, arm, take-off, mission verified again, AUTO, RTL."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     record = flight.fly()
     asked = [word for word in flight.vehicle.requested if word != "report"]
@@ -24,7 +24,7 @@ def test_a_good_flight_asks_each_step_once_in_order() -> None:
 
 
 def test_a_timed_flight_ends_after_its_duration() -> None:
-    """60 s of AUTO by the vehicle's clock, and the waypoints reached by then are counted."""
+    """60 s of AUTO in vehicle time; the waypoints reached by then are counted."""
     record = fake_flight(FakeVehicle(FakeClock(), points=40)).fly()
     assert record.ended == "duration"
     assert record.auto_s == pytest.approx(60, abs=0.3)
@@ -36,41 +36,41 @@ def test_a_timed_flight_ends_after_its_duration() -> None:
 
 @pytest.mark.parametrize("speedup", [0.5, 1.0, 20.0])
 def test_the_speed_of_the_vehicles_clock_changes_nothing(speedup: float) -> None:
-    """A simulator that runs faster or slower than time here flies the same 60 s."""
+    """A simulator whose clock runs faster or slower than wall-clock time flies the same 60 s."""
     record = fake_flight(FakeVehicle(FakeClock(), speedup=speedup, points=40)).fly()
     assert record.auto_s == pytest.approx(60, abs=2.5)
     assert record.problem is None
 
 
 def test_a_timed_flight_ends_when_heading_for_the_final_waypoint() -> None:
-    """As in DroneKit's example, heading for the last one ends it; the one before was reached."""
+    """As in DroneKit's example; the waypoint before the final one was reached."""
     record = fake_flight().fly()
     assert (record.ended, record.waypoints_reached) == ("final waypoint", 4)
 
 
 def test_a_whole_flight_reaches_the_last_waypoint() -> None:
-    """``duration_s=None`` follows until the last waypoint is reached."""
+    """``duration_s=None`` flies until the last waypoint is reached."""
     record = fake_flight(duration_s=None).fly()
     assert (record.ended, record.waypoints_reached, record.problem) == ("mission complete", 5, None)
     assert record.auto_s == pytest.approx(20, abs=1.5)
 
 
-def test_reached_waypoints_do_not_depend_on_the_reports_arriving() -> None:
-    """Where every MISSION_ITEM_REACHED is lost, MISSION_CURRENT tells."""
+def test_waypoints_reached_are_known_from_the_current_item_too() -> None:
+    """If every MISSION_ITEM_REACHED is lost, MISSION_CURRENT shows them."""
     vehicle = FakeVehicle(FakeClock(), reports_reached=False)
     assert fake_flight(vehicle, duration_s=None).fly().waypoints_reached == 5
 
 
-def test_the_flown_track_is_what_was_reported_in_auto() -> None:
-    """The record's track begins with AUTO, ends with it, and moves north."""
+def test_the_flown_track_has_the_positions_in_auto() -> None:
+    """It starts and ends with AUTO, and moves north."""
     record = fake_flight().fly()
     assert record.flown.time_s[0] >= record.auto_start_s
     assert record.flown.time_s[-1] - record.auto_start_s == pytest.approx(record.auto_s, abs=0.2)
     assert record.flown.lat_deg[-1] > record.flown.lat_deg[0]
 
 
-def test_takeoff_is_done_at_95_percent() -> None:
-    """The climb is told once a second against 28.5 m, and the mission starts above that."""
+def test_takeoff_is_complete_at_95_percent() -> None:
+    """The climb to 28.5 m is emitted once a second."""
     flight = fake_flight()
     flight.fly()
     climbs = flight.of(events.Climbing)
@@ -79,15 +79,15 @@ def test_takeoff_is_done_at_95_percent() -> None:
     assert flight.of(events.TargetAltitudeReached) == [events.TargetAltitudeReached(30.0)]
 
 
-def test_landing_is_awaited_when_asked_for() -> None:
-    """``land`` follows the vehicle until it has disarmed on the ground."""
+def test_land_waits_until_the_vehicle_has_landed() -> None:
+    """Until it has disarmed on the ground."""
     flight = fake_flight(land=True)
     assert flight.fly().landed
     assert not flight.vehicle.armed
 
 
-def test_an_arming_that_shows_late_is_not_asked_twice() -> None:
-    """ArduCopter 3.3 arms after 3 s, and starts over when asked again."""
+def test_slow_arming_is_requested_once() -> None:
+    """ArduCopter 3.3 takes 3 s to arm, and starts over at a second request."""
     flight = fake_flight(FakeVehicle(FakeClock(), arm_delay_s=3.0))
     flight.fly()
     assert flight.vehicle.requested.count("arm") == 1
@@ -134,7 +134,7 @@ FAILURES: list[tuple[Setup, type[Exception], str, bool]] = [
 def test_a_phase_that_fails_names_the_reason(
     setup: Setup, kind: type[Exception], words: str, armed: bool
 ) -> None:
-    """Each deadline ends in one sentence with the autopilot's words; RTL is commanded if it is armed."""
+    """Each deadline ends in one sentence with the autopilot's reason; RTL is commanded if it is armed."""
     flight = fake_flight()
     setup(flight.vehicle)
     with pytest.raises(kind, match=words):
@@ -144,15 +144,15 @@ def test_a_phase_that_fails_names_the_reason(
     assert flight.wall_s < 250
 
 
-def test_a_vehicle_that_stops_on_its_way_is_sent_home() -> None:
+def test_a_vehicle_that_stops_on_its_way_flies_rtl() -> None:
     """No progress for a minute ends a flight that has no duration."""
     flight = fake_flight(FakeVehicle(FakeClock(), item_s=1e9), duration_s=None)
     record = flight.fly()
     assert (record.ended, record.rtl_confirmed) == ("no progress", True)
 
 
-def test_holds_in_the_mission_are_no_standstill() -> None:
-    """A wait of two minutes at a waypoint is progress enough, and an item without a place has no distance."""
+def test_a_hold_is_not_a_standstill() -> None:
+    """A hold of two minutes does not end the flight; an item without a position has no distance."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=3, item_s=100.0), duration_s=None)
     items = (waypoint(47.0, 8.0, 30.0, hold_s=120), change_speed(3.0), waypoint(47.001, 8.0, 30.0))
     flight.plan = replace(flight.plan, mission=Mission(items))
@@ -161,8 +161,8 @@ def test_holds_in_the_mission_are_no_standstill() -> None:
     assert distances[2] is None
 
 
-def test_a_landing_that_does_not_end_is_told() -> None:
-    """A vehicle that hangs in the air on its way down leaves the record with a problem."""
+def test_a_landing_that_does_not_end_is_a_problem() -> None:
+    """A vehicle that hovers on its way down leaves the record with a problem."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40), land=True)
     move = flight.vehicle._move
     flight.vehicle._move = lambda step_s: None if flight.vehicle.mode == "RTL" else move(step_s)  # type: ignore[method-assign]

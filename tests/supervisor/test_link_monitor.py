@@ -12,7 +12,7 @@ from tests.helpers.fake_vehicle import FakeClock
 DEADLINES = Deadlines(link_lost_wall_s=4.0, give_up_wall_s=30.0)
 
 
-def test_silence_becomes_a_lost_link_and_then_the_end() -> None:
+def test_a_silent_link_is_lost_and_then_ends_the_flight() -> None:
     """Lost at 4 s, emitted once; the flight ends at 30 s; both limits included."""
     clock, events = FakeClock(), list[Event]()
     link = LinkMonitor(clock, DEADLINES)
@@ -24,8 +24,8 @@ def test_silence_becomes_a_lost_link_and_then_the_end() -> None:
     assert events == [LinkLost(4.0)]
 
 
-def test_a_link_that_returns_is_emitted_with_its_silence() -> None:
-    """``LinkRestored`` follows a ``LinkLost`` only, and silence is measured anew from then on."""
+def test_a_restored_link_is_emitted_once() -> None:
+    """``LinkRestored`` follows a ``LinkLost`` only, and silence is measured again from then on."""
     clock, events = FakeClock(), list[Event]()
     link = LinkMonitor(clock, DEADLINES)
     clock.now_s += 3.0

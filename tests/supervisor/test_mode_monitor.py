@@ -1,4 +1,4 @@
-"""Whose choice a flight mode is: two heartbeats in a row, three without a reason, and never a reboot."""
+"""Who chose a flight mode: two heartbeats in a row decide, three without a reason, none after a reboot."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ LOITER, RTL = ("LOITER", True), ("RTL", True)
     ],
     ids=["none", "one", "pilot", "failsafe with reason", "failsafe without", "three", "not in a row"],
 )
-def test_enough_heartbeats_of_another_mode_are_somebody_elses_choice(
+def test_heartbeats_in_a_row_show_who_chose_the_mode(
     heartbeats: list[tuple[str, bool]], explained: bool, taken: bool
 ) -> None:
     """Two of a pilot's mode, or of a failsafe's with its reason; three of a failsafe's without."""
@@ -46,7 +46,7 @@ def test_modes_that_a_failsafe_enters(mode: str) -> None:
     assert monitor((mode, True)).is_failsafe
 
 
-def test_other_modes_are_a_pilots() -> None:
+def test_other_modes_are_not_a_failsafes() -> None:
     """A failsafe never enters them."""
     assert not monitor(LOITER).is_failsafe
     assert not ModeMonitor().is_failsafe
@@ -93,7 +93,7 @@ def test_a_change_is_expected_from_the_vehicles_first_mode_too() -> None:
     assert modes.unexpected.count == 1
 
 
-def test_a_second_change_begins_anew() -> None:
+def test_a_second_change_starts_unconfirmed() -> None:
     """The change before it does not count for it."""
     modes = monitor(expected="GUIDED")
     modes.expect_change("GUIDED")
@@ -143,7 +143,7 @@ def test_two_heartbeats_and_the_clock_make_a_vehicle_certainly_disarmed() -> Non
     assert modes.certainly_disarmed(106.1)
 
 
-def test_the_time_of_disarming_is_the_vehicles_next_one() -> None:
+def test_the_time_of_disarming_is_the_next_vehicle_time() -> None:
     """The first vehicle time after the first of two heartbeats, while the mode is the expected one."""
     modes = monitor(("AUTO", False))
     modes.clock(50.0, 100.1)
@@ -168,8 +168,8 @@ def test_the_duration_starts_with_the_first_unexpected_heartbeat() -> None:
     assert unexpected.duration_s(105.0) == 1.0
 
 
-def test_what_was_known_of_earlier_unexpected_heartbeats_does_not_count() -> None:
-    """The clock has to advance anew after each first one."""
+def test_a_new_unexpected_heartbeat_starts_without_a_clock() -> None:
+    """The clock has to advance again after each first one."""
     unexpected = UnexpectedHeartbeats()
     unexpected.heartbeat(True, 100.0)
     unexpected.clock(50.0, 102.0)

@@ -1,4 +1,4 @@
-"""The supervisor beside others: pilots, failsafes and whoever else arms it are not overruled."""
+"""Pilots, failsafes and other ground stations keep control: the supervisor does not overrule them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.helpers.supervised import fake_flight
 
 
 def test_an_armed_vehicle_is_left_alone() -> None:
-    """A vehicle that somebody else flies is neither taken nor sent home."""
+    """A vehicle that somebody else flies gets neither take-off nor RTL."""
     flight = fake_flight()
     flight.vehicle.armed, flight.vehicle.mode = True, "LOITER"
     with pytest.raises(VehicleError, match="already armed, in mode LOITER"):
@@ -23,8 +23,8 @@ def test_an_armed_vehicle_is_left_alone() -> None:
     assert flight.vehicle.requested == []
 
 
-def test_a_vehicle_that_somebody_else_arms_is_not_taken_off_with() -> None:
-    """What was not armed from here is neither flown nor sent home."""
+def test_a_vehicle_armed_by_somebody_else_is_not_flown() -> None:
+    """It gets neither take-off nor RTL."""
     flight = fake_flight(FakeVehicle(FakeClock()))
     vehicle = flight.vehicle
 
@@ -39,8 +39,8 @@ def test_a_vehicle_that_somebody_else_arms_is_not_taken_off_with() -> None:
     assert vehicle.requested == ["GUIDED"]
 
 
-def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
-    """GUIDED is not asked for over the head of somebody who armed it in another mode."""
+def test_guided_is_not_requested_of_a_vehicle_armed_by_somebody_else() -> None:
+    """Whoever armed it in another mode has control."""
     flight = fake_flight(FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"})))
     flight.vehicle.schedule.append((6.0, lambda: setattr(flight.vehicle, "armed", True)))
     with pytest.raises(VehicleError, match="already armed, in mode STABILIZE"):
@@ -49,8 +49,8 @@ def test_a_vehicle_armed_before_it_enters_guided_is_not_asked_again() -> None:
 
 
 @pytest.mark.parametrize("mode", ["LOITER", "STABILIZE", "POSHOLD"])
-def test_a_pilot_who_takes_over_is_let_be(mode: str) -> None:
-    """A mode that we did not ask for ends the flight, without RTL or AUTO being asked again."""
+def test_a_pilot_who_changes_the_mode_keeps_control(mode: str) -> None:
+    """The flight ends, without another request for RTL or AUTO."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", mode)))
     record = flight.fly()
@@ -60,7 +60,7 @@ def test_a_pilot_who_takes_over_is_let_be(mode: str) -> None:
 
 
 def test_a_pilot_who_takes_over_during_takeoff_ends_the_flight() -> None:
-    """Before AUTO it is an error, and still nothing more is commanded."""
+    """Before AUTO it is an error, and nothing more is commanded."""
     flight = fake_flight()
     flight.vehicle.schedule.append((8.0, lambda: setattr(flight.vehicle, "mode", "ALT_HOLD")))
     with pytest.raises(VehicleError, match="ALT_HOLD by the pilot"):
@@ -68,7 +68,7 @@ def test_a_pilot_who_takes_over_during_takeoff_ends_the_flight() -> None:
     assert flight.vehicle.requested[-1] == "takeoff"
 
 
-def test_one_late_heartbeat_is_no_takeover() -> None:
+def test_one_late_heartbeat_is_not_a_mode_change() -> None:
     """A heartbeat from before the mode change that arrives after it changes nothing."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: flight.vehicle.queue.append(Heartbeat("GUIDED", True))))
@@ -76,8 +76,8 @@ def test_one_late_heartbeat_is_no_takeover() -> None:
 
 
 @pytest.mark.parametrize(("mode", "home"), [("RTL", True), ("LAND", False)])
-def test_a_failsafe_is_accepted_and_told(mode: str, home: bool) -> None:
-    """RTL or LAND by the vehicle itself is reported with its reason, and not overruled."""
+def test_a_failsafe_keeps_control(mode: str, home: bool) -> None:
+    """RTL or LAND by the vehicle itself is a problem with its reason, and not overruled."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
 
     def failsafe() -> None:
@@ -91,15 +91,15 @@ def test_a_failsafe_is_accepted_and_told(mode: str, home: bool) -> None:
     assert flight.vehicle.requested[-1] == "AUTO"
 
 
-def test_a_return_without_a_reason_is_told_as_what_it_is() -> None:
-    """RTL that nobody here asked for, and that the vehicle did not explain."""
+def test_rtl_without_a_reason_is_reported_as_such() -> None:
+    """RTL that was not requested and that the vehicle did not explain."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
     assert "changed to RTL for no reason that it reported" in (flight.fly().problem or "")
 
 
 class Stalled(FakeVehicle):
-    """A vehicle whose news waits while this program does not run: in AUTO, for ``stall_s`` at once."""
+    """A vehicle whose reports arrive all at once, ``stall_s`` after AUTO was requested."""
 
     stall_s = 0.0
 
@@ -115,10 +115,8 @@ class Stalled(FakeVehicle):
 
 @pytest.mark.parametrize(("mode", "ended"), [("RTL", "failsafe"), ("LOITER", "pilot")])
 @pytest.mark.parametrize("stall_s", [3.0, 3.5, 4.0, 4.5, 5.0, 8.0])
-def test_a_program_that_did_not_run_for_a_while_overrules_nobody(
-    mode: str, ended: str, stall_s: float
-) -> None:
-    """AUTO, and another mode a second later, may be heard at once: AUTO is not asked for again."""
+def test_reports_that_arrive_at_once_are_processed_in_order(mode: str, ended: str, stall_s: float) -> None:
+    """AUTO, and another mode seconds later: AUTO is not requested again."""
     vehicle = Stalled(FakeClock(), points=40)
     vehicle.stall_s = stall_s
 
@@ -139,8 +137,8 @@ def test_a_program_that_did_not_run_for_a_while_overrules_nobody(
     assert "RTL" not in vehicle.requested
 
 
-def test_a_pilot_who_takes_over_while_the_mission_is_verified_is_let_be() -> None:
-    """Reading takes seconds on a slow link; AUTO is not asked for over the pilot's choice."""
+def test_a_pilot_who_takes_over_during_verification_keeps_control() -> None:
+    """The download takes seconds on a slow link; AUTO is not requested after it."""
 
     class SlowReader(FakeVehicle):
         def mission_verified(self, while_waiting: Callable[[], None]) -> bool:
@@ -157,8 +155,8 @@ def test_a_pilot_who_takes_over_while_the_mission_is_verified_is_let_be() -> Non
     assert not {"AUTO", "RTL"} & set(flight.vehicle.requested)
 
 
-def test_one_heartbeat_of_another_mode_holds_commands_back() -> None:
-    """A pilot's choice just before the top of the climb: AUTO waits until it is certain what it was."""
+def test_one_heartbeat_of_another_mode_delays_requests() -> None:
+    """A pilot's choice just before the top of the climb: AUTO waits for the next heartbeat."""
     flight = fake_flight()
     vehicle = flight.vehicle
     move = vehicle._move
@@ -176,8 +174,8 @@ def test_one_heartbeat_of_another_mode_holds_commands_back() -> None:
     assert "AUTO" not in vehicle.requested
 
 
-def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
-    """RTL is not asked for again over the pilot's choice, and the problem names it."""
+def test_a_pilot_who_takes_over_during_rtl_keeps_control() -> None:
+    """RTL is not requested again, and the problem names the mode."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def ask(mode: str) -> None:
@@ -193,8 +191,8 @@ def test_a_pilot_who_takes_over_on_the_way_home_is_let_be() -> None:
     assert vehicle.requested.count("RTL") < 20
 
 
-def test_a_pilot_who_chooses_before_ctrl_c_is_not_sent_home() -> None:
-    """An interrupt between the first and the second heartbeat of the pilot's mode commands nothing."""
+def test_ctrl_c_after_a_pilots_mode_change_commands_nothing() -> None:
+    """Also between the first and the second heartbeat of the pilot's mode."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def interrupt() -> None:
@@ -212,8 +210,8 @@ def test_a_pilot_who_chooses_before_ctrl_c_is_not_sent_home() -> None:
     assert "RTL" not in vehicle.requested
 
 
-def test_words_behind_the_second_heartbeat_are_the_reason() -> None:
-    """A mode change is told at once, its reason with the next packet; the second heartbeat may come first."""
+def test_a_status_text_after_the_second_heartbeat_is_the_reason() -> None:
+    """The heartbeat with a failsafe's mode may come before the text that explains it."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def failsafe() -> None:
@@ -225,8 +223,8 @@ def test_words_behind_the_second_heartbeat_are_the_reason() -> None:
     assert "changed to RTL by itself: Radio Failsafe" in (fake_flight(vehicle).fly().problem or "")
 
 
-def test_words_of_long_ago_are_not_the_reason() -> None:
-    """A failsafe that was told on the ground does not explain the pilot's RTL."""
+def test_an_old_status_text_is_not_the_reason() -> None:
+    """A failsafe text from before the flight does not explain a later RTL."""
     vehicle = FakeVehicle(FakeClock(), points=40)
     vehicle.schedule += [
         (1.0, lambda: vehicle.send_text("PreArm: Radio failsafe on")),
@@ -236,8 +234,8 @@ def test_words_of_long_ago_are_not_the_reason() -> None:
 
 
 @pytest.mark.parametrize(("told", "again"), [(True, 1), (False, 0)])
-def test_a_mode_is_asked_for_again_when_the_request_is_known_to_be_lost(told: bool, again: int) -> None:
-    """Within 3 s only when the vehicle answered something later and its heartbeat shows the old mode."""
+def test_a_lost_mode_request_is_sent_again(told: bool, again: int) -> None:
+    """Within 3 s only if it is known to be lost and the heartbeat shows the old mode."""
     vehicle = FakeVehicle(FakeClock(), points=40)
     asked_s: list[float] = []
 
@@ -256,8 +254,8 @@ def test_a_mode_is_asked_for_again_when_the_request_is_known_to_be_lost(told: bo
     assert (asked_s[1] - asked_s[0] < 2.5) is bool(again)
 
 
-def test_a_reboot_is_not_taken_for_a_pilot_before_the_clock_is_heard() -> None:
-    """Heartbeats come at once after a reboot, the clock only when it was asked for again."""
+def test_a_reboot_is_not_taken_for_a_pilot() -> None:
+    """Heartbeats come at once after a reboot, the clock only after the streams are requested again."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def reboot() -> None:
@@ -268,8 +266,8 @@ def test_a_reboot_is_not_taken_for_a_pilot_before_the_clock_is_heard() -> None:
     assert fake_flight(vehicle).fly().ended == "reboot"
 
 
-def test_a_pilot_who_changes_the_mode_and_disarms_is_told_from_a_reboot() -> None:
-    """The vehicle's clock goes on."""
+def test_a_pilot_who_changes_the_mode_and_disarms_is_not_a_reboot() -> None:
+    """The vehicle's clock runs on."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def take() -> None:
@@ -281,7 +279,7 @@ def test_a_pilot_who_changes_the_mode_and_disarms_is_told_from_a_reboot() -> Non
 
 @pytest.mark.parametrize("mode", ["RTL", "LAND"])
 def test_a_failsafe_in_auto_is_not_answered_with_rtl(mode: str) -> None:
-    """No RTL phase begins: neither does the program command it, nor does it claim to have done so."""
+    """The program neither commands RTL nor emits that it does."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def failsafe() -> None:
@@ -297,7 +295,7 @@ def test_a_failsafe_in_auto_is_not_answered_with_rtl(mode: str) -> None:
 
 @pytest.mark.parametrize(("mode", "words"), [("RTL", "by itself: Radio Failsafe"), ("LAND", "by itself")])
 def test_a_failsafe_during_takeoff_is_not_answered_with_rtl(mode: str, words: str) -> None:
-    """Before AUTO too, the vehicle is left to its failsafe."""
+    """Before AUTO too, the failsafe keeps control."""
     vehicle = FakeVehicle(FakeClock(), points=40)
 
     def failsafe() -> None:
@@ -313,8 +311,8 @@ def test_a_failsafe_during_takeoff_is_not_answered_with_rtl(mode: str, words: st
     assert "RTL" not in vehicle.requested
 
 
-def test_a_pilot_who_takes_over_sees_no_rtl_phase() -> None:
-    """Neither in AUTO nor before: the events say nothing of a return."""
+def test_a_pilots_mode_change_starts_no_rtl_phase() -> None:
+    """Neither in AUTO nor before."""
     for when_s in (10.0, 30.0):
         vehicle = FakeVehicle(FakeClock(), points=40)
         vehicle.schedule.append((when_s, lambda vehicle=vehicle: setattr(vehicle, "mode", "LOITER")))  # type: ignore[misc]

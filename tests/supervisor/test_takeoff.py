@@ -77,8 +77,8 @@ def test_a_refused_take_off_gives_its_reason() -> None:
     assert vehicle.requested.count("takeoff") > 10
 
 
-def test_a_climb_of_less_than_half_a_metre_is_none() -> None:
-    """A vehicle that only lifts its feet is requested to take off again."""
+def test_a_gain_of_less_than_half_a_metre_is_not_a_climb() -> None:
+    """The wait for a climb goes on."""
     vehicle = FakeVehicle(FakeClock(), climbs=False)
 
     def lift() -> None:
@@ -160,7 +160,7 @@ def test_a_refused_mode_is_requested_again_until_its_deadline() -> None:
 
 
 @pytest.mark.parametrize("idle_s", [3.0, 6.0])
-def test_who_disarmed_the_vehicle_is_told_by_the_time(idle_s: float) -> None:
+def test_the_time_shows_who_disarmed_the_vehicle(idle_s: float) -> None:
     """Sooner than 4 s after arming somebody disarmed it; later it disarmed itself, and is armed again."""
     vehicle = FakeVehicle(FakeClock(), climbs=False)
     request_takeoff = vehicle.request_takeoff

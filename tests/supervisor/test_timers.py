@@ -35,7 +35,7 @@ class Clocks:
 
 
 def test_a_deadline_counts_vehicle_time() -> None:
-    """At the vehicle's own pace the limit is the limit."""
+    """The limit is exact when both clocks run equally fast."""
     clocks = Clocks()
     deadline = Deadline(clocks.monitor, 10.0)
     clocks.pass_time(10.0, 10.0)
@@ -44,7 +44,7 @@ def test_a_deadline_counts_vehicle_time() -> None:
     assert deadline.passed
 
 
-def test_a_restarted_deadline_counts_anew() -> None:
+def test_a_restarted_deadline_waits_the_whole_limit_again() -> None:
     """Both clocks start from the restart."""
     clocks = Clocks()
     deadline = Deadline(clocks.monitor, 10.0)
@@ -82,7 +82,7 @@ def test_a_deadline_passes_by_wall_clock_time_if_the_vehicles_clock_stands_still
 
 
 def test_time_without_data_does_not_count_for_a_deadline() -> None:
-    """A link that was lost for 20 s costs the wait nothing but wall-clock time."""
+    """20 s of a lost link do not use up the wait."""
     clocks = Clocks()
     deadline = Deadline(clocks.monitor, 10.0)
     clocks.clock.now_s += 20.0
@@ -106,7 +106,7 @@ def test_a_request_is_due_at_once_and_again_after_its_retry_time() -> None:
 
 
 def test_a_fast_clock_does_not_repeat_requests_before_an_ack_can_come() -> None:
-    """0.15 s of wall-clock time pass at least, or as many as are asked for."""
+    """0.15 s of wall-clock time pass at least, or the minimum given."""
     clocks = Clocks()
     retry = RetryTimer(clocks.monitor)
     assert retry.due(3.0)

@@ -1,4 +1,4 @@
-"""A vehicle behind a connection string: found, identified, asked, and let go."""
+"""A vehicle behind a connection string: found, identified, commanded, and disconnected."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def free_udp_port() -> int:
 
 
 @pytest.mark.parametrize("kind", ["tcp", "udpout", "udpin"])
-def test_it_is_found_over_any_transport(kind: str) -> None:
-    """TCP, UDP that we listen on, and UDP where we speak first."""
+def test_a_vehicle_is_found_over_any_transport(kind: str) -> None:
+    """TCP, UDP that listens, and UDP that sends first."""
     port = 0 if kind == "tcp" else free_udp_port()
     with copter(listen=f"{kind}:127.0.0.1:{port}") as vehicle:
         assert vehicle.identity.name == "ArduCopter 4.6.0 (simulated quadcopter, system 1)"
@@ -58,8 +58,8 @@ def test_it_is_found_over_any_transport(kind: str) -> None:
         assert vehicle.mission_verified()
 
 
-def test_connecting_is_quick_and_told() -> None:
-    """The handful of parameters that is needed, not 1,340; phases and progress are events."""
+def test_connecting_is_quick() -> None:
+    """A few parameters are read, not 1,340; phases and progress are events."""
     events: list[Event] = []
     began_s = time.monotonic()
     with copter(events=events) as vehicle:
@@ -75,8 +75,8 @@ def test_connecting_is_quick_and_told() -> None:
     assert done == sorted(done)
 
 
-def test_an_old_copter_is_known_by_what_it_can_do() -> None:
-    """3.3: no MISSION_ITEM_INT, and no answer to what came later."""
+def test_an_old_copter_is_identified_by_its_capabilities() -> None:
+    """3.3: no MISSION_ITEM_INT."""
     with copter(old_copter()) as vehicle:
         assert not vehicle.identity.takes_item_int
         assert vehicle.identity.simulated
@@ -85,7 +85,7 @@ def test_an_old_copter_is_known_by_what_it_can_do() -> None:
 
 
 def test_of_several_vehicles_the_first_is_flown() -> None:
-    """The lowest system id; the others are named."""
+    """The lowest system id; a notice names the others."""
     events: list[Event] = []
     with copter(Faults(other_heartbeats=(SECOND_COPTER,)), events=events) as vehicle:
         assert vehicle.identity.system == 1
@@ -93,23 +93,23 @@ def test_of_several_vehicles_the_first_is_flown() -> None:
 
 
 def test_a_position_is_waited_for() -> None:
-    """Where it is comes once its GPS knows, and what is waited for is told."""
+    """Until the GPS has one."""
     with copter() as vehicle:
         at = vehicle.wait_position(10.0)
         assert at.lat_deg == pytest.approx(START.lat_deg, abs=1e-5)
         assert at.alt_m == pytest.approx(0, abs=1)
 
 
-def test_a_vehicle_that_never_knows_where_it_is_is_given_up() -> None:
-    """The wait ends at its limit."""
+def test_waiting_for_a_position_has_a_limit() -> None:
+    """What is waited for is emitted meanwhile."""
     waits: list[Event] = []
     with copter(speedup=0.1) as vehicle, pytest.raises(PhaseTimeoutError, match="no position after 1 s"):
         vehicle.wait_position(1.2, waits.append)
     assert waits == [Waiting(Phase.PREARM, "no position yet")]
 
 
-def test_parameters_are_set_for_a_while() -> None:
-    """Speed limits in SI units, in the vehicle's own names, and back again."""
+def test_parameters_are_set_while_the_context_lasts() -> None:
+    """Speed limits in SI units, under the vehicle's own names."""
     with copter() as vehicle:
         wanted = vehicle.limits_as_parameters({"wp_speed_m_s": 14.0})
         assert wanted == {"WPNAV_SPEED": 1400.0}
@@ -118,8 +118,8 @@ def test_parameters_are_set_for_a_while() -> None:
         assert vehicle.parameters(wanted) == {"WPNAV_SPEED": 1000.0}
 
 
-def test_a_vehicle_that_falls_silent_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A link that is lost before take-off is told as what it is, and not as a missing position."""
+def test_a_link_lost_before_takeoff_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is reported as a lost link, not as a missing position."""
     monkeypatch.setattr(module, "_NO_DATA_S", 0.5)
     with copter() as vehicle:
         vehicle.link.close()
@@ -128,16 +128,16 @@ def test_a_vehicle_that_falls_silent_is_not_waited_for(monkeypatch: pytest.Monke
             vehicle.wait_position(10.0)
 
 
-def test_where_it_is_now_is_told_and_not_where_it_was() -> None:
-    """Reports that nobody took meanwhile, while a person was asked, say, are old."""
+def test_the_position_is_the_latest() -> None:
+    """Not one that was queued while a person was asked, for example."""
     with copter() as vehicle:
         first = vehicle.wait_position(10.0)
         time.sleep(0.3)
         assert vehicle.wait_position(10.0).time_s > first.time_s + 0.3 * 20.0 / 2
 
 
-def test_the_speed_of_a_simulator_is_set_if_it_is_another() -> None:
-    """``set_speedup`` leaves a vehicle alone that runs at that speed, and parameters that it lacks too."""
+def test_a_simulators_speedup_is_set_if_it_differs() -> None:
+    """Parameters that the vehicle does not have are skipped."""
     with copter() as vehicle:
         vehicle.set_speedup(8.0)
         assert vehicle.parameters(["SIM_SPEEDUP"]) == {"SIM_SPEEDUP": 8.0}
@@ -157,25 +157,25 @@ def test_the_speed_of_a_simulator_is_set_if_it_is_another() -> None:
     ],
     ids=["told", "not told", "as fast as it goes", "no number"],
 )
-def test_pace_is_kept_with_a_simulator_whatever_it_says(
+def test_the_speedup_of_a_running_simulator_is_kept(
     told: dict[str, float], pace: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Without a wish its speed stays, and heartbeats come often enough for it."""
+    """Heartbeats are sent often enough for it, whatever SIM_SPEEDUP is."""
     with copter() as vehicle:
         monkeypatch.setattr(vehicle, "parameters", lambda names: told)
         vehicle.set_speedup(None)
         assert vehicle.link.speedup == pace
 
 
-def test_a_vehicle_of_another_make_is_named_as_what_it_is() -> None:
-    """The name says plane where it is one."""
+def test_a_plane_is_not_a_multicopter() -> None:
+    """Its name says fixed wing."""
     with copter(Faults(firmware=Firmware(vehicle_type=1, name="ArduPlane"))) as vehicle:
         assert vehicle.identity.kind == "fixed wing"
         assert not vehicle.identity.is_multicopter
 
 
-def test_a_link_on_which_only_others_speak_has_no_vehicle() -> None:
-    """A ground station's heartbeat is no vehicle's; who was heard is told."""
+def test_a_ground_stations_heartbeat_is_not_a_vehicles() -> None:
+    """The error says from where heartbeats came."""
     station = dialect.MAVLink(None, 254, 190)
     beat = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(station)
     port = free_udp_port()
@@ -209,7 +209,7 @@ def _speaking(other: socket.socket, frame: bytes, port: int) -> Iterator[None]:
 
 
 def test_the_link_is_closed_when_the_listener_fails() -> None:
-    """Even an error while the end is told leaves no thread and no socket behind."""
+    """An error while CLOSE is emitted leaves neither thread nor socket behind."""
 
     def listener(event: Event) -> None:
         if event == PhaseStarted(Phase.CLOSE):

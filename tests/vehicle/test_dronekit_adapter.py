@@ -1,4 +1,4 @@
-"""The wall around DroneKit: importable anywhere, hears only the vehicle, changes nothing for others."""
+"""The adapter to DroneKit: importable on any Python, receives one vehicle only, and has no side effects."""
 
 from __future__ import annotations
 
@@ -39,28 +39,28 @@ def connected() -> tuple[FakeLink, Any]:
     return link, dronekit_vehicle(link, 7, 1)  # type: ignore[arg-type]
 
 
-def test_the_import_leaves_collections_as_it_was() -> None:
-    """The name that DroneKit needs is there only while it is imported."""
+def test_the_import_leaves_collections_unchanged() -> None:
+    """The name that DroneKit needs exists only during the import."""
     assert import_dronekit().Vehicle
     assert not hasattr(collections, "MutableMapping")
 
 
-def test_nobody_else_needs_dronekit() -> None:
-    """Importing the package's planning side, and its vehicle room, starts no DroneKit."""
+def test_dronekit_is_imported_only_to_connect() -> None:
+    """Importing the vehicle and supervisor packages does not import it."""
     code = "import sys, flight_replay.vehicle, flight_replay.supervisor; print('dronekit' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 
 
 def test_without_dronekit_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The line to install it is in the error."""
+    """The error has the command to install it."""
     monkeypatch.setitem(sys.modules, "dronekit", None)
     with pytest.raises(VehicleError, match="pip install dronekit future"):
         import_dronekit()
 
 
-def test_the_root_logger_stays_as_it_was() -> None:
-    """DroneKit configures logging for the whole program; here it may not."""
+def test_the_root_logger_stays_unchanged() -> None:
+    """DroneKit would configure logging for the whole program."""
     root = logging.getLogger()
     kept = root.handlers[:]
     root.handlers.clear()
@@ -71,8 +71,8 @@ def test_the_root_logger_stays_as_it_was() -> None:
         root.handlers[:] = kept
 
 
-def test_dronekit_hears_the_vehicle_and_nobody_else() -> None:
-    """A gimbal of the same system and a neighbour do not change what DroneKit knows."""
+def test_dronekit_receives_the_vehicles_messages_only() -> None:
+    """Not those of a gimbal of the same system or of another vehicle."""
     link, drone = connected()
     (deliver,) = link.receivers
     deliver(arrived(dialect.MAVLink_heartbeat_message(2, 3, 128, 4, 4, 3), 7, 1))
@@ -81,8 +81,8 @@ def test_dronekit_hears_the_vehicle_and_nobody_else() -> None:
     assert (drone.mode.name, drone.armed) == ("GUIDED", True)
 
 
-def test_a_message_that_dronekit_cannot_handle_does_no_harm() -> None:
-    """A mode newer than DroneKit makes it stumble, not us."""
+def test_an_error_in_dronekit_does_no_harm() -> None:
+    """A mode newer than DroneKit raises in it."""
     link, drone = connected()
     (deliver,) = link.receivers
     deliver(arrived(dialect.MAVLink_heartbeat_message(2, 3, 128, 99, 4, 3), 7, 1))
@@ -91,7 +91,7 @@ def test_a_message_that_dronekit_cannot_handle_does_no_harm() -> None:
 
 
 def test_what_dronekit_sends_goes_to_the_vehicle_over_our_link() -> None:
-    """Its own commands, its public way to send, and messages without an address."""
+    """Its own commands, ``send_mavlink``, and messages without an address."""
     link, drone = connected()
     drone.send_mavlink(dialect.MAVLink_param_request_list_message(0, 0))
     drone._master.mav.command_long_send(0, 0, 400, 0, 1, 0, 0, 0, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""What must not be flown is refused before it is uploaded, and a person is told what will be."""
+"""What must not be flown is refused before the upload, and the briefing describes what will be flown."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def checked(mission: Mission, identity: Identity = COPTER, max_distance_m: float
     return check(identity, mission, HERE, takeoff_altitude_m=30.0, max_distance_m=max_distance_m)
 
 
-def test_the_briefing_has_what_a_person_should_know() -> None:
+def test_the_briefing_describes_vehicle_and_route() -> None:
     """Vehicle, position, battery, distance to the first waypoint, and the route's extent."""
     briefing = check(COPTER, route(1, 5, 12, alt_m=42.0), HERE, takeoff_altitude_m=30.0)
     assert briefing.lines == (
@@ -44,8 +44,8 @@ def test_the_briefing_has_what_a_person_should_know() -> None:
     )
 
 
-def test_a_battery_that_is_not_known_is_said_to_be() -> None:
-    """A vehicle without a battery monitor shows no numbers."""
+def test_an_unknown_battery_is_unknown_in_the_briefing() -> None:
+    """A vehicle without a battery monitor."""
     at = replace(HERE, battery_v=None, battery_percent=None)
     assert check(COPTER, route(1), at, takeoff_altitude_m=30.0).lines[2] == "Battery: unknown"
 
@@ -59,7 +59,7 @@ def test_a_far_away_first_waypoint_is_refused() -> None:
 
 
 def test_the_distance_is_measured_across_the_antimeridian() -> None:
-    """179.9999 and -179.9999 degrees are neighbours."""
+    """179.9999 and -179.9999 degrees are metres apart."""
     at = replace(HERE, lat_deg=10.0, lon_deg=179.9999)
     mission = Mission((waypoint(10.0, -179.9999, 30.0),))
     assert check(COPTER, mission, at, takeoff_altitude_m=30.0).first_m == pytest.approx(21.9, abs=0.1)
@@ -76,7 +76,7 @@ OTHERS = {
 
 @pytest.mark.parametrize(("identity", "words"), OTHERS.values(), ids=OTHERS.keys())
 def test_anything_but_a_multicopter_is_refused(identity: Identity, words: str) -> None:
-    """Its name is in the error."""
+    """The error names the vehicle."""
     with pytest.raises(VehicleError, match=words):
         checked(route(1), identity)
 
@@ -107,8 +107,8 @@ UNFLYABLE = {
 
 
 @pytest.mark.parametrize(("mission", "words"), UNFLYABLE.values(), ids=UNFLYABLE.keys())
-def test_places_that_cannot_be_flown_to_are_refused(mission: Mission, words: str) -> None:
-    """Altitude 0 would mean "keep the altitude" to ArduCopter, and other frames fly nowhere."""
+def test_invalid_waypoints_are_refused(mission: Mission, words: str) -> None:
+    """Altitude 0 means "keep the altitude" to ArduCopter, and it does not support other frames."""
     with pytest.raises(MissionError, match=words):
         checked(mission)
 
@@ -132,8 +132,8 @@ def test_a_route_beyond_the_fence_is_refused(mission: Mission, fence: dict[str, 
         checked(mission, replace(COPTER, parameters=fence))
 
 
-def test_a_fence_that_goes_on_when_armed_counts_already() -> None:
-    """FENCE_AUTOENABLE of ArduCopter 4.6 switches the fence on in the air."""
+def test_a_fence_that_is_enabled_by_arming_counts() -> None:
+    """FENCE_AUTOENABLE of ArduCopter 4.6."""
     fence = FENCE | {"FENCE_ENABLE": 0.0, "FENCE_AUTOENABLE": 3.0}
     with pytest.raises(MissionError, match="FENCE_RADIUS 150 m"):
         checked(route(1, 15), replace(COPTER, parameters=fence))
@@ -141,8 +141,8 @@ def test_a_fence_that_goes_on_when_armed_counts_already() -> None:
 
 @pytest.mark.parametrize("name", ["FENCE_ENABLE", "FENCE_TYPE", "FENCE_ALT_MAX", "FENCE_MARGIN"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_a_fence_that_cannot_be_understood_is_not_flown_in(name: str, value: float) -> None:
-    """A storage that lost its values must not pass for a fence that holds nobody."""
+def test_an_invalid_fence_is_an_error(name: str, value: float) -> None:
+    """NaN in the storage must not pass for a disabled fence."""
     with pytest.raises(VehicleError, match=f"{name} is {value:g}"):
         checked(route(1), replace(COPTER, parameters=FENCE | {name: value}))
 
@@ -152,13 +152,13 @@ def test_a_fence_that_cannot_be_understood_is_not_flown_in(name: str, value: flo
     [{}, FENCE | {"FENCE_ENABLE": 0.0}, FENCE | {"FENCE_TYPE": 4.0}],
     ids=["none", "off", "of another kind"],
 )
-def test_a_fence_that_is_not_there_holds_nobody(fence: dict[str, float]) -> None:
-    """Only enabled fences of the kinds that are set count."""
+def test_a_disabled_fence_refuses_nothing(fence: dict[str, float]) -> None:
+    """Only enabled fences of the types that are set count."""
     checked(route(1, 40, alt_m=200.0), replace(COPTER, parameters=fence))
 
 
 def test_absolute_altitudes_are_measured_from_home() -> None:
-    """A route in metres above the sea is compared with the fence above home."""
+    """A route in metres above sea level is compared with the fence above home."""
     mission = Mission(
         (MissionItem(16, Frame.ABSOLUTE, (0, 0, 0, 0), 47.0, 8.0, 530.0),), Home(47.0, 8.0, 500.0)
     )
@@ -166,7 +166,7 @@ def test_absolute_altitudes_are_measured_from_home() -> None:
     assert briefing.highest_m == 30.0
 
 
-def test_every_refusal_is_an_expected_failure() -> None:
-    """The command line tells it in one line."""
+def test_every_refusal_is_an_expected_error() -> None:
+    """The command line prints it in one line."""
     with pytest.raises(FlightReplayError):
         checked(odd(frame=5))

@@ -1,4 +1,4 @@
-"""gcs.py and gcs_sockets.py: ground stations that watch and may act."""
+"""Ground stations that share the link: who receives, who may send, and who is disconnected."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PATIENCE_S = 10.0
 
 
 class FakeLink:
-    """A link whose vehicle speaks when told to, and whose ears are a queue."""
+    """A link that keeps what is forwarded to the vehicle, and delivers what the test sends as the vehicle."""
 
     def __init__(self) -> None:
         self.receivers: list[Callable[[Any], None]] = []
@@ -94,8 +94,8 @@ def receive(stream: socket.socket, count: int) -> bytes:
 
 
 @pytest.mark.parametrize("kind", ["udp", "udpout"])
-def test_a_station_that_listens_on_udp_gets_every_frame_and_is_obeyed(kind: str) -> None:
-    """The vehicle's frames go out byte for byte, the station's command goes in byte for byte."""
+def test_a_station_that_listens_on_udp_receives_and_commands(kind: str) -> None:
+    """Frames pass unchanged in both directions."""
     link = FakeLink()
     with listening(socket.SOCK_DGRAM) as station:
         with ground_stations(link, [f"{kind}:127.0.0.1:{station.getsockname()[1]}"]):
@@ -107,8 +107,8 @@ def test_a_station_that_listens_on_udp_gets_every_frame_and_is_obeyed(kind: str)
         assert link.receivers == []
 
 
-def test_a_station_that_speaks_first_on_udp_is_answered() -> None:
-    """``udpin`` learns who is there from who speaks."""
+def test_udpin_sends_to_the_stations_that_sent() -> None:
+    """The addresses are learnt from received datagrams."""
     with listening(socket.SOCK_DGRAM) as free:
         address = free.getsockname()
     link = FakeLink()
@@ -142,7 +142,7 @@ def running(station: GroundStation) -> Iterator[GroundStation]:
         station.close()
 
 
-def test_two_stations_that_connect_by_tcp_both_watch_and_their_bytes_never_mix() -> None:
+def test_bytes_of_two_tcp_stations_do_not_mix() -> None:
     """Half a command of one station and a whole one of another arrive as two whole commands."""
     sockets = TcpServer(("127.0.0.1", 0))
     link = FakeLink()
@@ -168,7 +168,7 @@ def test_two_stations_that_connect_by_tcp_both_watch_and_their_bytes_never_mix()
             assert link.heard.get(timeout=PATIENCE_S) == command()
 
 
-def test_a_stream_that_breaks_is_opened_again() -> None:
+def test_a_broken_tcp_connection_is_reopened() -> None:
     """A station that listens on TCP may be restarted: the frames go on."""
     link = FakeLink()
     with (
@@ -188,8 +188,8 @@ def test_a_stream_that_breaks_is_opened_again() -> None:
             assert link.heard.get(timeout=PATIENCE_S) == command()
 
 
-def test_what_was_queued_at_the_end_still_goes_out() -> None:
-    """The last frames before closing reach the station."""
+def test_queued_frames_are_sent_before_closing() -> None:
+    """The last frames reach the station."""
     link = FakeLink()
     with listening(socket.SOCK_STREAM) as station:
         with ground_stations(link, [f"tcp:127.0.0.1:{station.getsockname()[1]}"]) as (made,):
@@ -202,8 +202,8 @@ def test_what_was_queued_at_the_end_still_goes_out() -> None:
             assert receive(peer, len(sent)) == sent
 
 
-def test_a_station_that_is_not_there_holds_nothing_up() -> None:
-    """Frames queue up to a bound, the oldest are forgotten, and closing is quick."""
+def test_an_absent_station_delays_nothing() -> None:
+    """The queue drops the oldest frames, and closing is quick."""
     with listening(socket.SOCK_DGRAM) as nobody:
         port = nobody.getsockname()[1]
     link = FakeLink()
@@ -217,8 +217,8 @@ def test_a_station_that_is_not_there_holds_nothing_up() -> None:
     "text",
     ["", "udp", "udp:14550", "tcp:host:port", "serial:/dev/x:1", "udp:host:99999", "tcpin::1", "udp:host:²"],
 )
-def test_strings_that_name_no_station_are_told(text: str) -> None:
-    """One sentence names the string and how to write one; nothing has been started."""
+def test_invalid_ground_stations_are_refused(text: str) -> None:
+    """One sentence with the string and the valid forms; nothing has been started."""
     link = FakeLink()
     with (
         pytest.raises(FlightReplayError, match=r"invalid ground station .*; write udp:HOST:PORT"),
@@ -229,15 +229,15 @@ def test_strings_that_name_no_station_are_told(text: str) -> None:
 
 
 def test_every_kind_of_station_has_its_socket() -> None:
-    """Upper case and IPv6 brackets do no harm."""
+    """Upper case and IPv6 brackets are accepted."""
     for kind in ("udp", "UDPOUT", "tcp"):
         assert isinstance(socket_for(f"{kind}:[::1]:14550"), TransportSocket)
     assert isinstance(socket_for("udpin:[::1]:14550"), UdpServer)
     assert isinstance(socket_for("tcpin:127.0.0.1:0"), TcpServer)
 
 
-def test_a_station_that_breaks_off_does_not_disturb_the_others() -> None:
-    """A connection that is reset is forgotten; frames go on to who is there."""
+def test_a_station_that_resets_its_connection_does_not_affect_others() -> None:
+    """The others still receive every frame."""
     sockets = TcpServer(("127.0.0.1", 0))
     link = FakeLink()
     with running(GroundStation("tcpin", sockets, link.forward)) as station:
@@ -255,8 +255,8 @@ def test_a_station_that_breaks_off_does_not_disturb_the_others() -> None:
             assert receive(kind, len(sent)) == sent
 
 
-def test_a_closed_socket_says_so() -> None:
-    """Reading what was never opened is an error, closing it none."""
+def test_a_closed_socket_cannot_be_read() -> None:
+    """Reading what was never opened is an error, closing it is not."""
     sockets = TcpServer(("127.0.0.1", 0))
     sockets.close()
     with pytest.raises(OSError, match="the socket is closed"):

@@ -1,4 +1,4 @@
-"""The link keeps a heartbeat up, outlives breaks, and hands on what it hears."""
+"""The link sends heartbeats, reconnects, and delivers every message."""
 
 from __future__ import annotations
 
@@ -79,8 +79,8 @@ def linked(vehicle: Vehicle, **options: Any) -> Link:
 BEAT = dialect.MAVLink_heartbeat_message(2, 3, 0, 0, 3, 3)
 
 
-def test_we_are_heard_as_a_ground_station_often_enough(vehicle: Vehicle) -> None:
-    """At speedup 20 heartbeats come 20 times a second at least: by the vehicle's clock, once."""
+def test_heartbeats_are_sent_often_enough(vehicle: Vehicle) -> None:
+    """At speedup 20 at least 20 a second: one a second of vehicle time."""
     link = linked(vehicle, speedup=20.0)
     began_s = time.monotonic()
     beats = vehicle.heard(21)
@@ -90,7 +90,7 @@ def test_we_are_heard_as_a_ground_station_often_enough(vehicle: Vehicle) -> None
     link.close()
 
 
-def test_we_speak_mavlink_1_until_version_2_is_heard(vehicle: Vehicle) -> None:
+def test_mavlink_1_is_sent_until_mavlink_2_is_received(vehicle: Vehicle) -> None:
     """ArduCopter 3.3 understands nothing else."""
     link = linked(vehicle)
     heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -107,8 +107,8 @@ def test_we_speak_mavlink_1_until_version_2_is_heard(vehicle: Vehicle) -> None:
     link.close()
 
 
-def test_a_broken_link_is_mended(vehicle: Vehicle) -> None:
-    """When the vehicle hangs up, the link connects again and goes on; what is sent meanwhile is lost."""
+def test_a_closed_connection_is_reopened(vehicle: Vehicle) -> None:
+    """When the vehicle closes the connection, the link reconnects; what is sent meanwhile is lost."""
     link = linked(vehicle)
     heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
     link.add_receiver(heard.put)
@@ -122,8 +122,8 @@ def test_a_broken_link_is_mended(vehicle: Vehicle) -> None:
     link.close()
 
 
-def test_a_vehicle_that_is_gone_is_waited_for(vehicle: Vehicle) -> None:
-    """With nobody listening the link tries again and again, and can be closed meanwhile."""
+def test_a_link_retries_until_it_is_closed(vehicle: Vehicle) -> None:
+    """While nothing listens the link tries again and again, and can be closed meanwhile."""
     link = linked(vehicle)
     vehicle.close()
     time.sleep(0.1)
@@ -134,10 +134,10 @@ def test_a_vehicle_that_is_gone_is_waited_for(vehicle: Vehicle) -> None:
     assert time.monotonic() - began_s < 3
 
 
-def test_a_receiver_that_fails_does_not_deafen_the_link(
+def test_an_error_in_a_receiver_does_not_stop_the_link(
     vehicle: Vehicle, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Its error is logged, the next receiver and the next message are served; removed ones are not."""
+    """It is logged; the next receiver and the next message are served; removed receivers are not."""
     link = linked(vehicle)
     heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
@@ -158,7 +158,7 @@ def test_a_receiver_that_fails_does_not_deafen_the_link(
 
 
 def test_junk_between_messages_is_skipped(vehicle: Vehicle) -> None:
-    """Bytes that are no frame cost nothing but themselves."""
+    """Bytes that are not a frame are ignored."""
     link = linked(vehicle)
     heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
     link.add_receiver(heard.put)
@@ -171,7 +171,7 @@ def test_junk_between_messages_is_skipped(vehicle: Vehicle) -> None:
 
 
 def test_both_directions_are_recorded(vehicle: Vehicle, tmp_path: Path) -> None:
-    """What the vehicle sent, what we sent and what a ground station sent through us is in the log."""
+    """The log has what the vehicle, this program and a ground station on the link sent."""
     with Recorder(tmp_path / "flight.tlog") as recorder:
         link = linked(vehicle, recorder=recorder)
         heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -193,10 +193,8 @@ def test_both_directions_are_recorded(vehicle: Vehicle, tmp_path: Path) -> None:
     assert {(255, OUR_COMPONENT), (1, 1), (255, 190)} <= set(senders)
 
 
-def test_a_connection_that_died_silently_is_opened_again(
-    vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """TCP that brings nothing for seconds is made anew, whatever its socket says."""
+def test_a_silent_tcp_connection_is_reopened(vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After seconds without data, even if its socket reports no error."""
     monkeypatch.setattr("flight_replay.vehicle.link.link._SILENT_S", 0.5)
     link = linked(vehicle, speedup=20.0)
     vehicle.heard(1)

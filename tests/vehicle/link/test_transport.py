@@ -1,4 +1,4 @@
-"""Connection strings as DroneKit's users type them, over real sockets on loopback and a real terminal."""
+"""Connection strings as for DroneKit, over real sockets on loopback and a real terminal."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ STRINGS = {
 
 
 @pytest.mark.parametrize(("text", "kind"), STRINGS.items())
-def test_each_kind_of_string_is_understood(text: str, kind: type) -> None:
-    """TCP connects, UDP listens or speaks first, and the rest is a serial port."""
+def test_each_connection_string_has_its_transport(text: str, kind: type) -> None:
+    """TCP connects, UDP listens or sends first, and anything else is a serial port."""
     assert type(transport_for(text, 57600)) is kind
 
 
 @pytest.mark.parametrize(
     "text", ["", ",57600", "tcp:127.0.0.1", "udp:host:port", "udpout:host:0", "tcp:host:99999"]
 )
-def test_a_string_that_makes_no_sense_is_refused(text: str) -> None:
-    """The error shows how to write it."""
+def test_an_invalid_connection_string_is_refused(text: str) -> None:
+    """The error shows the valid forms."""
     with pytest.raises(VehicleError, match="write tcp:HOST:PORT"):
         transport_for(text, 57600)
 
@@ -63,8 +63,8 @@ def read_all(transport: Transport, length: int) -> bytes:
     return data
 
 
-def test_tcp_carries_bytes_and_tells_its_end(server: socket.socket) -> None:
-    """Both ways, until the vehicle closes: that is an error, and it can be opened again."""
+def test_tcp_reports_a_closed_connection(server: socket.socket) -> None:
+    """Bytes pass both ways; the end of the stream is an error, after which it can be reopened."""
     transport = open_transport(f"tcp:{address(server)}", 0)
     vehicle, _ = server.accept()
     vehicle.sendall(b"hello")
@@ -82,8 +82,8 @@ def test_tcp_carries_bytes_and_tells_its_end(server: socket.socket) -> None:
         transport.write(b"x")
 
 
-def test_udp_that_listens_answers_whom_it_heard() -> None:
-    """Before anybody was heard, what is sent goes nowhere."""
+def test_a_udp_listener_sends_to_the_addresses_it_received_from() -> None:
+    """Before it received anything, what is sent is dropped."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle, FreePort() as port:
         transport = open_transport(f"127.0.0.1:{port.release()}", 0)
         transport.write(b"nobody")
@@ -114,8 +114,8 @@ class FreePort:
         self._held.close()
 
 
-def test_udp_that_speaks_first_outlives_a_vehicle_that_is_not_there_yet() -> None:
-    """A refused datagram is nothing; once the vehicle listens, both ways work."""
+def test_a_udp_client_waits_for_the_vehicle() -> None:
+    """A refused datagram is not an error; once the vehicle listens, both ways work."""
     with FreePort() as port:
         transport = open_transport(f"udpout:127.0.0.1:{port.release()}", 0)
         for _ in range(3):
@@ -134,7 +134,7 @@ def test_udp_that_speaks_first_outlives_a_vehicle_that_is_not_there_yet() -> Non
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 def test_a_serial_port_carries_bytes() -> None:
-    """A pseudo-terminal stands in for the radio."""
+    """A pseudo-terminal in place of the radio."""
     ours, name = os.openpty()
     transport = open_transport(os.ttyname(name), 57600)
     os.write(ours, b"hello")
@@ -149,16 +149,16 @@ def test_a_serial_port_carries_bytes() -> None:
 
 
 def test_a_serial_port_without_pyserial_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where pyserial is missing the line to install it is in the error."""
+    """If pyserial is missing, the error has the command to install it."""
     monkeypatch.setitem(sys.modules, "serial", None)
     with pytest.raises(VehicleError, match="pip install pyserial"):
         open_transport("/dev/ttyUSB0", 57600)
 
 
-def test_what_cannot_be_opened_is_told_at_once(
+def test_what_cannot_be_opened_is_an_error_at_once(
     monkeypatch: pytest.MonkeyPatch, server: socket.socket
 ) -> None:
-    """A missing device, an unknown host, a port in use, and nobody listening: one line each."""
+    """A missing device, an unknown host, a port in use, and nothing listening: one line each."""
     monkeypatch.setattr(connection_string, "_RETRY_S", 0.1)
     with pytest.raises(VehicleError, match="cannot open /dev/no-such-port: No such file or directory; check"):
         open_transport("/dev/no-such-port", 57600)
@@ -174,8 +174,8 @@ def test_what_cannot_be_opened_is_told_at_once(
         open_transport(f"tcp:127.0.0.1:{number}", 0)
 
 
-def test_a_name_server_that_is_silent_does_not_hold_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Looking up a name has a time limit, in which Ctrl-C is heard."""
+def test_a_silent_name_server_has_a_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """During which Ctrl-C works."""
     over = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
     monkeypatch.setattr(transport, "_LOOK_UP_S", 0.2)
@@ -185,7 +185,7 @@ def test_a_name_server_that_is_silent_does_not_hold_the_program(monkeypatch: pyt
 
 
 def test_a_host_is_looked_up_once_and_each_of_its_addresses_tried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No second question to a name server, which would have no time limit; the first address may be dead."""
+    """A second look-up would have no time limit; the first address may not answer."""
     asked: list[str] = []
     with socket.create_server(("127.0.0.1", 0)) as server, socket.create_server(("127.0.0.1", 0)) as gone:
         port, dead = server.getsockname()[1], gone.getsockname()

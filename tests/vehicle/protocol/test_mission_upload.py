@@ -1,4 +1,4 @@
-"""The mission goes on board whole or not at all, over links that lose, delay, double and mix frames."""
+"""A mission is on board completely or not at all, whatever the link loses, delays, duplicates or reorders."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def route(count: int) -> Mission:
 def upload(
     link: VirtualLink, mission: Mission, *, as_int: bool = True, no_progress_s: float = 12.0
 ) -> MissionStorage:
-    """Put a mission on board over a link whose round trip is known."""
+    """Upload a mission over a link whose round trip is known."""
     storage = MissionStorage(link, as_int=as_int, limits=UploadLimits(no_progress_s=no_progress_s))
     storage.upload(mission, lambda done: None)
     return storage
@@ -55,8 +55,8 @@ CONDITIONS = {
 
 @pytest.mark.parametrize("conditions", CONDITIONS.values(), ids=CONDITIONS.keys())
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_what_is_on_board_is_what_was_sent(conditions: LinkConditions, seed: int) -> None:
-    """Whatever the link does, the mission that is called verified is there, item for item."""
+def test_the_mission_on_board_is_the_one_sent(conditions: LinkConditions, seed: int) -> None:
+    """Whatever the link does, a verified mission is on board item for item."""
     link = VirtualLink(conditions, seed=seed)
     storage = upload(link, route(100))
     stored = [item.command for item in link.autopilot.store.items[1:]]
@@ -84,10 +84,10 @@ def test_a_bad_link_costs_seconds_not_minutes(conditions: str, limit_s: float) -
     st.integers(0, 10**6),
 )
 @settings(max_examples=12, deadline=None)
-def test_no_link_makes_a_wrong_mission_pass(
+def test_no_link_makes_a_wrong_mission_verified(
     loss: float, delay_s: float, jitter_s: float, duplicated: float, seed: int
 ) -> None:
-    """An upload ends with the mission on board, or with an error; never with another mission."""
+    """An upload ends with the mission on board or with an error, never with another mission."""
     link = VirtualLink(
         LinkConditions(loss=loss, delay_s=delay_s, jitter_s=jitter_s, duplicated=duplicated), seed=seed
     )
@@ -118,23 +118,23 @@ def test_a_refused_item_is_named_with_the_vehicles_reason(result: int) -> None:
 
 
 @pytest.mark.parametrize("result", [1, 13, 14, 15], ids=["error", "sequence", "denied", "cancelled"])
-def test_an_answer_that_may_pass_is_retried_until_a_deadline(result: int) -> None:
-    """What could be a busy or confused vehicle is tried again, not for ever, and named in the end."""
+def test_a_temporary_result_is_retried_until_a_deadline(result: int) -> None:
+    """A busy vehicle is tried again until the deadline."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
     with pytest.raises(FlightReplayError):
         upload(link, route(10), no_progress_s=4.0)
     assert link.now_s() < 60
 
 
-def test_a_refused_upload_is_told() -> None:
-    """An ACK against the whole, after the last item, is no success."""
+def test_a_refused_upload_is_an_error() -> None:
+    """A MISSION_ACK against the whole mission, after the last item, is not a success."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_upload=2)))
     with pytest.raises(MissionError, match="refused mission item 10: unsupported frame"):
         upload(link, route(9))
 
 
 def test_a_mission_too_long_leaves_the_old_one_on_board() -> None:
-    """The vehicle says that it has no room before anything is overwritten."""
+    """The vehicle reports that it has no space before anything is overwritten."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(capacity=20)))
     upload(link, route(10))
     with pytest.raises(MissionError, match="no space for 34 mission items; choose fewer with --max-points"):
@@ -151,7 +151,7 @@ def test_a_dead_link_ends_the_upload() -> None:
 
 
 def test_another_stations_upload_is_waited_for() -> None:
-    """While another station uploads, ours is denied; it goes through when the other gave up."""
+    """While another ground station uploads, ours is denied; it succeeds once the other has timed out."""
     link = VirtualLink()
     other = dialect.MAVLink(None, 255, 190)
     frame = dialect.MAVLink_mission_count_message(1, 1, 5).pack(other)
@@ -162,7 +162,7 @@ def test_another_stations_upload_is_waited_for() -> None:
 
 
 def test_requests_to_another_station_are_not_answered() -> None:
-    """An item goes out only for a request that is addressed to us."""
+    """An item is sent only for a request that is addressed to us."""
     link = VirtualLink()
     heard = dialect.MAVLink_mission_request_message(255, 190, 2)
     storage = upload(link, route(4))
@@ -174,7 +174,7 @@ def test_requests_to_another_station_are_not_answered() -> None:
 
 
 def test_a_change_by_another_station_is_noticed() -> None:
-    """What another station writes afterwards makes the mission unverified."""
+    """After another ground station changes the mission, it is no longer verified."""
     link = VirtualLink()
     storage = upload(link, route(4))
     other = dialect.MAVLink(None, 255, 190)
@@ -185,12 +185,12 @@ def test_a_change_by_another_station_is_noticed() -> None:
 
 
 def test_nothing_is_verified_before_an_upload() -> None:
-    """A vehicle that was only connected has no mission of ours."""
+    """A mission that was not uploaded is never verified."""
     assert not MissionStorage(VirtualLink(), as_int=True).verified()
 
 
-def test_the_mission_on_board_is_read_with_home() -> None:
-    """What is on board comes back as a mission, home apart; nothing on board is an empty one."""
+def test_the_mission_on_board_is_downloaded_with_home() -> None:
+    """Home is not among the items; nothing on board is an empty mission."""
     link = VirtualLink()
     link.pass_time(20)
     assert MissionStorage(link, as_int=True).download().items == ()
@@ -209,7 +209,7 @@ PLACES = [
 
 @pytest.mark.parametrize(("lat_deg", "lon_deg"), PLACES)
 def test_positions_on_board_are_within_a_centimetre_anywhere(lat_deg: float, lon_deg: float) -> None:
-    """MISSION_ITEM_INT carries what the log says, at any latitude and across the antimeridian."""
+    """MISSION_ITEM_INT holds them at any latitude and across the antimeridian."""
     link = VirtualLink(start=Start(lat_deg, lon_deg, 10.0))
     places = [(lat_deg + 1.23456e-5 * i, lon_deg) for i in range(1, 4)]
     upload(link, Mission(tuple(waypoint(lat, lon, 30.0) for lat, lon in places)))
@@ -218,7 +218,7 @@ def test_positions_on_board_are_within_a_centimetre_anywhere(lat_deg: float, lon
 
 
 def test_old_firmware_gets_float_items() -> None:
-    """ArduCopter 3.3 knows no MISSION_ITEM_INT: floats are sent, asked for, and compared as floats."""
+    """ArduCopter 3.3 does not know MISSION_ITEM_INT: MISSION_ITEM is sent, requested and compared."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(supports_item_int=False)))
     assert upload(link, route(5), as_int=False).verified()
     kinds = {message.get_type() for message in link.sent}
@@ -239,7 +239,7 @@ UNLIKE = {
 
 
 class IntegersOnly(VirtualLink):
-    """A vehicle that has forgotten MISSION_ITEM, and asks for what it knows."""
+    """A vehicle that knows only MISSION_ITEM_INT, and requests it."""
 
     def send(self, message: Any) -> None:
         if message.get_type() not in ("MISSION_ITEM", "MISSION_REQUEST"):
@@ -253,8 +253,8 @@ class IntegersOnly(VirtualLink):
         super()._deliver(outward, frame)
 
 
-def test_who_asks_for_integers_gets_them() -> None:
-    """A vehicle whose word on what it can do was lost shows it by what it asks for, and answers."""
+def test_a_vehicle_that_requests_integers_gets_them() -> None:
+    """Its requests show that it knows MISSION_ITEM_INT, even if its capabilities were not received."""
     link = IntegersOnly()
     storage = upload(link, route(12), as_int=False)
     assert storage.verified()
@@ -263,12 +263,12 @@ def test_who_asks_for_integers_gets_them() -> None:
 
 @pytest.mark.parametrize(("found", "words"), UNLIKE.values(), ids=UNLIKE.keys())
 def test_each_difference_is_named(found: MissionItem, words: str) -> None:
-    """A difference that would change the flight is told in words."""
+    """A difference that would change the flight is described."""
     assert (difference(BASE, found, as_int=True) or "").startswith(words)
 
 
-def test_what_ardupilot_rounds_is_no_difference() -> None:
-    """Whole seconds of hold, centimetres of height, and items without a place compare by what counts."""
+def test_what_ardupilot_rounds_is_not_a_difference() -> None:
+    """Whole seconds of hold, centimetres of altitude, and the unused position of a command."""
     assert (
         difference(waypoint(47, 8, 30.006, hold_s=2.9), waypoint(47, 8, 30.0, hold_s=2), as_int=True) is None
     )
@@ -278,7 +278,7 @@ def test_what_ardupilot_rounds_is_no_difference() -> None:
 
 
 def test_longitudes_beyond_180_degrees_are_wrapped() -> None:
-    """A route that goes on past the antimeridian fits the 32 bits of its field."""
+    """A route across the antimeridian fits the 32 bits of the field."""
     link = VirtualLink()
     message = item_message(link, 1, waypoint(10.0, 220.0, 30.0), as_int=True)
     assert message.y == round(-140 * 1e7)
@@ -287,8 +287,8 @@ def test_longitudes_beyond_180_degrees_are_wrapped() -> None:
     assert math.isclose(message.x, 10 * 1e7)
 
 
-def test_we_are_nobody_elses_station() -> None:
-    """Our component is not that of common ground stations, which share links with us."""
+def test_our_component_id_is_not_that_of_a_common_ground_station() -> None:
+    """Several ground stations share a link."""
     assert (OUR_SYSTEM, OUR_COMPONENT) not in {(255, 0), (255, 190), (255, 230)}
 
 
@@ -308,8 +308,8 @@ def test_what_is_for_us(system: int, component: int, ours: bool) -> None:
 
 
 @pytest.mark.parametrize("as_int", [True, False], ids=["4.6", "3.3"])
-def test_a_link_that_became_slow_is_learnt_anew(as_int: bool) -> None:
-    """A round trip two hundred times that of the connection costs seconds, not a minute of repetitions."""
+def test_a_link_that_became_slow_is_measured_again(as_int: bool) -> None:
+    """A round trip 200 times longer than before costs seconds, not a minute of repetitions."""
     link = VirtualLink(LinkConditions(delay_s=0.5))
     for _ in range(20):
         link.round_trip.measured(0.005)

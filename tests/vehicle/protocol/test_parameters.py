@@ -1,4 +1,4 @@
-"""Parameters are read one by one, set with confirmation, and put back."""
+"""Parameters are read one by one, set with confirmation, and restored."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ def test_values_are_read_over_a_link_that_loses_packets(loss: float, seed: int) 
 
 
 def test_a_name_that_the_vehicle_does_not_have_costs_little() -> None:
-    """Silence about one name while others are answered soon counts as unknown."""
+    """No answer for one name while others are answered counts as unknown soon."""
     link = VirtualLink()
     assert read_parameters(link, [*NAMES, "NO_SUCH_NAME"]).keys() == set(NAMES)
     assert link.now_s() < 1.0
 
 
-def test_a_vehicle_without_echoes_is_not_waited_for_by_guess() -> None:
-    """ArduCopter 3.3 knows no TIMESYNC: one name answered tells how long to wait for another."""
+def test_the_answer_to_one_name_tells_how_long_to_wait_for_another() -> None:
+    """ArduCopter 3.3 does not reply to TIMESYNC."""
     link = VirtualLink(faults=old_copter())
     link.round_trip = RoundTrip()
     assert read_parameters(link, ["WPNAV_SPEED", "NO_SUCH_NAME"]).keys() == {"WPNAV_SPEED"}
     assert link.now_s() < 2.0
 
 
-def test_a_link_that_answers_nothing_is_waited_for_no_longer_than_the_limit() -> None:
+def test_reading_ends_at_its_limit() -> None:
     """Without any answer nothing is known, and the wait ends."""
     link = VirtualLink(LinkConditions(loss=1.0))
     assert read_parameters(link, NAMES, limit_s=3.0) == {}
@@ -54,8 +54,8 @@ def test_a_link_that_answers_nothing_is_waited_for_no_longer_than_the_limit() ->
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.4])
-def test_values_are_set_and_put_back(loss: float) -> None:
-    """Within the context the new values hold, after it the old ones do."""
+def test_values_are_set_and_restored(loss: float) -> None:
+    """Within the context the new values hold, after it the old ones."""
     link = VirtualLink(LinkConditions(loss=loss))
     parameters = link.autopilot.parameters
     before = parameters["WPNAV_SPEED"]
@@ -64,7 +64,7 @@ def test_values_are_set_and_put_back(loss: float) -> None:
     assert parameters["WPNAV_SPEED"] == before
 
 
-def test_an_error_puts_the_values_back_too() -> None:
+def test_an_error_restores_the_values_too() -> None:
     """Every way out restores the vehicle."""
     link = VirtualLink()
     before = link.autopilot.parameters["WPNAV_SPEED"]
@@ -73,8 +73,8 @@ def test_an_error_puts_the_values_back_too() -> None:
     assert link.autopilot.parameters["WPNAV_SPEED"] == before
 
 
-def test_a_parameter_that_is_not_there_cannot_be_set() -> None:
-    """The name that the vehicle lacks is told."""
+def test_an_unknown_parameter_cannot_be_set() -> None:
+    """The error names it."""
     with (
         pytest.raises(VehicleError, match="no parameter WP_SPD"),
         parameters_set(VirtualLink(), {"WP_SPD": 12.0}),
@@ -83,7 +83,7 @@ def test_a_parameter_that_is_not_there_cannot_be_set() -> None:
 
 
 def test_a_value_that_is_not_confirmed_is_an_error() -> None:
-    """A dead link, or a vehicle that keeps its value, is told with name and value."""
+    """The error has name and value."""
     link = VirtualLink(LinkConditions(loss=1.0))
     with pytest.raises(
         VehicleError, match="cannot set parameter WPNAV_SPEED to 5: the vehicle does not answer"
@@ -92,14 +92,14 @@ def test_a_value_that_is_not_confirmed_is_an_error() -> None:
 
 
 def test_limits_become_parameters_in_the_vehicles_own_units() -> None:
-    """Metres per second go out as the centimetres of the names that this firmware knows."""
+    """Metres per second become the centimetres per second of this firmware."""
     wanted = limits_as_parameters(VirtualLink(), {"wp_speed_m_s": 12.5, "wp_jerk_m_s3": 8.0})
     assert wanted == {"WPNAV_SPEED": 1250.0, "WPNAV_JERK": 8.0}
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_requests_that_were_lost_do_not_make_the_link_look_slow(seed: int) -> None:
-    """Seconds of lost requests before the first answer are no round trip: uploads would wait for them."""
+def test_lost_requests_do_not_lengthen_the_round_trip(seed: int) -> None:
+    """Seconds of lost requests before the first answer are not measured: uploads would wait for them."""
     link = VirtualLink(LinkConditions(loss=0.4), seed=seed, speedup=20.0)
     link.round_trip = RoundTrip()
     identify(link, DiscoveredVehicle(1, 1, 2, 3))

@@ -1,4 +1,4 @@
-"""What a vehicle sends becomes news: in order, its own only, and nothing made up."""
+"""The vehicle's messages become reports: in order, and those of the vehicle only."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def telemetry(drone: Any = GOOD) -> Telemetry:
 
 
 def sent(message: Any, system: int = 1, component: int = 1) -> Any:
-    """A message as it arrives."""
+    """A message as it is received."""
     frame = message.pack(dialect.MAVLink(None, system, component))
     return dialect.MAVLink(None).parse_buffer(frame)[0]
 
@@ -59,13 +59,13 @@ def news_of(*messages: Any, drone: Any = GOOD) -> list[Any]:
     return list(heard.reports(0.0))
 
 
-def test_heartbeats_tell_mode_and_arming() -> None:
-    """Modes by ArduCopter's names; one newer than this program by its number."""
+def test_heartbeats_have_mode_and_armed() -> None:
+    """Modes by ArduCopter's names; an unknown one by its number."""
     assert news_of(heartbeat(4), heartbeat(99, 0)) == [Heartbeat("GUIDED", True), Heartbeat("mode 99", False)]
 
 
-def test_only_the_vehicle_itself_is_heard() -> None:
-    """A gimbal with the vehicle's system id, and a neighbour, are not."""
+def test_messages_of_others_are_ignored() -> None:
+    """A gimbal with the vehicle's system id, and another vehicle."""
     assert news_of(heartbeat(3, system=1, component=154), heartbeat(5, system=2)) == []
 
 
@@ -86,25 +86,25 @@ def test_positions_are_in_si_units() -> None:
     )
 
 
-def test_a_report_without_a_position_is_none() -> None:
-    """0, 0 is what ArduPilot sends before it knows where it is."""
+def test_a_position_of_0_0_is_ignored() -> None:
+    """ArduPilot sends it before it has a position."""
     assert news_of(heartbeat(), position(1000, 0, 0)) == [Heartbeat("GUIDED", True)]
 
 
-def test_a_position_before_the_first_heartbeat_is_none() -> None:
-    """Nothing is said of mode and motors before the vehicle told."""
+def test_a_position_before_the_first_heartbeat_is_ignored() -> None:
+    """Mode and arming are not known before."""
     assert news_of(position(1000)) == []
 
 
-def test_reports_out_of_order_are_left_out() -> None:
-    """A position that was overtaken on the way is old news."""
+def test_positions_out_of_order_are_ignored() -> None:
+    """An older position that arrives after a newer one."""
     news = news_of(heartbeat(), position(1000), position(1300), position(1100), position(1500))
     times = [state.time_s for state in news if isinstance(state, VehicleState)]
     assert times == [1.0, 1.3, 1.5]
 
 
-def test_a_clock_that_begins_anew_is_a_reboot(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Old times that persist, with nothing newer between, tell of a reboot; positions count again."""
+def test_a_clock_that_restarts_is_a_reboot(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Old times in a row, without a newer one between; positions count again."""
     clock = [100.0]
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     heard = telemetry()
@@ -118,8 +118,8 @@ def test_a_clock_that_begins_anew_is_a_reboot(monkeypatch: pytest.MonkeyPatch) -
     assert kinds[-1] is VehicleState
 
 
-def test_long_texts_are_put_together() -> None:
-    """MAVLink 2 sends more than 50 characters in pieces."""
+def test_long_texts_are_joined() -> None:
+    """MAVLink 2 sends more than 50 characters in chunks."""
     pieces = ["x" * 50, "y" * 50, "end"]
     messages = [
         sent(dialect.MAVLink_statustext_message(3, piece.encode(), id=7, chunk_seq=n))
@@ -130,8 +130,8 @@ def test_long_texts_are_put_together() -> None:
     assert news_of(sent(dialect.MAVLink_statustext_message(6, b"short"))) == [StatusText(6, "short")]
 
 
-def test_mission_progress_is_told() -> None:
-    """Current item, total and completion where the firmware tells them; items reached."""
+def test_mission_progress_is_reported() -> None:
+    """Current item, total and completion if the firmware reports them; items reached."""
     current = dialect.MAVLink_mission_current_message(3, 20, 5)
     unknown = dialect.MAVLink_mission_current_message(3, 65535, 0)
     reached = dialect.MAVLink_mission_item_reached_message(2)
@@ -163,10 +163,10 @@ NO_ESTIMATE = SimpleNamespace(is_armable=False, gps_0=SimpleNamespace(fix_type=3
     ],
     ids=["ready", "checks", "no fix", "no estimate"],
 )
-def test_readiness_needs_position_and_the_autopilots_checks(
+def test_prearm_status_needs_position_and_prearm_checks(
     drone: Any, health: int, ready: bool, words: str
 ) -> None:
-    """What is missing is told where the autopilot's own words have not come yet."""
+    """The reason where the autopilot's own text has not come yet."""
     (readiness,) = news_of(system_status(PREARM, health), drone=drone)
     assert isinstance(readiness, PrearmStatus)
     assert readiness.ready is ready
@@ -174,7 +174,7 @@ def test_readiness_needs_position_and_the_autopilots_checks(
 
 
 def test_firmware_without_prearm_bit_is_ready_with_its_position() -> None:
-    """ArduCopter 3.3 does not tell its checks: position and estimator have to do."""
+    """ArduCopter 3.3 does not report its pre-arm checks: GPS and EKF are enough."""
     assert news_of(system_status(0, 0)) == [PrearmStatus(True)]
 
 
@@ -182,22 +182,22 @@ def ack(command: int, result: int) -> Any:
     return sent(dialect.MAVLink_command_ack_message(command, result))
 
 
-def test_answers_name_the_request() -> None:
-    """Accepted and refused commands come as answers; progress and other commands do not."""
+def test_acks_name_the_request() -> None:
+    """Accepted and refused commands; acks of progress and of other commands are ignored."""
     assert news_of(ack(400, 0), ack(22, 4), ack(400, 5), ack(511, 0)) == [
         RequestAck(Request.ARM, True),
         RequestAck(Request.TAKEOFF, False, "failed"),
     ]
 
 
-def test_answers_to_other_stations_are_not_ours() -> None:
-    """Another station's refusal neither makes us ask again nor ask for modes in the old way."""
+def test_acks_to_other_stations_are_ignored() -> None:
+    """Another station's refusal neither repeats our request nor switches to SET_MODE."""
     refused = [sent(dialect.MAVLink_command_ack_message(176, result, 0, 0, 255, 190)) for result in (3, 4)]
     assert news_of(*refused) == []
 
 
-def test_a_mode_command_that_is_not_known_is_sent_the_old_way() -> None:
-    """UNSUPPORTED makes it SET_MODE at once, and from then on."""
+def test_an_unsupported_mode_command_becomes_set_mode() -> None:
+    """At once, and from then on."""
     link = VirtualLink()
     commands = CommandSender(link)
     commands.set_mode(4)
@@ -208,8 +208,8 @@ def test_a_mode_command_that_is_not_known_is_sent_the_old_way() -> None:
     assert [m.custom_mode for m in asked[1:]] == [4, 3]
 
 
-def test_a_mode_that_nobody_answers_is_asked_for_both_ways() -> None:
-    """Silence may be a lost packet or an old autopilot, so after two tries both ways are used."""
+def test_an_unacked_mode_is_sent_both_ways() -> None:
+    """A lost packet or an old autopilot: after two commands SET_MODE is sent as well."""
     link = VirtualLink()
     commands = CommandSender(link)
     for _ in range(3):
@@ -222,8 +222,8 @@ def echo_of(ping: Any, vehicle_ns: int = 5) -> Any:
     return sent(dialect.MAVLink_timesync_message(vehicle_ns, ping.ts1))
 
 
-def test_a_request_that_is_not_answered_before_an_echo_got_lost() -> None:
-    """The echo was asked for behind the request; it tells once, and after an answer it tells nothing."""
+def test_a_timesync_reply_without_an_ack_means_a_lost_request() -> None:
+    """It is reported once, and not after an ack."""
     link = VirtualLink()
     commands = CommandSender(link)
     commands.arm()
@@ -238,8 +238,8 @@ def test_a_request_that_is_not_answered_before_an_echo_got_lost() -> None:
     assert commands.on_timesync(echo_of(link.sent[-1])) is None
 
 
-def test_a_lost_echo_is_asked_for_again_but_not_for_ever() -> None:
-    """Any of them that comes back will do; an autopilot that never sends one is left alone."""
+def test_a_lost_timesync_is_sent_again_but_not_for_ever() -> None:
+    """A reply to any of them counts; an autopilot that never replies is left alone."""
     link = VirtualLink()
     commands = CommandSender(link)
     commands.set_mode(3)
@@ -253,8 +253,8 @@ def test_a_lost_echo_is_asked_for_again_but_not_for_ever() -> None:
     assert commands.on_timesync(echo_of(pings[3])) == RequestLost(Request.MODE)
 
 
-def test_a_message_that_a_link_doubles_counts_once() -> None:
-    """Two copies of a heartbeat are one; a second heartbeat has another number."""
+def test_a_duplicated_frame_counts_once() -> None:
+    """Two copies of a heartbeat are one; a second heartbeat has another sequence number."""
     mav = dialect.MAVLink(None, 1, 1)
     beats = []
     for _ in range(2):
@@ -274,14 +274,14 @@ def test_a_message_that_a_link_doubles_counts_once() -> None:
         (b"caf\xe9", "caf\N{REPLACEMENT CHARACTER}"),
     ],
 )
-def test_words_cannot_command_a_terminal(sent_text: bytes, readable: str) -> None:
-    """Escape codes and line ends of a vehicle, or of who pretends to be it, are no words."""
+def test_status_texts_cannot_control_the_terminal(sent_text: bytes, readable: str) -> None:
+    """Escape codes and line ends are removed."""
     text = sent(dialect.MAVLink_statustext_message(3, sent_text))
     assert news_of(text) == [StatusText(3, readable)]
 
 
-def test_heartbeats_that_are_not_numbered_all_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Alike to the last bit and a second apart, they are no copies: the pilot's mode is told each time."""
+def test_heartbeats_without_sequence_numbers_all_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Equal frames a second apart are not duplicates."""
     heard = telemetry()
     for now_s in (100.0, 100.3, 101.0, 102.0):
         monkeypatch.setattr(time, "monotonic", lambda now_s=now_s: now_s)
@@ -289,8 +289,8 @@ def test_heartbeats_that_are_not_numbered_all_count(monkeypatch: pytest.MonkeyPa
     assert list(heard.reports(0.0)) == [Heartbeat("LOITER", True)] * 3
 
 
-def test_taking_news_waits_no_longer_than_asked() -> None:
-    """Without news the wait ends at its timeout."""
+def test_waiting_for_reports_ends_at_the_timeout() -> None:
+    """Without a report nothing is returned."""
     began_s = time.monotonic()
     assert list(telemetry().reports(0.05)) == []
     assert 0.04 < time.monotonic() - began_s < 2.0

@@ -1,4 +1,4 @@
-"""dronekit-sitl's download, made safe: whole or not at all, in time, and never outside its folder."""
+"""dronekit-sitl's download, made safe: complete or not at all, in time, and never outside its folder."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ GOOD = archive(
 
 
 def gives(data: bytes, *, promised: int | None = None, status: int = 200) -> Answer:
-    """An answer with these bytes, which may promise more than it gives."""
+    """An answer with these bytes, which may announce more than it sends."""
 
     def answer(handler: http.server.BaseHTTPRequestHandler) -> None:
         handler.send_response(status)
@@ -103,8 +103,8 @@ def source(web: StandIn, tmp_path: Path) -> DownloadSource:
     return DownloadSource(web.url, tmp_path / "cache", "linux")
 
 
-def test_a_download_lands_whole_in_the_cache(web: StandIn, tmp_path: Path) -> None:
-    """From the address dronekit-sitl uses, unpacked, executable, with progress told."""
+def test_a_download_is_complete_in_the_cache(web: StandIn, tmp_path: Path) -> None:
+    """From the address that dronekit-sitl uses, unpacked, executable, with progress events."""
     web.answer = gives(GOOD)
     told: list[Event] = []
     place = source(web, tmp_path)
@@ -137,7 +137,7 @@ BAD: dict[str, tuple[Answer, str]] = {
 
 @pytest.mark.parametrize(("answer", "words"), BAD.values(), ids=BAD.keys())
 def test_a_bad_download_leaves_nothing(web: StandIn, tmp_path: Path, answer: Answer, words: str) -> None:
-    """Neither a part nor anything outside the cache remains, and the line says what was wrong."""
+    """No part of it remains in or outside the cache, and the error names the cause."""
     web.answer = answer
     place = source(web, tmp_path)
     with pytest.raises(SimulatorError, match=words):
@@ -146,8 +146,8 @@ def test_a_bad_download_leaves_nothing(web: StandIn, tmp_path: Path, answer: Ans
     assert {path.name for path in tmp_path.iterdir()} == {"cache"}
 
 
-def test_a_silent_server_is_given_up(web: StandIn, tmp_path: Path) -> None:
-    """A connection that stays silent ends at its time limit."""
+def test_a_silent_server_has_a_time_limit(web: StandIn, tmp_path: Path) -> None:
+    """The connection is closed."""
     over = threading.Event()
     web.answer = lambda handler: [over.wait(60)]
     with pytest.raises(SimulatorError, match="timed out"):
@@ -156,7 +156,7 @@ def test_a_silent_server_is_given_up(web: StandIn, tmp_path: Path) -> None:
 
 
 def test_a_slow_download_ends_at_its_time_limit(web: StandIn, tmp_path: Path) -> None:
-    """Bytes that trickle are not enough."""
+    """However slowly bytes arrive."""
 
     def trickle(handler: http.server.BaseHTTPRequestHandler) -> None:
         handler.send_response(200)
@@ -173,18 +173,18 @@ def test_a_slow_download_ends_at_its_time_limit(web: StandIn, tmp_path: Path) ->
         download(source(web, tmp_path), limit_s=0.3)
 
 
-def test_a_download_without_end_is_given_up(
+def test_a_download_without_end_has_a_size_limit(
     web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """More bytes than any simulator has are not kept."""
+    """More bytes than any simulator has are not stored."""
     monkeypatch.setattr(module, "_LARGEST_BYTES", 1000)
     web.answer = gives(b"x" * 5000)
     with pytest.raises(SimulatorError, match="too large"):
         download(source(web, tmp_path))
 
 
-def test_a_cache_that_cannot_be_written_is_told(web: StandIn, tmp_path: Path) -> None:
-    """A file where the folder should be, say."""
+def test_a_cache_that_cannot_be_written_is_an_error(web: StandIn, tmp_path: Path) -> None:
+    """A file in place of the folder, for example."""
     (tmp_path / "cache").write_text("in the way")
     with pytest.raises(SimulatorError, match="cannot download"):
         download(source(web, tmp_path))
@@ -222,22 +222,22 @@ def test_a_user_without_a_home_folder_is_told(monkeypatch: pytest.MonkeyPatch) -
         dronekit_sitl_source()
 
 
-def test_machines_without_binaries_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_machines_without_binaries_are_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """dronekit-sitl has none for ARM."""
     monkeypatch.setattr(platform, "machine", lambda: "aarch64")
     with pytest.raises(SimulatorError, match=r"no binary for .* on aarch64"):
         dronekit_sitl_source()
 
 
-def test_a_name_that_is_not_known_is_told(tmp_path: Path) -> None:
-    """Without a network the line is short."""
+def test_an_unknown_host_name_is_an_error(tmp_path: Path) -> None:
+    """Without a network, for example."""
     place = DownloadSource("https://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
     with pytest.raises(SimulatorError, match=r"unknown host name no-such-host\.invalid"):
         download(place)
 
 
-def test_a_name_server_that_is_silent_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Looking up a name has a time limit too."""
+def test_a_silent_name_server_has_a_time_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the download has."""
     over = threading.Event()
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [over.wait(10)])
     place = DownloadSource("https://slow.invalid/sitl", tmp_path / "cache", "linux")
@@ -247,7 +247,7 @@ def test_a_name_server_that_is_silent_is_given_up(tmp_path: Path, monkeypatch: p
 
 
 def test_a_proxy_looks_up_names_itself(web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Behind a proxy the name need not be known here."""
+    """Behind a proxy the name need not resolve on this machine."""
     monkeypatch.setenv("http_proxy", web.url.removesuffix("/sitl"))
     web.answer = gives(GOOD)
     place = DownloadSource("http://no-such-host.invalid/sitl", tmp_path / "cache", "linux")
@@ -263,9 +263,9 @@ def raw(data: bytes) -> Answer:
     return answer
 
 
-def spoilt(data: bytes) -> bytes:
+def corrupted(data: bytes) -> bytes:
     """An archive with some bytes in its middle changed."""
-    return data[: len(data) // 2] + b"spoilt" + data[len(data) // 2 + 6 :]
+    return data[: len(data) // 2] + b"corrupted" + data[len(data) // 2 + 6 :]
 
 
 NONSENSE = {
@@ -273,13 +273,13 @@ NONSENSE = {
     "no length": raw(b"HTTP/1.0 200 OK\r\nContent-Length: many\r\n\r\n"),
     "no HTTP": raw(b"220 mail.example.org\r\nESMTP\r\n"),
     "torn pieces": raw(b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n40\r\nabc"),
-    "spoilt": gives(spoilt(archive(member("apm", random.Random(1).randbytes(100_000))))),
+    "corrupted": gives(corrupted(archive(member("apm", random.Random(1).randbytes(100_000))))),
 }
 
 
 @pytest.mark.parametrize("answer", NONSENSE.values(), ids=NONSENSE.keys())
-def test_nonsense_is_told_in_one_line(answer: Answer, web: StandIn, tmp_path: Path) -> None:
-    """Whatever a server or an archive has wrong is an expected failure, and leaves nothing behind."""
+def test_any_faulty_answer_is_one_line(answer: Answer, web: StandIn, tmp_path: Path) -> None:
+    """Whatever is wrong with a server or an archive is an expected error, and leaves nothing behind."""
     web.answer = answer
     place = source(web, tmp_path)
     with pytest.raises(SimulatorError, match="cannot download ArduPilot SITL") as told:
@@ -288,7 +288,7 @@ def test_nonsense_is_told_in_one_line(answer: Answer, web: StandIn, tmp_path: Pa
     assert list(place.cache.iterdir()) == []
 
 
-def test_a_download_that_drips_has_a_time_limit(web: StandIn, tmp_path: Path) -> None:
+def test_a_download_of_single_bytes_has_a_time_limit(web: StandIn, tmp_path: Path) -> None:
     """A byte now and then is neither silence nor progress."""
     over = threading.Event()
 
@@ -306,8 +306,8 @@ def test_a_download_that_drips_has_a_time_limit(web: StandIn, tmp_path: Path) ->
     over.set()
 
 
-def test_a_broken_download_of_dronekit_sitl_makes_way(web: StandIn, tmp_path: Path) -> None:
-    """A folder without a simulator is replaced."""
+def test_a_broken_download_of_dronekit_sitl_is_replaced(web: StandIn, tmp_path: Path) -> None:
+    """A folder without a simulator."""
     web.answer = gives(GOOD)
     place = source(web, tmp_path)
     place.folder.mkdir(parents=True)
@@ -317,7 +317,7 @@ def test_a_broken_download_of_dronekit_sitl_makes_way(web: StandIn, tmp_path: Pa
 
 
 def test_another_run_may_be_faster(web: StandIn, tmp_path: Path) -> None:
-    """Of two downloads at once the first stays, and both runs have a simulator."""
+    """Of two downloads at once the first is kept, and both runs have a simulator."""
     place = source(web, tmp_path)
 
     def answer(handler: http.server.BaseHTTPRequestHandler) -> None:

@@ -1,4 +1,4 @@
-"""ArduPilot's simulator: found where it may be, started, stopped, and gone afterwards whatever happens."""
+"""ArduPilot SITL: found, started, stopped, and removed on every way out."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ WAITS = "print('Waiting for connection ....', flush=True); time.sleep(60)"
 
 @pytest.fixture(autouse=True)
 def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A place for scratch folders of its own, which must be empty again after each test."""
+    """A folder for temporary folders, which must be empty again after each test."""
     folder = tmp_path / "scratch"
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
@@ -40,7 +40,7 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def stand_in(folder: Path, body: str = WAITS, *, options: str = HELP, name: str = "arducopter") -> Path:
-    """A program that shows options for --help, and else does as it is told."""
+    """A script that prints options for --help, and otherwise runs ``body``."""
     path = folder / name
     path.write_text(
         f"#!{sys.executable}\nimport sys, time, os\nBASE_PORT = {BASE_PORT}\n"
@@ -50,8 +50,8 @@ def stand_in(folder: Path, body: str = WAITS, *, options: str = HELP, name: str 
     return path
 
 
-def test_it_runs_for_as_long_as_it_is_needed(tmp_path: Path) -> None:
-    """Started at the place, heading and speed asked for, with parameters, on free ports; then ended."""
+def test_it_runs_as_long_as_the_context_lasts(tmp_path: Path) -> None:
+    """With the home, heading, speedup and parameters asked for, on free ports."""
     path = stand_in(
         tmp_path, "print(' '.join(sys.argv[1:])); print(os.path.getsize('bench.parm'), flush=True)\n" + WAITS
     )
@@ -65,7 +65,7 @@ def test_it_runs_for_as_long_as_it_is_needed(tmp_path: Path) -> None:
     assert running.process.poll() is not None
 
 
-def test_ports_in_use_are_left_to_others(tmp_path: Path) -> None:
+def test_ports_in_use_are_skipped(tmp_path: Path) -> None:
     """A second simulator takes the next ports."""
     path = stand_in(tmp_path)
     with (
@@ -77,10 +77,10 @@ def test_ports_in_use_are_left_to_others(tmp_path: Path) -> None:
         assert (second.port - first.port) % 10 == 0
 
 
-def test_ports_that_another_takes_meanwhile_are_left_to_it(
+def test_a_simulator_that_loses_its_ports_is_started_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of two simulators that start at once the slower one ends, and is started anew on the next ports."""
+    """Of two simulators that start at once the slower one ends, and starts again on the next ports."""
     body = """
 port = BASE_PORT + 10 * int(sys.argv[-1].removeprefix("-I"))
 import socket
@@ -118,7 +118,7 @@ def test_storage_of_an_old_binary_is_used(tmp_path: Path) -> None:
         assert "stored" in running.log.read_text()
 
 
-def test_a_binary_too_old_for_parameter_files_is_told_each_parameter(tmp_path: Path) -> None:
+def test_an_old_binary_gets_each_parameter_over_mavlink(tmp_path: Path) -> None:
     """It runs once to store them, and once more to fly with them."""
     body = """
 from flight_replay.simulator.server.cli import main
@@ -147,14 +147,14 @@ FAILING = {
 
 
 @pytest.mark.parametrize(("body", "words"), FAILING.values(), ids=FAILING.keys())
-def test_a_binary_that_dies_at_start_leaves_its_last_words(tmp_path: Path, body: str, words: str) -> None:
-    """One line with status and words, and nothing left behind."""
+def test_a_binary_that_ends_at_start_is_an_error(tmp_path: Path, body: str, words: str) -> None:
+    """With its status and last output, and nothing left behind."""
     with pytest.raises(SimulatorError, match=words), process.run(SitlBinary(stand_in(tmp_path, body)), START):
         raise AssertionError
 
 
-def test_a_missing_library_is_told(tmp_path: Path) -> None:
-    """What the system's loader says is in the line."""
+def test_a_missing_library_is_an_error(tmp_path: Path) -> None:
+    """With the message of the system's loader."""
     path = tmp_path / "arducopter"
     path.write_text("#!/bin/sh\necho 'error while loading shared libraries: libx.so.1' >&2\nexit 127\n")
     path.chmod(0o755)
@@ -162,8 +162,8 @@ def test_a_missing_library_is_told(tmp_path: Path) -> None:
         raise AssertionError
 
 
-def test_a_file_that_is_no_program_is_told(tmp_path: Path) -> None:
-    """A binary for another machine, say."""
+def test_a_file_that_is_not_a_program_is_an_error(tmp_path: Path) -> None:
+    """A binary for another machine, for example."""
     path = tmp_path / "arducopter"
     path.write_bytes(b"\x7fELF\x00\x00junk")
     path.chmod(0o755)
@@ -174,8 +174,8 @@ def test_a_file_that_is_no_program_is_told(tmp_path: Path) -> None:
         raise AssertionError
 
 
-def test_a_binary_that_never_is_ready_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its last output are told, and it is stopped: that it holds its ports is no reason to start it anew."""
+def test_a_binary_that_is_never_ready_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With its last output; it is stopped, and not started again because it holds its ports."""
     monkeypatch.setattr(process, "_READY_S", 0.5)
     body = """
 import socket
@@ -192,10 +192,10 @@ time.sleep(60)
     runs.unlink()
 
 
-def test_one_that_does_not_answer_help_is_no_simulator(
+def test_a_program_that_does_not_end_after_help_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Any other program that was named by mistake is refused before it runs on."""
+    """Any other program that was named by mistake."""
     monkeypatch.setattr(process, "_HELP_S", 0.3)
     path = tmp_path / "sleeper"
     path.write_text("#!/bin/sh\nexec sleep 60\n")
@@ -207,8 +207,8 @@ def test_one_that_does_not_answer_help_is_no_simulator(
         raise AssertionError
 
 
-def test_one_that_will_not_end_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A simulator that ignores SIGTERM is killed."""
+def test_a_simulator_that_ignores_sigterm_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a time limit."""
     monkeypatch.setattr(process, "_STOP_S", 0.2)
     body = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)\n" + WAITS
     with process.run(SitlBinary(stand_in(tmp_path, body)), START) as running:
@@ -217,15 +217,15 @@ def test_one_that_will_not_end_is_ended(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize("error", [RuntimeError("boom"), KeyboardInterrupt()], ids=["error", "Ctrl-C"])
-def test_every_way_out_ends_it(tmp_path: Path, error: BaseException) -> None:
-    """An error or an interrupt within the context is its own, and the simulator is gone."""
+def test_every_way_out_ends_the_simulator(tmp_path: Path, error: BaseException) -> None:
+    """An error or Ctrl-C in the context is raised unchanged."""
     with pytest.raises(type(error)), process.run(SitlBinary(stand_in(tmp_path)), START) as running:
         raise error
     assert running.process.poll() is not None
 
 
-def test_one_that_dies_later_explains_the_error(tmp_path: Path) -> None:
-    """An error that came of its death names the death."""
+def test_a_simulator_that_ended_explains_an_error(tmp_path: Path) -> None:
+    """An error in the context becomes an error of the simulator."""
     body = (
         "print('Waiting for connection', flush=True); time.sleep(0.1); print('division by zero'); sys.exit(8)"
     )
@@ -256,8 +256,8 @@ def test_a_named_binary_comes_first(tmp_path: Path) -> None:
     assert find_binary(None, None, {}) is None
 
 
-def test_what_is_named_must_be_there(tmp_path: Path) -> None:
-    """A missing binary, one without its run bit, and a missing parameter file are told by name."""
+def test_files_that_are_named_must_exist(tmp_path: Path) -> None:
+    """A missing binary, one that is not executable, and a missing parameter file are named in the error."""
     with pytest.raises(SimulatorError, match="named by --sitl, does not exist"):
         find_binary(tmp_path / "none", None, {})
     with pytest.raises(SimulatorError, match="named by SITL_BINARY, does not exist"):
@@ -279,8 +279,8 @@ def test_what_is_named_must_be_there(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def nothing_at_hand(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """No binary anywhere, and no network."""
+def no_sitl(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """No binary on this machine, and no network."""
 
     def none() -> DownloadSource:
         return DownloadSource("http://127.0.0.1:9/sitl", tmp_path / "cache", "linux")
@@ -291,9 +291,9 @@ def nothing_at_hand(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv("SITL_DEFAULTS_FILEPATH", raising=False)
 
 
-@pytest.mark.usefixtures("nothing_at_hand")
+@pytest.mark.usefixtures("no_sitl")
 def test_without_ardupilot_the_built_in_copter_flies() -> None:
-    """``auto`` falls back, and says so in one line; ``builtin`` says nothing; ``sitl`` is refused."""
+    """``auto`` falls back with a notice; ``builtin`` needs none; ``sitl`` is an error."""
     said: list[Event] = []
     with simulator("auto", None, START, listener=said.append) as connection:
         assert connection.startswith("tcp:127.0.0.1:")
@@ -309,9 +309,9 @@ def test_without_ardupilot_the_built_in_copter_flies() -> None:
         raise AssertionError
 
 
-@pytest.mark.usefixtures("nothing_at_hand")
-def test_a_binary_at_hand_is_preferred(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is on PATH flies; if it cannot start the built-in copter does, unless it was named."""
+@pytest.mark.usefixtures("no_sitl")
+def test_a_binary_on_path_is_preferred(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If it cannot start the built-in copter flies, unless the binary was named."""
     bin_folder = tmp_path / "empty"
     bin_folder.mkdir()
     stand_in(bin_folder)
@@ -326,8 +326,8 @@ def test_a_binary_at_hand_is_preferred(tmp_path: Path, monkeypatch: pytest.Monke
         raise AssertionError
 
 
-@pytest.mark.usefixtures("nothing_at_hand")
-def test_a_named_path_is_flown_or_refused(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("no_sitl")
+def test_a_named_path_is_run_or_an_error(tmp_path: Path) -> None:
     """--sitl PATH never falls back."""
     with simulator("sitl", stand_in(tmp_path), START) as connection:
         assert connection.startswith("tcp:")
