@@ -35,7 +35,7 @@ class Station:
         self, link: GroundLink, system: int = 255, component: int = 190, *, old: bool = False
     ) -> None:
         self.link, self.autopilot = link, link.autopilot
-        self.heard: list[Any] = []
+        self.received: list[Any] = []
         self._decoder = dialect.MAVLink(None)
         self._decoder.robust_parsing = True
         self.mav = dialect.MAVLink(None, system, component)
@@ -45,7 +45,7 @@ class Station:
 
     def _hear(self, data: bytes) -> None:
         self.raw.append(data)
-        self.heard += self._decoder.parse_buffer(data) or []
+        self.received += self._decoder.parse_buffer(data) or []
 
     def send(self, message: Any) -> None:
         """Send a message; the copter answers at once."""
@@ -60,11 +60,11 @@ class Station:
             self.link.step()
         return until()
 
-    # what was heard
+    # what was received
 
     def of(self, kind: str) -> list[Any]:
         """The messages of a kind, oldest first."""
-        return [message for message in self.heard if message.get_type() == kind]
+        return [message for message in self.received if message.get_type() == kind]
 
     def last(self, kind: str) -> Any:
         """The latest message of a kind."""
@@ -82,9 +82,9 @@ class Station:
                 whole.append(message.text)
         return whole
 
-    def forget(self) -> None:
-        """Forget what was heard."""
-        self.heard.clear()
+    def clear(self) -> None:
+        """Drop what was received."""
+        self.received.clear()
 
     # asking
 
@@ -117,7 +117,7 @@ class Station:
     def upload(self, items: Sequence[Item]) -> int:
         """Upload items behind home as MISSION_ITEM_INT, and the MAV_MISSION_RESULT that answers."""
         self.send(dialect.MAVLink_mission_count_message(1, 1, len(items) + 1))
-        for seq, item in enumerate([place(0, 0), *items]):
+        for seq, item in enumerate([item_at(0, 0), *items]):
             command, frame, params, x, y, z = item
             self.send(
                 dialect.MAVLink_mission_item_int_message(1, 1, seq, frame, command, 0, 1, *params, x, y, z)
@@ -125,10 +125,10 @@ class Station:
         return int(self.last("MISSION_ACK").type)
 
 
-def place(
+def item_at(
     north_m: float, east_m: float, up_m: float = 20.0, *, command: int = 16, hold_s: float = 0.0
 ) -> Item:
-    """An item at a place so far from START, above home."""
+    """An item so far north and east of START, above home."""
     there = START.location_of((north_m, east_m, 0.0))
     return command, 3, (hold_s, 0.0, 0.0, 0.0), there.lat_e7, there.lon_e7, up_m
 
@@ -139,6 +139,6 @@ def takeoff(up_m: float) -> Item:
 
 
 def act(command: int, *params: float) -> Item:
-    """An item without a place."""
+    """An item without a location."""
     values = (*params, 0.0, 0.0, 0.0, 0.0)
     return command, 2, (values[0], values[1], values[2], values[3]), 0, 0, 0.0

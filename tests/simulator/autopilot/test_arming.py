@@ -153,8 +153,8 @@ def test_answers_come_before_the_texts_that_explain_them() -> None:
     """As ArduPilot queues its texts, COMMAND_ACK is there first, the reason a step later."""
     _, station = sim(Faults(prearm_failure="Logging failed"))
     station.run(READY_S)
-    station.forget()
+    station.clear()
     station.command(ARM, 1)
-    assert [message.get_type() for message in station.heard] == ["COMMAND_ACK"]
+    assert [message.get_type() for message in station.received] == ["COMMAND_ACK"]
     station.run(0.04)
     assert station.last("STATUSTEXT").text == "Arm: Logging failed"

@@ -71,7 +71,7 @@ def test_a_takeoff_that_does_not_climb_stays_armed_on_the_ground() -> None:
 def test_modes_change_by_command_and_by_message() -> None:
     """DO_SET_MODE and SET_MODE both work; unknown modes are refused, with a text; each change is heard."""
     autopilot, station = sim()
-    station.forget()
+    station.clear()
     assert station.mode(LOITER) == ACCEPTED
     assert station.last("HEARTBEAT").custom_mode == LOITER
     station.send(dialect.MAVLink_set_mode_message(1, 1, GUIDED))
@@ -110,7 +110,7 @@ def test_modes_that_need_a_position_are_refused_in_flight_without_one() -> None:
     "mode",
     [CopterMode.LOITER, CopterMode.BRAKE, CopterMode.ALT_HOLD, CopterMode.POSHOLD, CopterMode.STABILIZE],
 )
-def test_the_other_modes_hold_the_place(mode: CopterMode) -> None:
+def test_the_other_modes_hold_the_position(mode: CopterMode) -> None:
     """Without a pilot's sticks, a copter that flew along comes to rest and stays."""
     autopilot, station = sim()
     station.fly()

@@ -8,7 +8,7 @@ from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.battery import Battery, BatteryFailsafe
 from flight_replay.simulator.autopilot.parameter_table import Parameters
-from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, Station, place, sim
+from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, Station, item_at, sim
 
 
 def gcs_heartbeat(station: Station) -> None:
@@ -66,7 +66,7 @@ def test_missions_and_pilots_may_go_on_without_a_station() -> None:
     gcs_heartbeat(station)
     autopilot.parameters.assign("FS_GCS_TIMEOUT", 30)
     station.fly()
-    station.upload([place(500, 0)])
+    station.upload([item_at(500, 0)])
     station.mode(AUTO)
     station.run(40)
     assert autopilot.mode == CopterMode.AUTO

@@ -21,14 +21,14 @@ from flight_replay.simulator.autopilot.faults import (
     SetParameter,
     old_copter,
 )
-from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, SET_MODE, TAKEOFF, place, sim
+from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, SET_MODE, TAKEOFF, item_at, sim
 
 
 def test_the_pilot_takes_over() -> None:
     """A mode change by the pilot comes after its trigger, and only once."""
     autopilot, station = sim(Faults(script=(ScriptedFault("AUTO", 5, PilotMode(CopterMode.LOITER)),)))
     station.fly()
-    station.upload([place(500, 0)])
+    station.upload([item_at(500, 0)])
     station.mode(AUTO)
     station.run(4.9)
     assert autopilot.mode.name == "AUTO"
@@ -58,15 +58,15 @@ def test_a_reboot_forgets_the_flight() -> None:
     autopilot, station = sim(Faults(script=(ScriptedFault("AUTO", 5, Reboot()),)))
     station.send(dialect.MAVLink_request_data_stream_message(1, 1, 0, 4, 1))
     station.fly()
-    station.upload([place(500, 0)])
+    station.upload([item_at(500, 0)])
     station.mode(AUTO)
     station.run(6)
     assert autopilot.time_s < 2
     assert (autopilot.mode, autopilot.armed, autopilot.flight.landed) == (CopterMode.STABILIZE, False, True)
     assert len(autopilot.store) == 2
-    station.forget()
+    station.clear()
     station.run(3)
-    assert {message.get_type() for message in station.heard} == {"HEARTBEAT", "STATUSTEXT"}
+    assert {message.get_type() for message in station.received} == {"HEARTBEAT", "STATUSTEXT"}
     station.fly()
 
 
@@ -84,7 +84,7 @@ def test_a_reboot_can_be_asked_for_on_the_ground() -> None:
 def test_another_station_changes_the_mission() -> None:
     """Shortly after the upload an item is elsewhere on board."""
     autopilot, station = sim(Faults(script=(ScriptedFault("upload", 0.5, MoveItem(1)),)))
-    station.upload([place(50, 0)])
+    station.upload([item_at(50, 0)])
     before = autopilot.store.items[1]
     station.run(1)
     moved = autopilot.store.items[1]
@@ -97,8 +97,8 @@ def test_others_are_heard_on_the_same_link() -> None:
     others = (GIMBAL, RADIO, ADSB_RECEIVER, SECOND_COPTER)
     _, station = sim(Faults(other_heartbeats=others))
     station.run(3)
-    heard = {(m.get_srcSystem(), m.get_srcComponent(), m.type) for m in station.of("HEARTBEAT")}
-    assert heard == {(1, 1, 2), *((other.system, other.component, other.vehicle_type) for other in others)}
+    received = {(m.get_srcSystem(), m.get_srcComponent(), m.type) for m in station.of("HEARTBEAT")}
+    assert received == {(1, 1, 2), *((other.system, other.component, other.vehicle_type) for other in others)}
     assert {(m.get_srcSystem(), m.relative_alt) for m in station.of("GLOBAL_POSITION_INT")} == {(2, 77000)}
 
 

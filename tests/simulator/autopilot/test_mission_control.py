@@ -15,7 +15,7 @@ from tests.helpers.sim_station import (
     READY_S,
     Station,
     act,
-    place,
+    item_at,
     sim,
     takeoff,
 )
@@ -23,7 +23,7 @@ from tests.helpers.sim_station import (
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 
-SQUARE = [place(40, 0), place(40, 40), place(0, 40)]
+SQUARE = [item_at(40, 0), item_at(40, 40), item_at(0, 40)]
 
 
 def reached(station: Station) -> list[int]:
@@ -55,7 +55,7 @@ def test_a_whole_mission_from_takeoff_to_landing() -> None:
     """AUTO begins on the ground, MISSION_START lifts off; RTL lands and disarms, and it begins anew."""
     autopilot, station = sim(AUTO_OPTIONS=1)
     station.run(READY_S)
-    station.upload([takeoff(15), place(30, 0), act(20)])
+    station.upload([takeoff(15), item_at(30, 0), act(20)])
     station.mode(AUTO)
     assert station.command(ARM, 1) == ACCEPTED
     station.run(3)
@@ -125,11 +125,11 @@ def test_a_mission_changed_in_flight_is_flown_as_changed() -> None:
     """New items near the current one restart its leg, with a text; farther ones are just flown later."""
     autopilot, station = sim()
     station.fly()
-    station.upload([*SQUARE, place(0, 0), place(-40, 0)])
+    station.upload([*SQUARE, item_at(0, 0), item_at(-40, 0)])
     station.mode(AUTO)
     station.run(1)
-    for seq, moved, restarts in ((5, place(-20, 0), False), (1, place(25, 0), True)):
-        station.forget()
+    for seq, moved, restarts in ((5, item_at(-20, 0), False), (1, item_at(25, 0), True)):
+        station.clear()
         station.send(dialect.MAVLink_mission_write_partial_list_message(1, 1, seq, seq))
         command, frame, params, x, y, z = moved
         station.send(
@@ -151,7 +151,7 @@ def test_a_mission_that_waits_on_the_ground_can_be_written_anew() -> None:
     """Disarmed in AUTO the first item is current; a new mission begins at its own first item."""
     autopilot, station = sim()
     station.run(READY_S)
-    station.upload([takeoff(10), place(10, 0)])
+    station.upload([takeoff(10), item_at(10, 0)])
     station.mode(AUTO)
     station.run(1)
     assert autopilot.mission.seq == 1

@@ -14,14 +14,14 @@ from tests.helpers.sim_station import (
     Item,
     Station,
     act,
-    place,
+    item_at,
     sim,
 )
 
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 
-SQUARE = [place(40, 0), place(40, 40), place(0, 40)]
+SQUARE = [item_at(40, 0), item_at(40, 40), item_at(0, 40)]
 
 
 def reached(station: Station) -> list[int]:
@@ -58,7 +58,7 @@ def test_do_items_take_the_place_of_the_item_before_in_the_report() -> None:
     """A DO item that is done at once hides the item before it; those that wait are reported each."""
     _, station = sim()
     station.fly()
-    station.upload([place(30, 0), act(178, 1, 3, -1), act(112, 1), act(178, 1, 4, -1), place(30, 30)])
+    station.upload([item_at(30, 0), act(178, 1, 3, -1), act(112, 1), act(178, 1, 4, -1), item_at(30, 30)])
     station.mode(AUTO)
     assert station.run(120, lambda: 5 in reached(station))
     assert reached(station) == [2, 3, 4, 5]
@@ -69,7 +69,7 @@ def test_jumps_are_flown_as_often_as_they_say() -> None:
     """DO_JUMP back to 1 twice: the items before it are flown three times."""
     _, station = sim()
     station.fly()
-    station.upload([place(10, 0), place(0, 0), act(177, 1, 2), place(0, 10)])
+    station.upload([item_at(10, 0), item_at(0, 0), act(177, 1, 2), item_at(0, 10)])
     station.mode(AUTO)
     assert order_of(station, 4) == [*["1 WP", "2 WP"] * 3, "4 WP"]
 
@@ -78,12 +78,12 @@ def test_jumps_can_go_on_for_ever_and_lead_nowhere() -> None:
     """-1 repeats without end; a jump onto itself is passed over, as is one that never jumps."""
     autopilot, station = sim()
     station.fly()
-    station.upload([place(10, 0), act(177, 2, -1), place(0, 10)])
+    station.upload([item_at(10, 0), act(177, 2, -1), item_at(0, 10)])
     station.mode(AUTO)
     station.run(30)
     assert autopilot.mission.seq == 1
     station.mode(LOITER)
-    station.upload([place(10, 0), place(0, 0), act(177, 1, -1)])
+    station.upload([item_at(10, 0), item_at(0, 0), act(177, 1, -1)])
     station.mode(AUTO)
     station.run(120)
     assert autopilot.mode.value == AUTO
@@ -92,7 +92,7 @@ def test_jumps_can_go_on_for_ever_and_lead_nowhere() -> None:
 
 @pytest.mark.parametrize(
     ("item", "seconds"),
-    [(place(0, 0, 20, command=19, hold_s=7), 7), ((93, 2, (9.0, -1.0, -1.0, -1.0), 0, 0, 0.0), 9)],
+    [(item_at(0, 0, 20, command=19, hold_s=7), 7), ((93, 2, (9.0, -1.0, -1.0, -1.0), 0, 0, 0.0), 9)],
     ids=["loiter time", "delay"],
 )
 def test_items_that_wait_wait(item: Item, seconds: float) -> None:
@@ -100,7 +100,7 @@ def test_items_that_wait_wait(item: Item, seconds: float) -> None:
     autopilot, station = sim()
     station.fly()
     station.run(10)
-    station.upload([item, place(0, 30)])
+    station.upload([item, item_at(0, 30)])
     station.mode(AUTO)
     began_s = autopilot.time_s
     assert station.run(60, lambda: autopilot.mission.seq == 2)
@@ -111,7 +111,7 @@ def test_a_loiter_without_end_is_left_by_a_station_only() -> None:
     """NAV_LOITER_UNLIM stays until another mode or item is chosen."""
     autopilot, station = sim()
     station.fly()
-    station.upload([place(20, 0, command=17), place(0, 0)])
+    station.upload([item_at(20, 0, command=17), item_at(0, 0)])
     station.mode(AUTO)
     station.run(120)
     assert autopilot.mission.seq == 1
@@ -121,10 +121,10 @@ def test_a_loiter_without_end_is_left_by_a_station_only() -> None:
 
 
 def test_a_land_item_lands_there_and_ends_the_mission() -> None:
-    """NAV_LAND with a place flies there, lands and disarms."""
+    """NAV_LAND with a location flies there, lands and disarms."""
     autopilot, station = sim()
     station.fly(10)
-    station.upload([place(10, 0, 10), place(20, 5, 0, command=21)])
+    station.upload([item_at(10, 0, 10), item_at(20, 5, 0, command=21)])
     station.mode(AUTO)
     assert station.run(120, lambda: not autopilot.armed)
     assert math.dist(autopilot.flight.position_m, (20, 5, 0)) < 1
@@ -156,7 +156,9 @@ def test_items_that_arducopter_cannot_fly_are_passed_over() -> None:
     """Commands that it stores and does not start are spoken of, stopped before, and not reached."""
     _, station = sim()
     station.fly()
-    station.upload([place(20, 0), act(183, 5, 1500), place(20, 5, command=30), act(178, 1, 1), place(0, 0)])
+    station.upload(
+        [item_at(20, 0), act(183, 5, 1500), item_at(20, 5, command=30), act(178, 1, 1), item_at(0, 0)]
+    )
     station.mode(AUTO)
     assert order_of(station, 5) == ["1 WP", "2 SetServo", "3 ContinueAndChangeAlt", "5 WP"]
     assert reached(station) == [1, 5]
@@ -165,8 +167,8 @@ def test_items_that_arducopter_cannot_fly_are_passed_over() -> None:
 @pytest.mark.parametrize(
     ("item", "text"),
     [
-        (place(20, 5, command=31), "Auto: 2 LoitAltitude is not simulated"),
-        (place(20, 5, command=94), "Auto: 2 PayloadPlace is not simulated"),
+        (item_at(20, 5, command=31), "Auto: 2 LoitAltitude is not simulated"),
+        (item_at(20, 5, command=94), "Auto: 2 PayloadPlace is not simulated"),
         (act(93, 0, 12, 30), "Auto: 2 Delay is not simulated"),
         (act(601, 3, 1), "Auto: 2 JumpToTag is not simulated"),
     ],
@@ -176,7 +178,7 @@ def test_what_is_not_simulated_is_refused_by_name(item: Item, text: str) -> None
     """AUTO is not entered with an item that ArduCopter would fly and the model does not."""
     autopilot, station = sim()
     station.fly()
-    station.upload([place(20, 0), item, place(0, 0)])
+    station.upload([item_at(20, 0), item, item_at(0, 0)])
     assert station.mode(AUTO) == FAILED
     assert text in station.texts
     assert autopilot.mode == CopterMode.GUIDED

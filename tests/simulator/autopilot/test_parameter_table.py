@@ -85,11 +85,11 @@ def test_setting_is_heard_by_every_station() -> None:
     other = Station(station.link, 254)
     station.send(dialect.MAVLink_param_set_message(1, 1, b"RTL_ALT", 2000.4, 6))
     assert station.last("PARAM_VALUE").param_value == other.last("PARAM_VALUE").param_value == 2000
-    station.forget()
+    station.clear()
     station.send(dialect.MAVLink_param_set_message(1, 1, b"NO_SUCH", 1, 9))
     station.send(dialect.MAVLink_param_set_message(1, 1, b"RTL_ALT", float("nan"), 9))
     station.send(dialect.MAVLink_param_request_read_message(1, 1, b"NO_SUCH", -1))
-    assert station.heard == []
+    assert station.received == []
     assert autopilot.parameters["RTL_ALT"] == 2000
 
 

@@ -15,7 +15,7 @@ from tests.helpers.sim_station import (
     RTL,
     Station,
     act,
-    place,
+    item_at,
     sim,
     takeoff,
 )
@@ -90,7 +90,7 @@ def test_it_flies_anywhere_on_earth(start: Start) -> None:
 
 def test_the_landed_state_follows_the_flight() -> None:
     """EXTENDED_SYS_STATE goes from ground over take-off, air and landing to ground, in every way down."""
-    mission = [takeoff(10), place(5, 0, 10), act(20)]
+    mission = [takeoff(10), item_at(5, 0, 10), act(20)]
     for way in (RTL, LAND, AUTO):
         autopilot, station = sim()
         station.command(511, dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 200000)

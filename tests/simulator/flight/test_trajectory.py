@@ -66,7 +66,7 @@ def test_the_step_changes_next_to_nothing(kind: str) -> None:
 
 
 def test_part_of_a_mission_may_be_flown_from_anywhere() -> None:
-    """Begun at item 3 with place and velocity of a whole flight there, the rest goes as it went."""
+    """Started at item 3 with position and velocity of the whole flight there, the rest is the same."""
     mission = mission_at([(0, 30, 20), (60, 30, 20), (60, 100, 20), (0, 100, 20), (0, 150, 20)])
     whole = simulate(mission, LIMITS)
     k = int(np.searchsorted(whole.time_s, whole.reached_s[2]))
@@ -124,8 +124,8 @@ def test_thin_air_lets_a_leaning_copter_fly_faster() -> None:
     assert list(speeds.values()) == sorted(speeds.values())
 
 
-def test_missions_that_lead_nowhere_are_refused() -> None:
-    """No place, no altitude, or no end: each is one sentence."""
+def test_missions_that_cannot_be_flown_are_refused() -> None:
+    """No location, no altitude, or no end: each is one sentence."""
     with pytest.raises(MissionError, match="neither home nor waypoint"):
         simulate(Mission(()), LIMITS)
     with pytest.raises(MissionError, match="altitude"):

@@ -1,4 +1,4 @@
-"""What of a mission item is kept on board."""
+"""What ArduCopter stores of a mission item."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def refusal(message: Any) -> int:
     st.integers(-180 * 10**7, 180 * 10**7),
     st.floats(-1000, 30000, width=32),
 )
-def test_places_of_item_int_are_kept_exactly(x: int, y: int, z: float) -> None:
+def test_locations_of_item_int_are_kept_exactly(x: int, y: int, z: float) -> None:
     """Degrees times 1e7 come back bit for bit, altitudes to the centimetre."""
     back = item_int(to_stored_item(as_int(x=x, y=y, z=z)), 1, current=False, system=255, component=0)
     assert (back.x, back.y) == (x, y)
@@ -60,7 +60,7 @@ def test_places_of_item_int_are_kept_exactly(x: int, y: int, z: float) -> None:
 
 @settings(deadline=None)
 @given(st.floats(-90, 90), st.floats(-180, 180))
-def test_places_of_float_items_lose_what_32_bit_floats_lose(lat: float, lon: float) -> None:
+def test_locations_of_float_items_lose_what_32_bit_floats_lose(lat: float, lon: float) -> None:
     """A MISSION_ITEM is off by at most half a step of its float, plus the step of the product."""
     item = to_stored_item(as_float(lat, lon))
     assert abs(item.lat_e7 / 1e7 - lat) <= abs(lat) * 2**-23 + 1e-7
@@ -136,7 +136,7 @@ def test_bad_items_are_refused_with_arducopters_code(message: object, result: in
 
 
 def test_an_item_reads_back_as_float_or_int() -> None:
-    """Both forms name command, frame, parameters and altitude alike; the float form rounds the place."""
+    """Both forms name command, frame, parameters and altitude alike; the float form rounds the location."""
     item = StoredItem(16, 3, (1.0, 0.0, 0.0, 0.0), 473977421, -1791234567, 2050)
     exact = item_int(item, 7, current=True, system=255, component=190)
     rounded = item_float(item, 7, current=False, system=255, component=190)

@@ -24,7 +24,7 @@ def winding(legs: int, leg_m: float, seed: int) -> list[tuple[float, float, floa
 def test_short_legs_take_as_long_as_they_are_flown(leg_m: float, seed: int) -> None:
     """Within 2 % of the model that flies them step by step."""
     places = winding(40, leg_m, seed)
-    lat, lon = FRAME.to_degrees([place[:2] for place in places])
+    lat, lon = FRAME.to_degrees([item_at[:2] for item_at in places])
     items = tuple(waypoint(float(a), float(b), 30.0) for a, b in zip(lat, lon, strict=True))
     begin_s, end_s = simulate(Mission(items, Home(47.0, 8.0, 400.0)), Limits()).auto_s
     assert straight_duration_s(places, Limits()) == pytest.approx(end_s - begin_s, rel=0.02)
@@ -32,5 +32,5 @@ def test_short_legs_take_as_long_as_they_are_flown(leg_m: float, seed: int) -> N
 
 @pytest.mark.parametrize("places", [[], [(0.0, 0.0, 30.0)], [(1.0, 2.0, 30.0)] * 3])
 def test_no_way_takes_no_time(places: list[tuple[float, float, float]]) -> None:
-    """Nothing, one place, and the same place again and again."""
+    """No position, one, and the same one again and again."""
     assert straight_duration_s(places, Limits()) == 0

@@ -73,6 +73,34 @@ def test_a_stop_is_braked_for() -> None:
     assert 0.0025 * len(rows) == pytest.approx(2 * sqrt(40 / 1.25), rel=0.03)
 
 
+def on_board_duration_s(length: float, speed: float, destination_speed: float) -> float:
+    """Duration of a straight curve as SplineCurve::advance_target_along_track flies it, in steps of 2.5 ms.
+
+    A step covers what the speed from before it does; the next speed is that of where the step began.
+    """
+    dt, accel, position, steps = 0.0025, 1.25, 0.0, 0
+    while position < length:
+        allowed = min(10.0, sqrt(2 * accel * (length - position) + destination_speed**2))
+        position += speed * dt
+        speed = min(max(allowed, speed - accel * dt), speed + accel * dt)
+        steps += 1
+    return steps * dt - (position - length) / speed
+
+
+@pytest.mark.parametrize(
+    ("length", "speed", "destination_speed"),
+    [(40.0, 5.0, 0.2), (40.0, 8.0, 0.05), (100.0, 0.0, 9.9), (5.0, 0.0, 3.5)],
+    ids=["almost to rest", "from 8 m/s", "from rest", "short, from rest"],
+)
+def test_a_leg_lasts_as_long_as_on_board(length: float, speed: float, destination_speed: float) -> None:
+    """Steps of 20 ms take as long as the 2.5 ms steps of the autopilot, within a millisecond."""
+    chord = (length, 0.0, 0.0)
+    spline = Spline(Ends(STILL, chord, chord, chord), LIMITS)
+    spline.limit_destination_speed(destination_speed)
+    duration_s = 0.02 * len(fly(spline, speed=speed)) - spline.unused_s
+    assert duration_s == pytest.approx(on_board_duration_s(length, speed, destination_speed), abs=0.001)
+
+
 def test_the_step_does_not_change_the_motion() -> None:
     """Steps of 2.5 ms and 40 ms arrive at the same time."""
     ends = Ends(STILL, (30.0, 10.0, 5.0), STILL, (20.0, -20.0, 0.0))

@@ -18,7 +18,7 @@ STILL: Vector = (0.0, 0.0, 0.0)
 
 
 def last_leg(home: tuple[float, float], rows: list[tuple[float, float, float]], *, straight: bool) -> Ends:
-    """The curve from the last but one place to the last, after a straight leg or another curve."""
+    """The curve from the last but one waypoint to the last, after a straight leg or another curve."""
     frame = FlatFrame(*home)
     north_east = frame.on_board([r[0] for r in rows], [r[1] for r in rows]).tolist()
     before, origin, destination = (
@@ -87,7 +87,7 @@ def test_without_rounding_errors_it_would_fly_back() -> None:
 
 
 def test_too_long_a_tangent_is_shortened_first() -> None:
-    """A leaving tangent of eight times the chord counts as one of four."""
+    """An origin tangent of eight times the chord counts as one of four."""
     origin, destination = (1.37, 2.71, 20.0), (3.93, 2.71, 20.0)
     (unit, speed), (half_unit, half_speed) = (
         motion_at_rest(Ends(origin, destination, (0.0, length, 0.0), STILL), LIMITS)
@@ -98,7 +98,7 @@ def test_too_long_a_tangent_is_shortened_first() -> None:
 
 
 def test_a_curve_to_where_it_began_has_no_direction() -> None:
-    """Without a way there is no motion."""
+    """Without length there is no motion."""
     assert motion_at_rest(Ends(STILL, STILL, STILL, STILL), LIMITS) == (STILL, 0.0)
 
 

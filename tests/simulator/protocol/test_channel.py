@@ -14,7 +14,7 @@ SET_INTERVAL, GET_INTERVAL, REQUEST = 511, 510, 512
 
 
 def counts(station: Station) -> Counter[str]:
-    return Counter(message.get_type() for message in station.heard)
+    return Counter(message.get_type() for message in station.received)
 
 
 def test_mavlink_2_is_spoken_from_the_start() -> None:
@@ -75,7 +75,7 @@ def test_sequence_numbers_count_every_message() -> None:
     _, station = sim(Faults())
     station.send(dialect.MAVLink_request_data_stream_message(1, 1, ALL, 10, 1))
     station.run(10)
-    numbers = [message.get_seq() for message in station.heard]
+    numbers = [message.get_seq() for message in station.received]
     assert numbers == [index % 256 for index in range(len(numbers))]
 
 
@@ -92,10 +92,10 @@ def test_ping_timesync_and_files_are_answered() -> None:
     station.send(dialect.MAVLink_file_transfer_protocol_message(0, 1, 1, request))
     answer = station.last("FILE_TRANSFER_PROTOCOL").payload
     assert (answer[0], answer[2], answer[3], answer[5], answer[12]) == (8, 3, 129, 4, 10)
-    station.forget()
+    station.clear()
     station.send(dialect.MAVLink_ping_message(77, 5, 1, 1))
     station.send(dialect.MAVLink_timesync_message(5, 123))
-    assert station.heard == []
+    assert station.received == []
 
 
 def test_the_version_tells_what_it_can_do() -> None:
@@ -106,7 +106,7 @@ def test_the_version_tells_what_it_can_do() -> None:
     assert version.flight_sw_version >> 8 == 0x040600
     for name in ("MISSION_INT", "COMMAND_INT", "MAVLINK2"):
         assert version.capabilities & getattr(dialect, f"MAV_PROTOCOL_CAPABILITY_{name}")
-    station.forget()
+    station.clear()
     station.send(dialect.MAVLink_autopilot_version_request_message(1, 1))
     assert len(station.of("AUTOPILOT_VERSION")) == 1
     assert station.command(520, 0) == 4

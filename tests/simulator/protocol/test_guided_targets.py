@@ -1,4 +1,4 @@
-"""GUIDED: places, velocities, speeds and headings that stations send."""
+"""GUIDED: positions, velocities, speeds and headings that stations send."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
-from tests.helpers.sim_station import GUIDED, LOITER, START, Station, place, sim
+from tests.helpers.sim_station import GUIDED, LOITER, START, Station, item_at, sim
 
 POSITION_ONLY, VELOCITY_ONLY = 0b0000110111111000, 0b0000110111000111
 LOCAL, OFFSET, BODY = 1, 7, 9
@@ -54,7 +54,7 @@ def test_an_item_with_current_2_is_flown_to() -> None:
 
 
 def test_an_item_with_current_3_changes_the_height() -> None:
-    """The place stays, the height follows."""
+    """The position stays, the altitude changes."""
     autopilot, station = sim()
     station.fly()
     assert item(station, 3, 500.0, 30.0) == dialect.MAV_MISSION_ACCEPTED
@@ -63,7 +63,7 @@ def test_an_item_with_current_3_changes_the_height() -> None:
 
 
 def test_nothing_leaves_the_ground_by_a_target() -> None:
-    """On the ground, even armed, places and velocities move nothing."""
+    """On the ground, even armed, positions and velocities move nothing."""
     autopilot, station = sim()
     station.run(10)
     station.mode(GUIDED)
@@ -82,7 +82,7 @@ def test_nothing_leaves_the_ground_by_a_target() -> None:
         (BODY, (20.0, 10.0, -5.0), (-10, 20, 25)),
     ],
 )
-def test_local_places_are_flown_to(frame: int, where: tuple[float, ...], end: tuple[float, ...]) -> None:
+def test_local_positions_are_flown_to(frame: int, where: tuple[float, ...], end: tuple[float, ...]) -> None:
     """From the origin, from here, and ahead of the nose, which looks east at the start."""
     autopilot, station = sim()
     station.fly()
@@ -117,7 +117,7 @@ def test_a_velocity_is_flown_until_it_is_not_repeated() -> None:
     ],
 )
 def test_what_makes_no_sense_stops_the_copter(mask: int, frame: int, velocity: tuple[float, ...]) -> None:
-    """Insane velocities, foreign frames and empty masks are a stop."""
+    """Implausible velocities, foreign frames and empty masks are a stop."""
     autopilot, station = sim()
     station.fly()
     local(station, VELOCITY_ONLY, LOCAL, NOWHERE, (3.0, 0.0, 0.0))
@@ -128,7 +128,7 @@ def test_what_makes_no_sense_stops_the_copter(mask: int, frame: int, velocity: t
 
 
 def test_global_targets_are_flown_to() -> None:
-    """SET_POSITION_TARGET_GLOBAL_INT with a place, a velocity, and a place that is none."""
+    """SET_POSITION_TARGET_GLOBAL_INT with a location, a velocity, and an invalid location."""
     autopilot, station = sim()
     station.fly()
     there = START.location_of((25.0, 0.0, 0.0))
@@ -157,10 +157,10 @@ def test_global_targets_are_flown_to() -> None:
 
 
 def test_reposition_flies_there_and_may_enter_guided() -> None:
-    """DO_REPOSITION needs GUIDED or the flag that changes to it, and a place on earth."""
+    """DO_REPOSITION needs GUIDED or the flag that changes to it, and a valid location."""
     autopilot, station = sim()
     station.fly()
-    x, y = place(20, 0)[3:5]
+    x, y = item_at(20, 0)[3:5]
     station.mode(LOITER)
     assert station.command_int(REPOSITION, 6, [-1, 0, 0, 0], (x, y, 20.0)) == 2
     assert station.command_int(REPOSITION, 6, [-1, 1, 0, 0], (950000000, y, 20.0)) == 2
@@ -171,7 +171,7 @@ def test_reposition_flies_there_and_may_enter_guided() -> None:
 
 
 def test_speeds_change_in_guided() -> None:
-    """DO_CHANGE_SPEED holds for the place that is flown to; without a speed, or on the ground, it fails."""
+    """DO_CHANGE_SPEED holds for the present target; without a speed, or on the ground, it fails."""
     autopilot, station = sim()
     assert station.command(CHANGE_SPEED, 1, 5) == 4
     station.fly()
@@ -186,7 +186,7 @@ def test_speeds_change_in_auto_by_command_and_by_parameter() -> None:
     """Both DO_CHANGE_SPEED and WPNAV_SPEED govern the leg that is flown, at once."""
     autopilot, station = sim()
     station.fly()
-    station.upload([place(1000, 0)])
+    station.upload([item_at(1000, 0)])
     station.mode(3)
     station.run(20)
     assert autopilot.flight.velocity_m_s[0] == pytest.approx(10, abs=0.3)
@@ -212,11 +212,11 @@ def test_the_heading_can_be_set() -> None:
 
 
 def test_home_can_be_moved() -> None:
-    """DO_SET_HOME here, or to a place: RTL then lands there."""
+    """DO_SET_HOME here, or at a location: RTL then lands there."""
     autopilot, station = sim()
     assert station.command(SET_HOME, 1) == 4
     station.fly()
-    x, y = place(30, 0)[3:5]
+    x, y = item_at(30, 0)[3:5]
     assert station.command_int(SET_HOME, 0, [0, 0, 0, 0], (x, y, 488.0)) == 0
     assert station.last("HOME_POSITION").latitude == x
     assert station.command_int(SET_HOME, 1, [0, 0, 0, 0], (x, y, 488.0)) == 2

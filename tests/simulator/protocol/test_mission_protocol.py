@@ -6,10 +6,10 @@ import pytest
 
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import Faults, MissionFaults
-from tests.helpers.sim_station import START, Item, Station, act, place, sim, takeoff
+from tests.helpers.sim_station import START, Item, Station, act, item_at, sim, takeoff
 
 ACCEPTED, ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
-ROUTE = [takeoff(20), place(40, 0), act(178, 1, 5, -1), place(40, 40, command=82), act(20)]
+ROUTE = [takeoff(20), item_at(40, 0), act(178, 1, 5, -1), item_at(40, 40, command=82), act(20)]
 
 
 def count(station: Station, number: int, mission_type: int = 0) -> None:
@@ -29,7 +29,7 @@ def ack(station: Station) -> tuple[int, int]:
 
 
 def read_back(station: Station) -> list[object]:
-    station.forget()
+    station.clear()
     station.send(dialect.MAVLink_mission_request_list_message(1, 1))
     for seq in range(station.last("MISSION_COUNT").count):
         station.send(dialect.MAVLink_mission_request_int_message(1, 1, seq))
@@ -65,8 +65,8 @@ def test_a_lost_item_is_asked_for_again_after_a_second() -> None:
     assert len(station.of("MISSION_REQUEST")) == 1
     station.run(1.3)
     assert [request.seq for request in station.of("MISSION_REQUEST")] == [0, 0, 0]
-    station.send(item(0, place(0, 0)))
-    station.send(item(1, place(10, 0)))
+    station.send(item(0, item_at(0, 0)))
+    station.send(item(1, item_at(10, 0)))
     assert ack(station) == (ACCEPTED, 0)
 
 
@@ -77,7 +77,7 @@ def test_a_silent_upload_is_cancelled_after_eight_seconds() -> None:
     station.run(8.2)
     assert ack(station) == (dialect.MAV_MISSION_OPERATION_CANCELLED, 0)
     assert "Mission upload timeout" in station.texts
-    station.send(item(0, place(0, 0)))
+    station.send(item(0, item_at(0, 0)))
     assert ack(station) == (ERROR, 0)
 
 
@@ -85,11 +85,11 @@ def test_an_item_out_of_turn_is_an_invalid_sequence() -> None:
     """A repeated or early item is answered with INVALID_SEQUENCE and the upload goes on."""
     _, station = sim()
     count(station, 3)
-    station.send(item(0, place(0, 0)))
-    station.send(item(0, place(0, 0)))
+    station.send(item(0, item_at(0, 0)))
+    station.send(item(0, item_at(0, 0)))
     assert ack(station) == (dialect.MAV_MISSION_INVALID_SEQUENCE, 0)
-    station.send(item(1, place(10, 0)))
-    station.send(item(2, place(20, 0)))
+    station.send(item(1, item_at(10, 0)))
+    station.send(item(2, item_at(20, 0)))
     assert ack(station) == (ACCEPTED, 0)
 
 
@@ -97,10 +97,10 @@ def test_a_bad_item_ends_the_upload() -> None:
     """The code says what was wrong; what follows is answered with ERROR."""
     _, station = sim()
     count(station, 3)
-    station.send(item(0, place(0, 0)))
+    station.send(item(0, item_at(0, 0)))
     station.send(item(1, act(2999)))
     assert ack(station) == (dialect.MAV_MISSION_UNSUPPORTED, 0)
-    station.send(item(2, place(20, 0)))
+    station.send(item(2, item_at(20, 0)))
     assert ack(station) == (ERROR, 0)
 
 
@@ -108,7 +108,7 @@ def test_a_bad_item_ends_the_upload() -> None:
 def test_a_jump_must_lead_into_the_mission(target: int, result: int) -> None:
     """DO_JUMP to nowhere ends the upload."""
     _, station = sim()
-    assert station.upload([place(10, 0), act(177, target, 2)]) == result
+    assert station.upload([item_at(10, 0), act(177, target, 2)]) == result
 
 
 def test_another_station_is_denied_while_one_uploads() -> None:
@@ -118,7 +118,7 @@ def test_another_station_is_denied_while_one_uploads() -> None:
     count(station, 2)
     count(other, 5)
     assert ack(other)[0] == dialect.MAV_MISSION_DENIED
-    other.send(item(0, place(0, 0)))
+    other.send(item(0, item_at(0, 0)))
     assert ack(other)[0] == dialect.MAV_MISSION_DENIED
     other.send(dialect.MAVLink_mission_request_list_message(1, 1))
     assert ack(other)[0] == dialect.MAV_MISSION_DENIED
@@ -126,7 +126,7 @@ def test_another_station_is_denied_while_one_uploads() -> None:
     assert ack(other)[0] == dialect.MAV_MISSION_DENIED
     other.send(dialect.MAVLink_mission_clear_all_message(1, 1))
     assert ack(other)[0] == ERROR
-    assert station.upload([place(10, 0)]) == ACCEPTED
+    assert station.upload([item_at(10, 0)]) == ACCEPTED
 
 
 def test_a_mission_that_is_too_long_is_refused() -> None:
@@ -143,7 +143,7 @@ def test_a_shorter_mission_leaves_nothing_of_the_longer() -> None:
     """A new count cuts the old mission; none at all empties it."""
     _, station = sim()
     station.upload(ROUTE)
-    station.upload([place(10, 0)])
+    station.upload([item_at(10, 0)])
     assert len(read_back(station)) == 2
     count(station, 0)
     assert ack(station) == (ACCEPTED, 0)
@@ -153,13 +153,13 @@ def test_a_shorter_mission_leaves_nothing_of_the_longer() -> None:
 def test_part_of_a_mission_can_be_written() -> None:
     """A partial write replaces its items, and may not reach beyond the end."""
     _, station = sim()
-    station.upload([place(10, 0), place(20, 0), place(30, 0)])
-    station.forget()
+    station.upload([item_at(10, 0), item_at(20, 0), item_at(30, 0)])
+    station.clear()
     station.send(dialect.MAVLink_mission_write_partial_list_message(1, 1, 2, 2))
     assert station.last("MISSION_REQUEST").seq == 2
-    station.send(item(2, place(25, 0)))
+    station.send(item(2, item_at(25, 0)))
     assert ack(station) == (ACCEPTED, 0)
-    assert [one.x for one in read_back(station)][2] == place(25, 0)[3]  # type: ignore[attr-defined]
+    assert [one.x for one in read_back(station)][2] == item_at(25, 0)[3]  # type: ignore[attr-defined]
     station.send(dialect.MAVLink_mission_write_partial_list_message(1, 1, 3, 9))
     assert ack(station) == (ERROR, 0)
 
@@ -167,8 +167,8 @@ def test_part_of_a_mission_can_be_written() -> None:
 def test_reading_beyond_the_end_tells_the_length() -> None:
     """A request for an item that is not there brings the count and an error."""
     _, station = sim()
-    station.upload([place(10, 0)])
-    station.forget()
+    station.upload([item_at(10, 0)])
+    station.clear()
     station.send(dialect.MAVLink_mission_request_int_message(1, 1, 2))
     assert station.last("MISSION_COUNT").count == 2
     assert ack(station) == (ERROR, 0)
@@ -216,17 +216,17 @@ def test_an_upload_in_floats_is_taken_and_complained_of_once() -> None:
 def test_faults_refuse_an_item_the_whole_or_the_newer_form() -> None:
     """A fault script's result answers its item, the last item, or nothing at all."""
     _, station = sim(Faults(mission=MissionFaults(result_of_item={2: 14})))
-    assert station.upload([place(1, 0)]) == ACCEPTED
+    assert station.upload([item_at(1, 0)]) == ACCEPTED
     assert station.upload(ROUTE) == ERROR
     assert 14 in [message.type for message in station.of("MISSION_ACK")]
     _, station = sim(Faults(mission=MissionFaults(result_of_upload=ERROR)))
-    assert station.upload([place(1, 0)]) == ERROR
+    assert station.upload([item_at(1, 0)]) == ERROR
     _, station = sim(Faults(mission=MissionFaults(capacity=3)))
-    assert station.upload([place(1, 0)]) == ACCEPTED
+    assert station.upload([item_at(1, 0)]) == ACCEPTED
     count(station, 4)
     assert ack(station)[0] == dialect.MAV_MISSION_NO_SPACE
     _, station = sim(Faults(mission=MissionFaults(supports_item_int=False)))
     count(station, 2)
-    station.send(item(0, place(0, 0)))
+    station.send(item(0, item_at(0, 0)))
     assert station.of("MISSION_ACK") == []
     assert [request.seq for request in station.of("MISSION_REQUEST")] == [0]

@@ -9,7 +9,7 @@ import pytest
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.protocol.stream_rates import GROUPS, StreamRates
 from flight_replay.simulator.protocol.telemetry import BUILDERS
-from tests.helpers.sim_station import START, Station, place, sim
+from tests.helpers.sim_station import START, Station, item_at, sim
 
 ALL = dialect.MAV_DATA_STREAM_ALL
 ATTITUDE, VFR_HUD = dialect.MAVLINK_MSG_ID_ATTITUDE, dialect.MAVLINK_MSG_ID_VFR_HUD
@@ -17,16 +17,16 @@ SET_INTERVAL, GET_INTERVAL, REQUEST = 511, 510, 512
 
 
 def counts(station: Station) -> Counter[str]:
-    return Counter(message.get_type() for message in station.heard)
+    return Counter(message.get_type() for message in station.received)
 
 
 def test_only_heartbeats_come_unasked() -> None:
     """Like ArduPilot with SR0_* at 0, a new link carries heartbeats and texts alone, one a second."""
     _, station = sim()
     station.run(10)
-    heard = counts(station)
-    assert heard["HEARTBEAT"] in (10, 11)
-    assert set(heard) == {"HEARTBEAT", "STATUSTEXT", "HOME_POSITION", "GPS_GLOBAL_ORIGIN"}
+    received = counts(station)
+    assert received["HEARTBEAT"] in (10, 11)
+    assert set(received) == {"HEARTBEAT", "STATUSTEXT", "HOME_POSITION", "GPS_GLOBAL_ORIGIN"}
 
 
 def test_streams_come_at_the_rate_asked_for_by_vehicle_time() -> None:
@@ -34,13 +34,13 @@ def test_streams_come_at_the_rate_asked_for_by_vehicle_time() -> None:
     _, station = sim()
     station.send(dialect.MAVLink_request_data_stream_message(1, 1, ALL, 4, 1))
     station.run(10)
-    station.forget()
+    station.clear()
     station.run(10)
-    heard = counts(station)
+    received = counts(station)
     kinds = "ATTITUDE GLOBAL_POSITION_INT SYS_STATUS GPS_RAW_INT MISSION_CURRENT EKF_STATUS_REPORT VFR_HUD"
     for kind in f"{kinds} BATTERY_STATUS RC_CHANNELS LOCAL_POSITION_NED".split():
-        assert heard[kind] in (40, 41), kind
-    assert heard["RC_CHANNELS_RAW"] == heard["POSITION_TARGET_GLOBAL_INT"] == 0
+        assert received[kind] in (40, 41), kind
+    assert received["RC_CHANNELS_RAW"] == received["POSITION_TARGET_GLOBAL_INT"] == 0
 
 
 def test_streams_stop_when_told_to() -> None:
@@ -52,7 +52,7 @@ def test_streams_stop_when_told_to() -> None:
     station.run(1)
     assert counts(station)["ATTITUDE"] in (5, 6)
     station.send(dialect.MAVLink_request_data_stream_message(1, 1, 10, 5, 0))
-    station.forget()
+    station.clear()
     station.run(1)
     assert counts(station)["ATTITUDE"] == 0
 
@@ -114,12 +114,12 @@ def test_every_message_can_be_requested() -> None:
     """REQUEST_MESSAGE brings each message that is known, on the ground, in flight and in AUTO."""
     _, station = sim()
     station.fly()
-    station.upload([place(100, 0)])
+    station.upload([item_at(100, 0)])
     station.mode(3)
     station.run(2)
     missing = {"RC_CHANNELS_RAW", "FENCE_STATUS"}
     for message_id in BUILDERS:
-        station.forget()
+        station.clear()
         assert station.command(REQUEST, message_id) == 0
         kind = dialect.mavlink_map[message_id].msgname
         assert (station.of(kind) == []) == (kind in missing), kind

@@ -60,7 +60,7 @@ def connect(endpoint: Endpoint, number: int = 0, system: int = 255) -> Client:
     return Client(socket.create_connection((LOCAL, endpoint.addresses[number].port)), system)
 
 
-def heard(endpoint: Endpoint, client: Client, kind: str) -> object:
+def received(endpoint: Endpoint, client: Client, kind: str) -> object:
     """The first message of a kind; steps the vehicle meanwhile, at most 5 s of wall time."""
     deadline = time.monotonic() + 5
     while time.monotonic() < deadline:
@@ -110,10 +110,10 @@ def test_several_stations_at_once(opened: Callable[..., Endpoint]) -> None:
     endpoint = opened(f"tcp:{LOCAL}:0", f"tcp:{LOCAL}:0")
     clients = [connect(endpoint, 0), connect(endpoint, 0, 254), connect(endpoint, 1, 253)]
     for client in clients:
-        heard(endpoint, client, "HEARTBEAT")
+        received(endpoint, client, "HEARTBEAT")
     clients[0].send(dialect.MAVLink_param_set_message(1, 1, b"RTL_ALT", 2222, 6))
     for client in clients:
-        assert heard(endpoint, client, "PARAM_VALUE").param_value == 2222  # type: ignore[attr-defined]
+        assert received(endpoint, client, "PARAM_VALUE").param_value == 2222  # type: ignore[attr-defined]
         client.socket.close()
 
 
@@ -122,7 +122,7 @@ def test_stations_come_and_go(opened: Callable[..., Endpoint]) -> None:
     endpoint = opened(f"tcp:{LOCAL}:0")
     for _ in range(3):
         client = connect(endpoint)
-        heard(endpoint, client, "HEARTBEAT")
+        received(endpoint, client, "HEARTBEAT")
         client.socket.close()
         deadline = time.monotonic() + 5
         while endpoint.stations and time.monotonic() < deadline:
@@ -137,15 +137,15 @@ def test_messages_between_stations_are_passed_on(opened: Callable[..., Endpoint]
     one, two = connect(endpoint), connect(endpoint, system=42)
     for client in (one, two):
         client.send(dialect.MAVLink_param_request_read_message(1, 1, b"RTL_ALT", -1))
-        heard(endpoint, client, "PARAM_VALUE")
+        received(endpoint, client, "PARAM_VALUE")
     one.send(dialect.MAVLink_ping_message(1, 99, 42, 0))
-    ping = heard(endpoint, two, "PING")
+    ping = received(endpoint, two, "PING")
     assert (ping.seq, ping.get_srcSystem()) == (99, 255)  # type: ignore[attr-defined]
     one.send(dialect.MAVLink_set_mode_message(7, 1, GUIDED))
     one.send(dialect.MAVLink_param_request_read_message(1, 154, b"RTL_ALT", -1))
     one.send(dialect.MAVLink_param_request_read_message(1, 1, b"LAND_SPEED", -1))
-    assert heard(endpoint, one, "PARAM_VALUE").param_id == "LAND_SPEED"  # type: ignore[attr-defined]
-    assert heard(endpoint, one, "HEARTBEAT").custom_mode == 0  # type: ignore[attr-defined]
+    assert received(endpoint, one, "PARAM_VALUE").param_id == "LAND_SPEED"  # type: ignore[attr-defined]
+    assert received(endpoint, one, "HEARTBEAT").custom_mode == 0  # type: ignore[attr-defined]
     for client in (one, two):
         client.socket.close()
 
@@ -160,7 +160,7 @@ def test_udp_sends_to_its_address_and_hears_the_answers(opened: Callable[..., En
         _, vehicle = sock.recvfrom(65536)
         sock.connect(vehicle)
         client.send(dialect.MAVLink_param_request_read_message(1, 1, b"RTL_ALT", -1))
-        assert heard(endpoint, client, "PARAM_VALUE").param_value == 1500  # type: ignore[attr-defined]
+        assert received(endpoint, client, "PARAM_VALUE").param_value == 1500  # type: ignore[attr-defined]
 
 
 def test_udp_can_wait_for_a_first_datagram(opened: Callable[..., Endpoint]) -> None:
@@ -172,7 +172,7 @@ def test_udp_can_wait_for_a_first_datagram(opened: Callable[..., Endpoint]) -> N
             sock.connect((LOCAL, endpoint.addresses[0].port))
             client = Client(sock)
             client.send(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
-            heard(endpoint, client, "HEARTBEAT")
+            received(endpoint, client, "HEARTBEAT")
         for _ in range(60):
             endpoint.step()
             endpoint.exchange(0)

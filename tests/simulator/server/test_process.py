@@ -167,7 +167,7 @@ def by_hand(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_by_hand_it_runs_until_interrupted(number: signal.Signals, status: int) -> None:
-    """It says where it listens, each place on a line, and ends quietly on Ctrl-C and SIGTERM."""
+    """It says where it listens, each address on a line, and ends quietly on Ctrl-C and SIGTERM."""
     with by_hand("--listen", "tcp:127.0.0.1:0", "--listen", "udp:127.0.0.1:9", "--speedup", "20") as process:
         assert process.stdout is not None
         address = process.stdout.readline().removeprefix("listening on ").strip()
@@ -222,7 +222,7 @@ def test_home_is_latitude_longitude_altitude_heading(text: str, start: Start) ->
 
 
 def test_southern_homes_need_no_equals_sign(monkeypatch: pytest.MonkeyPatch) -> None:
-    """--home -35.4,149.2 is a place, though it begins like an option."""
+    """--home -35.4,149.2 is a position, though it begins like an option."""
     asked: list[Settings] = []
 
     def opened(settings: Settings) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.dynamics.limits import PARAMETERS
-from tests.helpers.sim_station import Station, place, sim
+from tests.helpers.sim_station import Station, item_at, sim
 
 ODD = (0.0, 1.0, -1.0, 2.5, 1e6, -1e9, 3.4e38, -3.4e38, math.nan, math.inf, -math.inf)
 HANDLED = (
@@ -66,7 +66,7 @@ def test_odd_messages_on_the_ground_and_in_the_air(seed: int) -> None:
     bother(station, seed)
     autopilot, station = sim()
     station.fly()
-    station.upload([place(100, 0), place(0, 100, command=82), place(0, 0)])
+    station.upload([item_at(100, 0), item_at(0, 100, command=82), item_at(0, 0)])
     station.mode(3)
     bother(station, 100 + seed)
     assert all(math.isfinite(part) for part in autopilot.flight.position_m)
@@ -94,7 +94,7 @@ def test_odd_flight_parameters(amount: float) -> None:
     """Set in the air, one after the other, to values that cannot be flown with, they break nothing."""
     autopilot, station = sim()
     station.fly(15)
-    station.upload([place(20, 0, 15), place(20, 20, 18, command=82), place(0, 20, 15)])
+    station.upload([item_at(20, 0, 15), item_at(20, 20, 18, command=82), item_at(0, 20, 15)])
     for name in (known for known in PARAMETERS if known in autopilot.parameters):
         before = autopilot.parameters[name]
         autopilot.parameters.assign(name, amount)

@@ -9,7 +9,7 @@ from flight_replay.simulator.autopilot.mission_control import MissionControl
 from flight_replay.simulator.autopilot.prearm import Prearm
 
 _LANDING_MODES = frozenset({CopterMode.LAND, CopterMode.RTL, CopterMode.AUTO})
-_DISARMS_LANDED_S = 4.0  # longer than the flight model takes to stop the motors after it has landed itself
+_DISARMS_LANDED_S = 4.0  # longer than the flight model takes to stop the motors after a landing
 
 
 class Arming:

@@ -1,4 +1,4 @@
-"""The autopilot: modes, arming, home, and what it says; no I/O, and no clock but the vehicle's.
+"""The autopilot: modes, arming, home and status texts; no I/O, and no clock but the vehicle's.
 
 Time passes only in ``step``; what happens on board is reported to ``observers``. The behaviour is
 ArduCopter 4.6's; the flight itself is ``flight_model``'s.
@@ -146,7 +146,7 @@ class Autopilot:
 
     @property
     def start(self) -> Start:
-        """Where it was booted, which is the EKF's origin."""
+        """Where the vehicle was booted, which is the EKF's origin."""
         return self.ekf_frame.start
 
     @property
@@ -161,7 +161,7 @@ class Autopilot:
 
     @property
     def target_m(self) -> Vector | None:
-        """Where the vehicle is heading, around the EKF's origin; None in modes without a target."""
+        """Where the vehicle flies to, around the EKF's origin; None in modes without a target."""
         return self.flight.target_m if self.armed and self.mode in _HAS_TARGET else None
 
     @property

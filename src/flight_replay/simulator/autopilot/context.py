@@ -1,4 +1,4 @@
-"""What the parts of the autopilot may ask of it, and whom it tells what happens on board.
+"""What the parts of the autopilot may ask of it, and what it reports to its observers.
 
 The parts (arming, modes, failsafes, ...) know this interface, not the autopilot that joins them.
 """
@@ -73,10 +73,10 @@ class AutopilotContext(Protocol):
 
 
 class AutopilotObserver(Protocol):
-    """Told of what happens on board at the moment when it happens."""
+    """Receives what happens on board, when it happens."""
 
     def status_text(self, severity: Severity, text: str) -> None:
-        """The vehicle says something."""
+        """The vehicle sends a status text."""
 
     def home_changed(self) -> None:
         """Home was set, or moved."""

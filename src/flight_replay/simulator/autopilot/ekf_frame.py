@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from flight_replay.simulator.autopilot.location import HomeLocation, Start
 from flight_replay.simulator.dynamics.vector import Vector
-from flight_replay.simulator.mission.stored_items import StoredItem
+from flight_replay.simulator.mission.local_items import LocalItem, copter_command, is_navigation
+from flight_replay.simulator.mission.stored_items import ALTITUDE_LIMIT_M, StoredItem
 
+# MAV_FRAMEs.
 _ABSOLUTE_FRAMES = frozenset({0, 5})
 # Heights above home, and above terrain, which is level here.
 _RELATIVE_FRAMES = frozenset({3, 6, 10, 11})
+_STORED_ABSOLUTE, _STORED_TERRAIN = 0, 10
 _WAYPOINT = 16
-ALTITUDE_LIMIT_M = 83000.0
-"""What fits ArduPilot's 24 bits of centimetres (LOCATION_ALT_MAX_M)."""
 
 
 class EkfFrame:
@@ -44,8 +45,18 @@ class EkfFrame:
             return None
         return self.start.position_of(lat_e7, lon_e7, alt_m + self.home.alt_cm / 100)
 
-    def metres_from_home(self, lat_e7: int, lon_e7: int) -> tuple[float, float]:
-        """North and east of home."""
-        north_m, east_m, _ = self.start.position_of(lat_e7, lon_e7, 0.0)
+    def local_item(self, seq: int, item: StoredItem) -> LocalItem:
+        """A mission item in metres around home."""
+        north_east_m = self._metres_from_home(item) if item.lat_e7 or item.lon_e7 else None
+        up_m: float | None = item.alt_m
+        if item.frame == _STORED_ABSOLUTE and self.home is not None:
+            up_m = item.alt_m - self.home.alt_cm / 100
+        if item.alt_cm == 0 and is_navigation(item.command):
+            up_m = None
+        above_terrain = item.frame == _STORED_TERRAIN
+        return LocalItem(seq, copter_command(item.command), item.params, north_east_m, up_m, above_terrain)
+
+    def _metres_from_home(self, item: StoredItem) -> tuple[float, float]:
+        north_m, east_m, _ = self.start.position_of(item.lat_e7, item.lon_e7, 0.0)
         home_m = self.home.position_m if self.home else (0.0, 0.0, 0.0)
         return north_m - home_m[0], east_m - home_m[1]

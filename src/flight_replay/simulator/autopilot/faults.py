@@ -1,6 +1,6 @@
 """What can be wrong with the simulated vehicle, as plain data for tests and rehearsals.
 
-``Faults()`` is a sound ArduCopter 4.6. Each field makes one thing different; ``script`` lists what
+``Faults()`` is an ArduCopter 4.6 without faults. Each field makes one thing different; ``script`` lists what
 goes wrong in flight, and when.
 """
 

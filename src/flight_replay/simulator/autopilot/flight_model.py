@@ -111,7 +111,7 @@ class FlightModel:
 
     @property
     def target_m(self) -> Vector:
-        """Where the vehicle is heading, around the EKF's origin."""
+        """Where the vehicle flies to, around the EKF's origin."""
         run = self._copter.mission
         destination_m = run.destination_m if run is not None else self._destination_m
         return self._from_home(destination_m if destination_m is not None else self._copter.target_m)

@@ -1,4 +1,4 @@
-"""Locations as ArduPilot carries them, and the local frame around the point where the copter was booted."""
+"""Locations as ArduPilot stores them, and the local frame around the point where the copter was booted."""
 
 from __future__ import annotations
 

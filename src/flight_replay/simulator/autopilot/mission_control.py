@@ -17,12 +17,10 @@ from flight_replay.simulator.autopilot.context import AutopilotContext
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.mission.item_names import REPORTED_AS_REACHED, name_of
 from flight_replay.simulator.mission.item_order import ItemOrder
-from flight_replay.simulator.mission.local_items import LocalItem, copter_command, is_navigation
-from flight_replay.simulator.mission.stored_items import StoredItem
+from flight_replay.simulator.mission.local_items import LocalItem
 
 _NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED
 _ACTIVE, _COMPLETE = dialect.MISSION_STATE_ACTIVE, dialect.MISSION_STATE_COMPLETE
-_ABSOLUTE, _ABOVE_TERRAIN = 0, 10  # MAV_FRAME as stored
 # Items from the current one on whose change restarts its leg (ModeAuto::check_for_mission_change).
 _CHECKED_ITEMS = 3
 # Conditions, DO_CHANGE_SPEED, _SET_HOME, _RETURN_PATH_START, _LAND_START, _SET_ROI, _MOUNT_CONTROL,
@@ -219,26 +217,6 @@ class MissionControl:
             self._start_at(seq if 0 < seq <= len(now) else FIRST_SEQ)
             self._autopilot.say(Severity.CRITICAL, "Auto mission changed, restarted command")
 
-    # items
-
     def _local_items(self) -> list[LocalItem]:
         items = self._autopilot.store.items[FIRST_SEQ:]
-        return [
-            LocalItem(
-                seq,
-                copter_command(item.command),
-                item.params,
-                *self._local(item),
-                item.frame == _ABOVE_TERRAIN,
-            )
-            for seq, item in enumerate(items, FIRST_SEQ)
-        ]
-
-    def _local(self, item: StoredItem) -> tuple[tuple[float, float] | None, float | None]:
-        autopilot = self._autopilot
-        north_east_m: tuple[float, float] | None = None
-        if item.lat_e7 or item.lon_e7:
-            north_east_m = autopilot.ekf_frame.metres_from_home(item.lat_e7, item.lon_e7)
-        home_m = autopilot.home.alt_cm / 100 if autopilot.home else 0.0
-        up_m = item.alt_m - home_m if item.frame == _ABSOLUTE else item.alt_m
-        return north_east_m, None if item.alt_cm == 0 and is_navigation(item.command) else up_m
+        return [self._autopilot.ekf_frame.local_item(seq, item) for seq, item in enumerate(items, FIRST_SEQ)]

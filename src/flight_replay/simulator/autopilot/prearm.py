@@ -1,4 +1,4 @@
-"""The checks before arming, with ArduCopter's words (AP_Arming.cpp, AP_Arming_Copter.cpp).
+"""The checks before arming, with ArduCopter's texts (AP_Arming.cpp, AP_Arming_Copter.cpp).
 
 They run once a second while disarmed; failures are sent every 30 s as "PreArm: ...", and after a
 refused arm command as "Arm: ...".

@@ -53,11 +53,6 @@ class MissionRun:
         return self.steps * self._flight.airframe.dt
 
     @property
-    def current_seq(self) -> int:
-        """The navigation item that is flown or was last, 0 before the first."""
-        return self._item.seq if self._item else 0
-
-    @property
     def loitering(self) -> bool:
         """Whether the vehicle loiters at an item that never ends."""
         endless = self._item is not None and self._item.command == Command.LOITER_UNLIMITED

@@ -1,4 +1,4 @@
-"""Missions flown by the model alone: mission and limits in, trajectory out."""
+"""Missions flown by the flight model alone: mission and limits in, trajectory out."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Trajectory:
 
 
 class _Recorder:
-    """Steps a copter and keeps where it was."""
+    """Steps a copter and records where it was."""
 
     def __init__(self, copter: Copter) -> None:
         self.copter = copter
@@ -60,7 +60,7 @@ class _Recorder:
             copter.step()
             self.rows.append(copter.motion)
             if copter.steps > end:
-                raise MissionError("The mission does not end; take out its endless jumps or delays.")
+                raise MissionError("The mission does not end; remove its endless jumps or delays.")
 
     def auto(
         self, items: Sequence[LocalItem], start_seq: int
@@ -89,7 +89,7 @@ def home_frame(mission: Mission) -> LocalFrame:
         return LocalFrame(mission.home.lat_deg, mission.home.lon_deg)
     for _, item in mission.waypoints:
         return LocalFrame(item.lat_deg, item.lon_deg)
-    raise MissionError("The mission has neither home nor waypoint; give it one to fly to.")
+    raise MissionError("The mission has neither home nor waypoint; add a waypoint.")
 
 
 def _home_amsl_m(mission: Mission) -> float:
@@ -104,12 +104,12 @@ def _items(mission: Mission) -> tuple[LocalItem, ...]:
     items = local_items(mission, _flat(home_frame(mission)), _home_amsl_m(mission))
     for item in items:
         if not item.is_simulated:
-            raise MissionError(f"Item {item.seq} (command {item.command}) cannot be simulated; take it out.")
+            raise MissionError(f"Item {item.seq} (command {item.command}) cannot be simulated; remove it.")
     return items
 
 
-def _flat_start(mission: Mission, start_m: Vector) -> Vector:
-    """A start in ground metres, in ArduPilot's."""
+def _to_flat(mission: Mission, start_m: Vector) -> Vector:
+    """A start in ground metres, in ArduPilot's metres."""
     frame = home_frame(mission)
     north, east = _flat(frame).to_metres(*frame.to_degrees(start_m[:2])).tolist()
     return north, east, start_m[2]
@@ -120,7 +120,7 @@ def _first_altitude_m(items: Sequence[LocalItem]) -> float:
     for item in items:
         if item.up_m is not None and item.is_navigation:
             return item.up_m
-    raise MissionError("No item of the mission has an altitude; give its first waypoint one.")
+    raise MissionError("No item of the mission has an altitude; set that of the first waypoint.")
 
 
 def simulate(  # noqa: PLR0913
@@ -138,19 +138,19 @@ def simulate(  # noqa: PLR0913
 
     Args:
         mission: what to fly; positions come back in metres around ``home_frame(mission)``.
-        limits: what the vehicle may do.
-        start_m: where the vehicle is when AUTO begins; above home, as high as the first item, if None.
-        velocity_m_s: its velocity then, north, east, up.
-        yaw_rad: its heading then.
+        limits: what the vehicle's parameters allow.
+        start_m: position when AUTO begins; above home at the first item's altitude if None.
+        velocity_m_s: velocity when AUTO begins, north, east, up.
+        yaw_rad: heading when AUTO begins.
         wind_m_s: velocity of the air.
-        start_seq: sequence number on board of the item to begin with.
+        start_seq: sequence number of the first item to fly.
         step_s: duration of a step.
 
     Raises:
-        MissionError: the mission has no place, never ends, or has an item that cannot be simulated.
+        MissionError: the mission has no location, never ends, or has an item that cannot be simulated.
     """
     items = _items(mission)
-    start = (0.0, 0.0, _first_altitude_m(items)) if start_m is None else _flat_start(mission, start_m)
+    start = (0.0, 0.0, _first_altitude_m(items)) if start_m is None else _to_flat(mission, start_m)
     recorder = _Recorder(
         Copter(
             limits,
@@ -173,17 +173,17 @@ def simulate_flight(
     wind_m_s: Vector = (0.0, 0.0, 0.0),
     after_s: float = 0.0,
 ) -> Trajectory:
-    """Fly it all: arm and take off at home in GUIDED, AUTO, ``after_s`` seconds more, RTL until disarmed.
+    """Fly a whole flight: take-off at home in GUIDED, AUTO, ``after_s`` seconds more, RTL until disarmed.
 
     Args:
         mission: what to fly.
-        limits: what the vehicle may do.
+        limits: what the vehicle's parameters allow.
         takeoff_m: altitude of the take-off; that of the first item if None. AUTO begins at 95 % of it.
         wind_m_s: velocity of the air, north, east, up.
         after_s: how long to stay in AUTO after the last item.
 
     Raises:
-        MissionError: the mission has no place, never ends, or has an item that cannot be simulated.
+        MissionError: the mission has no location, never ends, or has an item that cannot be simulated.
     """
     items = _items(mission)
     copter = Copter(limits, wind_m_s=wind_m_s, home_amsl_m=_home_amsl_m(mission))

@@ -18,7 +18,8 @@ from flight_replay.simulator.mission.stored_params import (
     stored_params,
 )
 
-_ALTITUDE_LIMIT_M = 83000.0  # LOCATION_ALT_MAX_M: what fits 24 bits of centimetres
+ALTITUDE_LIMIT_M = 83000.0
+"""What fits ArduPilot's 24 bits of centimetres (LOCATION_ALT_MAX_M)."""
 
 
 _METRES_PER_CM = float32(0.01)
@@ -55,7 +56,7 @@ def to_stored_item(message: Message) -> StoredItem:
     """A MISSION_ITEM or MISSION_ITEM_INT as it is stored.
 
     Raises:
-        ItemRefused: for commands, frames and values that ArduCopter rejects.
+        ItemRejected: for commands, frames and values that ArduCopter rejects.
     """
     x, y = _lat_lon_e7(message)
     params = (message.param1, message.param2, message.param3, message.param4)
@@ -106,7 +107,7 @@ def _check_location(lat_e7: int, lon_e7: int, alt_m: float) -> None:
         raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM5_X)
     if abs(lon_e7) > 180 * 10**7:
         raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM6_Y)
-    if math.isnan(alt_m) or abs(alt_m) >= _ALTITUDE_LIMIT_M:
+    if math.isnan(alt_m) or abs(alt_m) >= ALTITUDE_LIMIT_M:
         raise ItemRejected(dialect.MAV_MISSION_INVALID_PARAM7)
 
 

@@ -1,7 +1,7 @@
 """The vehicle's end of one link: bytes to messages and back, and what is streamed at which rate.
 
-Like ArduPilot, a channel speaks MAVLink 2 from the start, or MAVLink 1 if SERIAL0_PROTOCOL says so
-(or the firmware is too old) until a MAVLink 2 message comes in. No sockets and no clock here.
+Like ArduPilot, a channel uses MAVLink 2 from the start, or MAVLink 1 if SERIAL0_PROTOCOL says so
+(or the firmware is too old) until a MAVLink 2 message is received. No sockets and no clock here.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class LinkChannel:
     # out
 
     def send(self, message: Message) -> None:
-        """Encode a message from the vehicle, in the version that this link speaks."""
+        """Encode a message from the vehicle, in the version that this link uses."""
         self._encoder.srcSystem = int(self._autopilot.parameters["SYSID_THISMAV"]) & 0xFF
         self._encoder.srcComponent = _COMPONENT
         self._send_as_is(message)

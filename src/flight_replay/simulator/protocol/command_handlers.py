@@ -8,8 +8,8 @@ from flight_replay.events import Severity
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.autopilot.ekf_frame import ALTITUDE_LIMIT_M
 from flight_replay.simulator.autopilot.modes import USER_TAKEOFF
+from flight_replay.simulator.mission.stored_items import ALTITUDE_LIMIT_M
 from flight_replay.simulator.protocol import banner, telemetry
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import (

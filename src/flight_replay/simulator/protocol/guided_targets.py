@@ -16,7 +16,7 @@ from flight_replay.simulator.mission.stored_items import ItemRejected, to_stored
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import ACCEPTED, DENIED, FAILED, CommandInt
 
-_IGNORES_POSITION, _IGNORES_VELOCITY, _IGNORES_ACCELERATION = 0b111, 0b111 << 3, 0b111 << 6
+_IGNORES_POSITION, _IGNORES_VELOCITY = 0b111, 0b111 << 3
 _LOCAL, _LOCAL_OFFSET, _BODY, _BODY_OFFSET = 1, 7, 8, 9
 _BODY_FRAMES = frozenset({_BODY, _BODY_OFFSET})
 _OFFSET_FRAMES = frozenset({_LOCAL_OFFSET, _BODY, _BODY_OFFSET})
