@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from flight_replay.errors import FlightReplayError
-from flight_replay.output_files import check_suffix, write_atomically
+from flight_replay.output_files import NewFile, check_suffix, write_atomically
 
 
 def test_a_known_suffix_is_returned_in_lower_case() -> None:
@@ -49,3 +49,37 @@ def test_a_file_that_cannot_be_written_is_one_error(tmp_path: Path) -> None:
     with pytest.raises(FlightReplayError, match="cannot write"):
         write_atomically(tmp_path / "folder", "text")
     assert [path.name for path in tmp_path.iterdir()] == ["folder"]
+
+
+def test_permissions_of_a_replaced_file_are_kept(tmp_path: Path) -> None:
+    """A new file gets those of any new file here."""
+    (tmp_path / "private").write_text("old")
+    (tmp_path / "private").chmod(0o600)
+    (tmp_path / "usual").touch()
+    write_atomically(tmp_path / "private", "new")
+    write_atomically(tmp_path / "fresh", "new")
+    modes = {path.name: path.stat().st_mode for path in tmp_path.iterdir()}
+    assert modes["private"] & 0o777 == 0o600
+    assert modes["fresh"] == modes["usual"]
+
+
+def test_names_on_the_way_cannot_be_guessed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two files on the way to the same place have different names, and neither takes over what is there."""
+    names = []
+    for _ in range(2):
+        new = NewFile(tmp_path / "file")
+        names += [path.name for path in tmp_path.iterdir()]
+        new.discard()
+    assert len(set(names)) == 2
+    monkeypatch.setattr("secrets.token_hex", lambda _: "known")
+    (tmp_path / "victim").write_text("kept")
+    (tmp_path / ".file.known.part").symlink_to(tmp_path / "victim")
+    with pytest.raises(FlightReplayError, match="cannot write"):
+        write_atomically(tmp_path / "file", "text")
+    assert (tmp_path / "victim").read_text() == "kept"
+
+
+def test_text_that_is_no_unicode_is_escaped(tmp_path: Path) -> None:
+    """The name of a log may hold any bytes, and come into a report."""
+    write_atomically(tmp_path / "file", "a\udcff")
+    assert (tmp_path / "file").read_text() == "a\\udcff"

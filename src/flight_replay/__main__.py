@@ -41,13 +41,18 @@ def _import_and_run() -> int:
     gc.freeze()
     gc.enable()
     status = main.main()
-    if status == signals.INTERRUPTED_STATUS:
-        # A second Ctrl-C while the interpreter exits would change the exit status.
-        import signal
-
-        for number in signals.TERMINATION_SIGNALS:
-            signal.signal(number, signal.SIG_IGN)
+    if status == signals.INTERRUPTED_STATUS or _thread_is_stuck():
+        # A second Ctrl-C while the interpreter exits would change the exit status, and flushing a stream
+        # that another thread is stuck in would wait for ever.
+        os._exit(status)
     return status
+
+
+def _thread_is_stuck() -> bool:
+    """Whether a thread of ours did not end: it waits for a terminal, a pipe or a disk."""
+    import threading
+
+    return any(thread.name.startswith("flight-replay") for thread in threading.enumerate())
 
 
 if __name__ == "__main__":

@@ -1,12 +1,17 @@
-"""Output files: their suffixes are checked before the flight, and they are written whole or not at all."""
+"""Output files: checked before the flight, written beside their place, and put there whole or not at all."""
 
 from __future__ import annotations
 
 import os
+import secrets
+import stat
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from flight_replay.errors import FlightReplayError
+
+_CREATE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 
 def check_suffix(path: Path | str, suffixes: Sequence[str]) -> str:
@@ -23,18 +28,62 @@ def check_suffix(path: Path | str, suffixes: Sequence[str]) -> str:
 
 
 def write_atomically(path: Path | str, content: bytes | str) -> None:
-    """Write ``content`` (text as UTF-8) to ``path``, replacing a file that is there; follows a link.
+    """Write ``content`` to ``path``, replacing a file that is there; follows a link.
+
+    Text is written as UTF-8, with escapes for what that cannot express: the name of a log may hold any bytes.
 
     Raises:
         FlightReplayError: The folder does not exist, is full or is not writable.
     """
-    target = Path(path).expanduser()
-    target = target.resolve() if target.is_symlink() else target
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    new = NewFile(path)
     try:
-        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
-        temporary.replace(target)
+        new.file.write(content.encode(errors="backslashreplace") if isinstance(content, str) else content)
+        new.put_in_place()
     except OSError as error:
-        temporary.unlink(missing_ok=True)
-        reason = error.strerror or error
-        raise FlightReplayError(f"cannot write {path}: {reason}; choose another folder") from error
+        new.discard()
+        raise _cannot_write(path, error) from error
+
+
+class NewFile:
+    """A file that becomes ``path`` once it is complete.
+
+    Until then it has another name in the same folder, which cannot be guessed: who may write to that
+    folder cannot put a link there. It gets the permissions of the file that it replaces.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        """Create it.
+
+        Raises:
+            FlightReplayError: The folder does not exist or is not writable.
+        """
+        target = Path(path).expanduser()
+        self._target = target.resolve() if target.is_symlink() else target
+        self._path = self._target.with_name(f".{self._target.name[:100]}.{secrets.token_hex(8)}.part")
+        try:
+            number = os.open(self._path, _CREATE, 0o666)
+        except OSError as error:
+            raise _cannot_write(path, error) from error
+        self.file = open(number, "wb")  # noqa: SIM115, PTH123 - closed by put_in_place or discard
+
+    def put_in_place(self) -> None:
+        """Close it and give it its name.
+
+        Raises:
+            OSError: It cannot be written or renamed.
+        """
+        self.file.close()
+        with suppress(FileNotFoundError):
+            self._path.chmod(stat.S_IMODE(self._target.stat().st_mode))
+        self._path.replace(self._target)
+
+    def discard(self) -> None:
+        """Remove it."""
+        with suppress(OSError):
+            self.file.close()
+        self._path.unlink(missing_ok=True)
+
+
+def _cannot_write(path: Path | str, error: OSError) -> FlightReplayError:
+    reason = error.strerror or error
+    return FlightReplayError(f"cannot write {path}: {reason}; choose another folder")

@@ -19,6 +19,7 @@ class Terminal(io.StringIO):
 def ask(monkeypatch: pytest.MonkeyPatch, stdin: io.StringIO) -> None:
     """Ask for consent with this standard input."""
     monkeypatch.setattr("sys.stdin", stdin)
+    monkeypatch.setattr("flight_replay.cli.consent._READ_S", 0.0)
     ask_consent(PlainConsole(io.StringIO()))
 
 

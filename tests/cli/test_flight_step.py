@@ -100,7 +100,7 @@ def test_a_recording_that_fails_does_not_end_the_flight(
     assert main(options) == 1
     output = capsys.readouterr()
     assert json.loads(output.out)["flight"]["rtl_confirmed"] is True
-    assert "error: the recording /dev/full is incomplete: No space left on device" in output.err
+    assert "error: recording /dev/full is incomplete: No space left on device" in output.err
 
 
 def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -107,7 +107,7 @@ def _connected(
             speedup=options.speedup or 1.0,
             recorder=recorder,
         ) as connected,
-        ground_stations(connected.link, options.gcs),
+        ground_stations(connected.link, options.gcs, allow_open=options.gcs_open),
     ):
         yield connected
 

@@ -17,12 +17,14 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from flight_replay import signals
+from flight_replay.background import Background
 from flight_replay.cli import output_step, plan_step
 from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
 from flight_replay.errors import FlightReplayError
 from flight_replay.events import combine_listeners
+from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
 from flight_replay.output.console.terminal import write_error
 from flight_replay.output.event_log import EventLog
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from flight_replay.events import Listener
     from flight_replay.planning.route import Route
 
+_ERROR_LINE_S = 1.0
 _EXIT_TIMEOUT_S = 10.0
 """Wall-clock time in which the program exits after a signal; further signals are ignored meanwhile."""
 
@@ -51,7 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             return _run(options, arguments)
         except KeyboardInterrupt:
-            write_error(sys.stderr, "interrupted")
+            _report("interrupted")
             return signals.INTERRUPTED_STATUS
 
 
@@ -68,8 +71,15 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
         problem = _error_message(error)
     _flush_stdout()
     if problem is not None:
-        write_error(sys.stderr, problem)
+        _report(problem)
     return 0 if problem is None else 1
+
+
+def _report(problem: str) -> None:
+    """Write the error line; a terminal or pipe that does not take it does not keep the program."""
+    background = Background("error line", capacity=1)
+    background.submit(lambda: write_error(sys.stderr, problem))
+    background.close(_ERROR_LINE_S)
 
 
 def _error_message(error: Exception) -> str:
@@ -89,9 +99,10 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     with with_live_map(options, route, console, listener) as listener:
         flight = None if options.dry_run else _fly(options, route, console, listener)
         result = ReplayResult(log, flights, route, flight)
-        output_step.save_charts(options, result, event_log.entries, arguments)
         output_step.print_result(options, result, console)
-    return flight.record.problem if flight else None
+        problems = [] if flight is None else [flight.record.problem]
+        problems += output_step.save_charts(options, result, event_log.entries, arguments)
+    return "; ".join(filter(None, problems)) or None
 
 
 def _fly(options: Options, route: Route, console: Console, listener: Listener) -> FlightResult:
@@ -108,7 +119,7 @@ def _fly(options: Options, route: Route, console: Console, listener: Listener) -
 def _console(options: Options) -> AbstractContextManager[Console]:
     """The console; on stderr where stdout has the JSON object."""
     stream = sys.stderr if options.json else sys.stdout
-    return open_console(stream, quiet=options.quiet, verbose=options.verbose)
+    return BackgroundConsole(lambda: open_console(stream, quiet=options.quiet, verbose=options.verbose))
 
 
 def _flush_stdout() -> None:

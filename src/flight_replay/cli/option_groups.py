@@ -192,6 +192,7 @@ def _add_results(group: argparse._ArgumentGroup) -> None:
         "--plot", metavar="FILE", type=Path, help="save a plot of the replay as .png, .svg or .pdf"
     )
     group.add_argument("--report", metavar="FILE.html", type=Path, help="save a report of the replay as HTML")
+    group.add_argument("--force", action="store_true", help="replace output files that exist")
 
 
 def _add_display(group: argparse._ArgumentGroup) -> None:
@@ -201,6 +202,11 @@ def _add_display(group: argparse._ArgumentGroup) -> None:
         metavar="STRING",
         action="append",
         help="connect a ground station to the vehicle at udp:HOST:PORT or tcp:HOST:PORT (repeatable)",
+    )
+    group.add_argument(
+        "--gcs-open",
+        action="store_true",
+        help="let --gcs tcpin: and udpin: listen for other machines too: they can command the vehicle",
     )
     group.add_argument("--map", action="store_true", help="show a live map in the browser")
     group.add_argument("-v", dest="verbose", action="store_true", help="show more output, and tracebacks")

@@ -57,7 +57,9 @@ class Options:
     record: Path | None
     plot: Path | None
     report: Path | None
+    force: bool
     gcs: tuple[str, ...]
+    gcs_open: bool
     map: bool
     verbose: bool
     quiet: bool

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import logging
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flight_replay.cli.options import Options
 from flight_replay.errors import FlightReplayError
+from flight_replay.logs.sample import default_log
 from flight_replay.output.console.console import Console
 from flight_replay.output.json_summary import flight_summary, log_summary, route_summary
 from flight_replay.output_files import check_suffix
@@ -45,11 +48,37 @@ def check_outputs(options: Options) -> None:
     for file in (*options.save, options.plot, options.report, options.record):
         if file and not file.expanduser().parent.is_dir():
             raise FlightReplayError(f"cannot write {file}: no folder {file.parent}; create it first")
+    _check_files(options)
     if options.gcs:
-        from flight_replay.vehicle.link.ground_station_sockets import socket_for
+        from flight_replay.vehicle.link.ground_station_sockets import check_distinct, socket_for
 
         for station in options.gcs:
-            socket_for(station)
+            socket_for(station, allow_open=options.gcs_open)
+        check_distinct(options.connect, options.gcs)
+
+
+def _check_files(options: Options) -> None:
+    """Refuse an output that is the log itself or another output, or that exists without ``--force``."""
+    log = default_log() if options.tlog is None else options.tlog
+    seen = {_identity(log): "the log that is replayed"}
+    for file in (*options.save, options.plot, options.report, options.record):
+        if file is None:
+            continue
+        other = seen.get(_identity(file))
+        if other is not None:
+            raise FlightReplayError(f"{file} is {other}; choose another file for it")
+        seen[_identity(file)] = f"written by another option: {file}"
+        if file.expanduser().is_file() and not options.force:
+            raise FlightReplayError(f"{file} exists; choose another name, or replace it with --force")
+
+
+def _identity(name: Path | str) -> object:
+    """What is equal for two names of one file; hard links too."""
+    try:
+        status = Path(name).expanduser().stat()
+    except OSError:
+        return Path(name).expanduser().resolve()
+    return status.st_dev, status.st_ino
 
 
 def _check_suffixes(options: Options) -> None:
@@ -79,18 +108,38 @@ def save_mission(options: Options, route: Route) -> None:
 
 def save_charts(
     options: Options, result: ReplayResult, events: Sequence[LoggedEvent], arguments: Sequence[str]
-) -> None:
-    """Write the plot and the report."""
+) -> list[str]:
+    """Write the plot and the report; returns a sentence for each that could not be written.
+
+    The flight has been flown: whatever goes wrong with one of them, the other is still written.
+    """
+    problems = []
+    for path, save in ((options.plot, _save_plot), (options.report, _save_report)):
+        try:
+            if path is not None:
+                save(path, result, events, arguments)
+        except FlightReplayError as error:
+            problems.append(str(error))
+        except Exception as error:
+            logging.getLogger(__name__).exception("cannot write %s", path)
+            problems.append(f"cannot write {path}: {type(error).__name__}: {error}")
+    return problems
+
+
+def _save_plot(path: Path, result: ReplayResult, _events: object, _arguments: object) -> None:
+    from flight_replay.output.charts.plot import save_plot
+
     record, outcome = (result.flight.record, result.flight.outcome) if result.flight else (None, None)
-    if options.plot:
-        from flight_replay.output.charts.plot import save_plot
+    save_plot(path, result.route, record, outcome)
 
-        save_plot(options.plot, result.route, record, outcome)
-    if options.report:
-        from flight_replay.output.charts.report import ReportText, save_report
 
-        text = ReportText(json_object(result), events, arguments)
-        save_report(options.report, text, result.route, record, outcome)
+def _save_report(
+    path: Path, result: ReplayResult, events: Sequence[LoggedEvent], arguments: Sequence[str]
+) -> None:
+    from flight_replay.output.charts.report import ReportText, save_report
+
+    record, outcome = (result.flight.record, result.flight.outcome) if result.flight else (None, None)
+    save_report(path, ReportText(json_object(result), events, arguments), result.route, record, outcome)
 
 
 def print_result(options: Options, result: ReplayResult, console: Console) -> None:

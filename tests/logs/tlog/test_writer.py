@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ from pymavlink import mavutil
 
 from flight_replay.errors import VehicleError
 from flight_replay.logs.tlog import read_log
-from flight_replay.logs.tlog.writer import Recorder
+from flight_replay.logs.tlog.writer import QUEUED_FRAMES, Recorder
 from flight_replay.mavlink import dialect
 
 MAV = dialect.MAVLink(None, 1, 1)
@@ -88,7 +90,7 @@ def test_what_comes_after_the_end_is_left_out(tmp_path: Path) -> None:
 
 def test_a_file_that_cannot_be_written_is_told_before_anything_flies(tmp_path: Path) -> None:
     """The error names the file and the option."""
-    with pytest.raises(VehicleError, match="choose another --record file"):
+    with pytest.raises(VehicleError, match="choose another folder"):
         Recorder(tmp_path / "no" / "such" / "folder.tlog")
 
 
@@ -99,6 +101,31 @@ def test_a_full_disk_does_not_end_a_flight(frames: int) -> None:
     with Recorder(Path("/dev/full")) as recorder:
         for i in range(frames):
             recorder.write(position(i))
-    assert recorder.problem == (
-        "the recording /dev/full is incomplete: No space left on device; make room for the next"
-    )
+    assert recorder.problem == "recording /dev/full is incomplete: No space left on device"
+
+
+def test_a_file_that_is_there_stays_until_the_recording_is_whole(tmp_path: Path) -> None:
+    """The log that is replayed may be the file that is recorded to: it is read to its end first."""
+    path = tmp_path / "a.tlog"
+    path.write_bytes(b"before")
+    with Recorder(path, lambda: 0.0) as recorder:
+        recorder.write(b"after")
+        assert path.read_bytes() == b"before"
+    assert path.read_bytes() == bytes(8) + b"after"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_a_pipe_that_nobody_reads_holds_nothing_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Writing and closing return at once; the recorder says that frames are missing."""
+    monkeypatch.setattr("flight_replay.logs.tlog.writer._CLOSE_S", 0.2)
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    recorder = Recorder(path)
+    began_s = time.monotonic()
+    for _ in range(QUEUED_FRAMES + 10):
+        recorder.write(b"frame")
+    recorder.close()
+    assert time.monotonic() - began_s < 10
+    assert recorder.problem is not None
+    assert "could not be written" in recorder.problem

@@ -9,15 +9,26 @@ import struct
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
+from typing import IO
 
-from flight_replay.errors import VehicleError
+from flight_replay.background import Background
+from flight_replay.errors import FlightReplayError, VehicleError
+from flight_replay.output_files import NewFile
+
+QUEUED_FRAMES = 20_000
+"""Frames that wait for a slow disk: half a minute of a simulator at twenty times speed."""
+_CLOSE_S = 5.0
 
 
 class Recorder:
-    """Writes frames to a ``.tlog`` from any thread, whole and in the order of their stamps."""
+    """Writes frames to a ``.tlog`` from any thread, whole and in the order of their stamps.
+
+    ``write`` never waits: a thread of its own writes to a new file beside ``path``, which takes the
+    place of ``path`` when the recorder is closed. Something that is no regular file, such as a named
+    pipe, is written to directly.
+    """
 
     def __init__(self, path: Path, clock_s: Callable[[], float] = time.time) -> None:
         """Create the file, so that a path that cannot be written fails before anything flies.
@@ -30,36 +41,64 @@ class Recorder:
         self._path, self._clock_s = path, clock_s
         self._lock = threading.Lock()
         self._last_us = 0
-        try:
-            self._file = path.open("wb")
-        except OSError as error:
-            raise VehicleError(
-                f"cannot record to {path}: {error.strerror}; choose another --record file"
-            ) from error
+        self._closed = False
+        self._new: NewFile | None = None
+        self._file: IO[bytes] | None = None
+        if not path.exists() or path.is_file():
+            try:
+                self._new = NewFile(path)
+            except FlightReplayError as error:
+                raise VehicleError(f"cannot record: {error}") from error
+            self._file = self._new.file
+        self._thread = Background("recorder", QUEUED_FRAMES)
 
     def write(self, frame: bytes) -> None:
         """Append one frame, stamped now; clocks that are set back do not turn the order round."""
         with self._lock:
-            if self._file.closed:
+            if self._closed:
                 return
             self._last_us = max(self._last_us, int(self._clock_s() * 1e6))
-            try:
-                self._file.write(struct.pack(">Q", self._last_us) + frame)
-            except OSError as error:
-                self._close_broken(error)
+            record = struct.pack(">Q", self._last_us) + frame
+            self._thread.submit(lambda: self._append(record))
+
+    def _append(self, record: bytes) -> None:
+        """Write, on the recorder's thread."""
+        if self.problem is not None:
+            return
+        try:
+            if self._file is None:
+                self._file = self._path.open("wb")
+            self._file.write(record)
+        except OSError as error:
+            self._fail(error.strerror or str(error))
+
+    def _fail(self, reason: str) -> None:
+        self.problem = f"recording {self._path} is incomplete: {reason}"
 
     def close(self) -> None:
         """Finish the file; frames that come later are left out."""
         with self._lock:
-            try:
-                self._file.close()
-            except OSError as error:
-                self._close_broken(error)
+            if self._closed:
+                return
+            self._closed = True
+        self._thread.submit(self._finish)
+        if not self._thread.close(_CLOSE_S):
+            self._fail(f"it could not be written in {_CLOSE_S:.0f} s")
+        elif self._thread.dropped and self.problem is None:
+            self._fail(f"{self._thread.dropped} frames came faster than they could be written")
 
-    def _close_broken(self, error: OSError) -> None:
-        self.problem = f"the recording {self._path} is incomplete: {error.strerror}; make room for the next"
-        with suppress(OSError):
-            self._file.close()
+    def _finish(self) -> None:
+        """Put the file in its place, on the recorder's thread."""
+        try:
+            if self._file is not None:
+                self._file.close()
+        except OSError as error:
+            self._fail(error.strerror or str(error))
+        try:
+            if self._new is not None:
+                self._new.put_in_place()
+        except OSError as error:
+            self._fail(error.strerror or str(error))
 
     def __enter__(self) -> Recorder:
         return self

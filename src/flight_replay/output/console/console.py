@@ -29,6 +29,9 @@ class Console(Protocol):
     def paused(self) -> AbstractContextManager[None]:
         """A context in which the terminal is free for a question."""
 
+    def flush(self, timeout_s: float) -> bool:
+        """Whether all has been written within the time."""
+
 
 @contextmanager
 def open_console(
@@ -77,6 +80,10 @@ class PlainConsole:
     def paused(self) -> AbstractContextManager[None]:
         """Plain lines leave the terminal free."""
         return nullcontext()
+
+    def flush(self, timeout_s: float) -> bool:
+        """Each line is written at once."""
+        return True
 
     def listener(self, event: Event) -> None:
         """Write the event's line, if it has one that is due."""

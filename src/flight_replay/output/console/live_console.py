@@ -83,6 +83,10 @@ class LiveConsole:
         with suppress(OSError):  # A closed terminal must not end a flight.
             self._rich.print(text)
 
+    def flush(self, timeout_s: float) -> bool:
+        """Each line is written at once."""
+        return True
+
     @contextmanager
     def paused(self) -> Iterator[None]:
         """Hide the display while a question is asked."""
