@@ -17,7 +17,6 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from flight_replay import signals
-from flight_replay.background import Background
 from flight_replay.cli import output_step, plan_step
 from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
@@ -28,6 +27,7 @@ from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
 from flight_replay.output.console.terminal import write_error
 from flight_replay.output.event_log import EventLog
+from flight_replay.writing.background import Background
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult

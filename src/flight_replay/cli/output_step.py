@@ -16,7 +16,7 @@ from flight_replay.errors import FlightReplayError
 from flight_replay.logs.sample import default_log
 from flight_replay.output.console.console import Console
 from flight_replay.output.json_summary import flight_summary, log_summary, route_summary
-from flight_replay.output_files import check_suffix
+from flight_replay.writing.output_files import check_suffix
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult

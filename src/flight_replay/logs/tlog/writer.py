@@ -13,9 +13,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO
 
-from flight_replay.background import Background
 from flight_replay.errors import FlightReplayError, VehicleError
-from flight_replay.output_files import NewFile
+from flight_replay.writing.background import Background
+from flight_replay.writing.output_files import NewFile
 
 QUEUED_FRAMES = 20_000
 """Frames that wait for a slow disk: half a minute of a simulator at twenty times speed."""

@@ -19,7 +19,7 @@ from flight_replay.errors import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.formats import csv_table, geojson, gpx, kml, qgc_plan, wpl
 from flight_replay.mission.items import Mission
-from flight_replay.output_files import check_suffix, write_atomically
+from flight_replay.writing.output_files import check_suffix, write_atomically
 
 _WRITERS: dict[str, Callable[[Mission, Track | None], str]] = {
     ".waypoints": wpl.text,

@@ -16,9 +16,9 @@ from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
 from flight_replay.output.charts.series import FLOWN_COLOUR, ReplaySeries, flown_start_s, replay_series
 from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.outcome import Outcome
-from flight_replay.output_files import check_suffix, write_atomically
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
+from flight_replay.writing.output_files import check_suffix, write_atomically
 
 if TYPE_CHECKING:
     from bokeh.model import Model

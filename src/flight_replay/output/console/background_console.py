@@ -7,9 +7,9 @@ from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from typing import Any
 
-from flight_replay.background import Background
 from flight_replay.events import Event
 from flight_replay.output.console.console import Console
+from flight_replay.writing.background import Background
 
 QUEUED_LINES = 2000
 _INTERRUPTED_CLOSE_S = 1.0

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from flight_replay.errors import FlightReplayError
-from flight_replay.output_files import NewFile, check_suffix, write_atomically
+from flight_replay.writing.output_files import NewFile, check_suffix, write_atomically
 
 
 def test_a_known_suffix_is_returned_in_lower_case() -> None:
