@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.planning.fit.line_simplification import douglas_peucker
 
 Indices = NDArray[np.intp]
@@ -106,9 +107,7 @@ def _leg_errors(points_m: Floats, reach: int) -> Floats:
     errors = np.full((n, reach), np.inf)
     for i in range(n - 1):
         ends = points_m[i + 1 : i + 1 + reach] - points_m[i]
-        square = np.maximum((ends**2).sum(axis=1), 1e-12)
-        along = np.clip(ends @ ends.T / square[:, None], 0.0, 1.0)
-        apart = np.linalg.norm(ends[None] - along[:, :, None] * ends[:, None], axis=2)
+        _, apart = nearest_on_segments(ends, np.zeros_like(ends)[:, None], ends[:, None])
         errors[i, : len(ends)] = np.tril(apart).max(axis=1)
     return errors
 

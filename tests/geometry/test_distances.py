@@ -50,7 +50,7 @@ def test_matching_never_goes_back() -> None:
     match = match_in_order([[50.0, 0.0], [100.0, 1.0], [50.0, 0.0], [10.0, 0.0]], path)
     assert match.distance_m == pytest.approx([0, 0, 3, 3])
     assert match.along_m == pytest.approx([50, 101, 153, 193])
-    assert match.piece.tolist() == [0, 1, 2, 2]
+    assert match.segment.tolist() == [0, 1, 2, 2]
 
 
 def test_fixes_that_step_back_on_one_line_share_a_place() -> None:
@@ -83,7 +83,7 @@ def test_the_two_step_search_finds_what_the_whole_search_finds(monkeypatch: pyte
     eight = np.stack([50 * np.sin(turn), 25 * np.sin(2 * turn)], axis=1)
     fixes = scattered(eight, 700, 0.3)
     whole = match_in_order(fixes, eight)
-    monkeypatch.setattr(matching, "WHOLE_CELLS", 1000)
+    monkeypatch.setattr(matching, "MAX_PAIRS_SEARCHED_WHOLE", 1000)
     assert np.allclose(match_in_order(fixes, eight).along_m, whole.along_m)
 
 
@@ -92,14 +92,19 @@ def test_a_band_too_narrow_is_widened(monkeypatch: pytest.MonkeyPatch) -> None:
     path = wander(3, 300, 2.0)
     fixes = scattered(path, 200, 3.0)
     whole = match_in_order(fixes, path)
-    for name, value in (("WHOLE_CELLS", 1000), ("BAND_M", 0.5), ("COARSE_FIXES", 8), ("COARSE_PIECES", 12)):
+    for name, value in (
+        ("MAX_PAIRS_SEARCHED_WHOLE", 1000),
+        ("BAND_M", 0.5),
+        ("COARSE_FIXES", 8),
+        ("COARSE_PIECES", 12),
+    ):
         monkeypatch.setattr(matching, name, value)
     assert match_in_order(fixes, path).distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=0.02)
 
 
 def test_fixes_farther_apart_than_the_band_are_matched(monkeypatch: pytest.MonkeyPatch) -> None:
     """A fix every 100 m on a straight path is matched where it lies."""
-    monkeypatch.setattr(matching, "WHOLE_CELLS", 1000)
+    monkeypatch.setattr(matching, "MAX_PAIRS_SEARCHED_WHOLE", 1000)
     north = np.arange(0.0, 20_001.0, 100.0)
     match = match_in_order(np.column_stack([north, np.ones(len(north))]), [[0, 0], [20_000, 0]])
     assert match.along_m == pytest.approx(north)

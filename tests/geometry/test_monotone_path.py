@@ -7,7 +7,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pytest
 
-from flight_replay.geometry.monotone_path import forwards
+from flight_replay.geometry.monotone_path import cheapest_monotone_path
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -17,7 +17,7 @@ def test_no_other_forward_choice_costs_less(seed: int) -> None:
     costs = chance.random((5, 9))
     low = np.sort(chance.integers(0, 4, 5)) * (seed % 2)
     high = np.maximum(np.sort(chance.integers(5, 10, 5)), 9 * ((seed + 1) % 2))
-    chosen = forwards(lambda rows, where: costs[rows, where].copy(), low, high)
+    chosen = cheapest_monotone_path(lambda rows, where: costs[rows, where].copy(), low, high)
     assert (np.diff(chosen) >= 0).all()
     assert ((low <= chosen) & (chosen < high)).all()
     possible = [
@@ -33,7 +33,7 @@ def test_bands_that_only_touch_are_followed() -> None:
     rows = 100
     low = np.arange(rows) * 3
     high = low + 4
-    chosen = forwards(_apart, low, high)
+    chosen = cheapest_monotone_path(_apart, low, high)
     assert chosen.tolist() == (low + 2).tolist()
 
 

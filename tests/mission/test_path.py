@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.mission.items import Command, Frame, Mission, MissionItem, change_speed, waypoint
 from flight_replay.mission.path import (
     Destination,
     destinations,
-    hermite,
     leg_tangents,
     path_through,
     planned_path,
@@ -29,7 +29,9 @@ def vectors(
     route: list[Destination], first: tuple[float, float, float] = (0, 0, 0)
 ) -> list[tuple[list[float], list[float]]]:
     """Level tangents of every leg."""
-    return [(a[:2].tolist(), b[:2].tolist()) for a, b in leg_tangents(route, np.array(first, float))]
+    corners = np.array([first, *(destination.position_m for destination in route)])
+    leaving, arriving = leg_tangents(route, corners)
+    return list(zip(leaving[:, :2].tolist(), arriving[:, :2].tolist(), strict=True))
 
 
 def stop(north_m: float, east_m: float, **options: Any) -> Destination:
@@ -91,21 +93,14 @@ def test_a_halt_has_no_tangent(spline: bool) -> None:
     assert legs[0][1] == legs[1][0] == legs[1][1] == [0, 0]
 
 
-def test_tangents_longer_than_four_chords_are_scaled_down() -> None:
-    """Both tangents shrink alike until together they are four chords long."""
-    chord, long = np.array([1.0, 0, 0]), np.array([0, 40.0, 0])
-    shrunk = hermite(np.zeros(3), chord, long, long)
-    assert np.allclose(shrunk, hermite(np.zeros(3), chord, long / 20, long / 20))
-    assert np.abs(shrunk[:, 1]).max() < 0.5
-
-
-def test_curves_are_drawn_to_a_millimetre() -> None:
-    """The middle of every drawn line lies within the tolerance of the true curve."""
-    ends = np.zeros(3), np.array([20.0, 5, 0]), np.array([30.0, 0, 0]), np.array([0, 30.0, 0])
-    drawn, fine = hermite(*ends, 0.001), hermite(*ends, 1e-7)
-    middles = (drawn[1:] + drawn[:-1]) / 2
-    apart = np.linalg.norm(middles[:, None] - fine[None], axis=2).min(axis=1)
-    assert apart.max() < 0.0015
+def test_curves_are_drawn_within_the_tolerance() -> None:
+    """The middle of every drawn line lies within the tolerance of the curve; straight legs are one line."""
+    route = [stop(0, 0), stop(20, 5, spline=True), stop(20, 40, spline=True), stop(60, 40)]
+    drawn, fine = path_through(route).north_east_m, path_through(route, tolerance_m=1e-5).north_east_m
+    middles = (drawn[1:] + drawn[:-1])[:, None] / 2
+    apart = nearest_on_segments(middles, fine[:-1], np.diff(fine, axis=0))[1].min(axis=1)
+    assert 0.0005 < apart.max() < 0.001 + 1e-5
+    assert drawn[-2:].tolist() == [[20, 40], [60, 40]]
 
 
 def test_equal_places_make_a_leg_without_length() -> None:

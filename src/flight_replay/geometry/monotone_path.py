@@ -14,7 +14,9 @@ _BLOCK = 32
 """Rows whose costs are found together."""
 
 
-def forwards(costs_of: Callable[[slice, slice], Floats], low: Indices, high: Indices) -> Indices:
+def cheapest_monotone_path(
+    costs_of: Callable[[slice, slice], Floats], low: Indices, high: Indices
+) -> Indices:
     """One column of each row, never falling from row to row, so that their costs are least in sum.
 
     Args:

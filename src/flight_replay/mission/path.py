@@ -19,14 +19,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.geometry.hermite_curve import curve_weights, steps_within, tangent_scale
+from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.mission.items import FIRST_SEQ, WAYPOINT_COMMANDS, Command, Mission, MissionItem
 
-TANGENT_PER_CHORD = 4.0
-"""Longest sum of both tangents, in lengths of the leg (SPLINE_FACTOR)."""
 TOLERANCE_M = 0.001
 """How far the lines that stand for a curve may lie from it."""
 # MAV_CMD numbers below this navigate; a mission goes through them one after the other.
@@ -45,13 +45,13 @@ class Path:
 
     north_east_m: Floats
     up_m: Floats
-    seq: NDArray[np.intp]
+    seq: Indices
     hold_s: Floats
 
     @property
     def length_m(self) -> float:
         """Ground length, metres."""
-        return float(np.linalg.norm(np.diff(self.north_east_m, axis=0), axis=1).sum())
+        return float(segment_lengths_m(self.north_east_m).sum())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,51 +119,57 @@ def path_through(
     if not route:
         alone = np.zeros((0, 3)) if start_m is None else start_m[None]
         return Path(alone[:, :2], alone[:, 2], np.full(len(alone), FIRST_SEQ, np.intp), np.zeros(len(alone)))
-    places = [stop.position_m for stop in route]
-    first = places[0] if start_m is None else start_m
-    points, seqs, holds = [first[None]], [np.array([route[0].seq])], [np.zeros(1)]
-    origins = [first, *places[:-1]]
-    tangents = leg_tangents(route, first)
-    for stop, origin, (leaving, arriving) in zip(route, origins, tangents, strict=True):
-        leg = stop.position_m[None]
-        if stop.spline:
-            leg = hermite(origin, stop.position_m, leaving, arriving, tolerance_m)[1:]
-        points.append(leg)
-        seqs.append(np.full(len(leg), stop.seq))
-        holds.append(np.append(np.zeros(len(leg) - 1), stop.hold_s))
-    line = np.concatenate(points)
-    return Path(line[:, :2], line[:, 2], np.concatenate(seqs).astype(np.intp), np.concatenate(holds))
+    positions = [destination.position_m for destination in route]
+    corners = np.array([positions[0] if start_m is None else start_m, *positions])
+    spline = np.array([destination.spline for destination in route])
+    chord, (leaving, arriving) = np.diff(corners, axis=0), leg_tangents(route, corners)
+    steps = np.where(spline, steps_within(chord, leaving, arriving, tolerance_m), 1)
+    ends = np.cumsum(steps)
+    leg = np.repeat(np.arange(len(route)), steps)
+    t = (np.arange(len(leg)) - (ends - steps)[leg] + 1) / steps[leg]
+    curves = np.stack([corners[:-1], corners[1:], leaving, arriving], axis=1)
+    line = np.concatenate([corners[:1], np.einsum("nk,nkd->nd", curve_weights(t), curves[leg])])
+    line[ends] = corners[1:]
+    seq = np.array([destination.seq for destination in route])
+    hold_s = np.zeros(len(line))
+    hold_s[ends] = [destination.hold_s for destination in route]
+    return Path(line[:, :2], line[:, 2], np.append(seq[0], seq[leg]).astype(np.intp), hold_s)
 
 
-def leg_tangents(route: Sequence[Destination], first_m: Floats) -> list[tuple[Floats, Floats]]:
-    """Unscaled tangents (at the origin, at the destination) of every leg; on straight legs, their vector."""
-    tangents: list[tuple[Floats, Floats]] = []
-    origin, leaving = first_m, np.zeros(3)
-    for here, following in zip(route, [*route[1:], None], strict=True):
-        arriving = here.position_m - origin
-        if following is None or here.halts or (here.spline and not arriving.any()):
-            arriving = np.zeros(3)
-        elif here.spline:
-            arriving = following.position_m - (origin if following.spline else here.position_m)
-        tangents.append((leaving, arriving))
-        origin, leaving = here.position_m, arriving
-    return tangents
+def leg_tangents(route: Sequence[Destination], corners_m: Floats) -> tuple[Floats, Floats]:
+    """Tangents (n, 3) of n legs at their origins and at their destinations, scaled down where too long.
+
+    Args:
+        route: what each leg leads to.
+        corners_m: where the route begins, and its n destinations (n + 1, 3).
+    """
+    chord = np.diff(corners_m, axis=0)
+    ends = tangent_ends(
+        np.array([destination.spline for destination in route]),
+        np.array([destination.halts for destination in route]),
+        np.logical_not(chord.any(axis=1)),
+    )
+    leaving, arriving = (corners_m[head] - corners_m[tail] for head, tail in ends)
+    scale = tangent_scale(chord, leaving, arriving)[:, None]
+    return scale * leaving, scale * arriving
 
 
-def hermite(
-    origin_m: Floats,
-    destination_m: Floats,
-    leaving: Floats,
-    arriving: Floats,
-    tolerance_m: float = TOLERANCE_M,
-) -> Floats:
-    """Points (n, 3) of ArduCopter's curve between two places, both ends included."""
-    together = np.linalg.norm(leaving) + np.linalg.norm(arriving)
-    longest = TANGENT_PER_CHORD * np.linalg.norm(destination_m - origin_m)
-    scale = longest / together if together > longest else 1.0
-    v0, v1, chord = leaving * scale, arriving * scale, destination_m - origin_m
-    square, cube = 3 * chord - 2 * v0 - v1, v0 + v1 - 2 * chord
-    bend = max(np.linalg.norm(2 * square), np.linalg.norm(2 * square + 6 * cube))
-    pieces = max(1, int(np.ceil(np.sqrt(bend / (8 * tolerance_m)))))
-    u = np.linspace(0, 1, pieces + 1)[:, None]
-    return np.asarray(origin_m + u * (v0 + u * (square + u * cube)))
+def tangent_ends(
+    spline: Flags, halts: Flags, empty: Flags
+) -> tuple[tuple[Indices, Indices], tuple[Indices, Indices]]:
+    """The corners (head, tail), each (n,), whose differences are the tangents of n legs, see the module.
+
+    First those at the legs' origins, then those at their destinations. Leg k leads from corner k to
+    corner k + 1; a tangent of zero has head and tail alike.
+
+    Args:
+        spline: which legs are curves.
+        halts: at whose destination the vehicle comes to rest; at the last it always does.
+        empty: which legs have no length.
+    """
+    leg = np.arange(len(spline))
+    rests = halts | (spline & empty) | (leg == leg[-1])
+    before_spline = np.append(spline[1:], False)
+    head = np.where(rests, 0, np.where(spline, leg + 2, leg + 1))
+    tail = np.where(rests, 0, np.where(spline & ~before_spline, leg + 1, leg))
+    return (np.append(0, head[:-1]), np.append(0, tail[:-1])), (head, tail)

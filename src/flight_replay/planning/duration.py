@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.mission.items import Command, Mission
 from flight_replay.mission.path import Path
 from flight_replay.simulator.dynamics.limits import Limits
@@ -34,4 +35,4 @@ def duration_s(mission: Mission, path: Path) -> float:
 
 def _longest_m(path: Path) -> float:
     """Longest straight piece of the path."""
-    return float(np.linalg.norm(np.diff(path.north_east_m, axis=0), axis=1).max(initial=0.0))
+    return float(segment_lengths_m(path.north_east_m).max(initial=0.0))

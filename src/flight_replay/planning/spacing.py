@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.geodesy import surface_xyz_m
+from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission, MissionItem, change_speed, waypoint
 from flight_replay.planning.altitude import RECORDED, Recorded, altitudes_m, home_of
@@ -98,7 +99,7 @@ def _with_speeds(
 
 def _leg_speeds_m_s(places: Track) -> list[float]:
     """Mean recorded ground speed of every leg between kept fixes, metres per second."""
-    steps_m = np.linalg.norm(np.diff(places.north_east_m(), axis=0), axis=1)
+    steps_m = segment_lengths_m(places.north_east_m())
     steps_s = np.diff(places.time_s)
     speeds = np.divide(steps_m, steps_s, out=np.full(len(steps_m), np.inf), where=steps_s > 0)
     return [float(speed) for speed in np.clip(speeds, MIN_SPEED_M_S, 30.0)]

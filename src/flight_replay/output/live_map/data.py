@@ -15,6 +15,7 @@ import numpy as np
 
 from flight_replay.events import Event, VehicleState, WaypointReached
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments
 from flight_replay.output.replay_status import ReplayStatus
 from flight_replay.planning.route import Route
 
@@ -104,8 +105,7 @@ class LivePathError:
 
     def __init__(self, path_m: Floats) -> None:
         self._path = path_m if len(path_m) > 1 else np.repeat(path_m, 2, axis=0)
-        steps_m = np.linalg.norm(np.diff(self._path, axis=0), axis=1)
-        self._along_m = np.append(0.0, np.cumsum(steps_m))
+        self._along_m = lengths_along_m(self._path)
         self._reached_m = 0.0
         self._last_m: Floats | None = None
 
@@ -115,12 +115,10 @@ class LivePathError:
         self._last_m = position_m
         first, last = self._window(2 * moved_m)
         start, step = self._path[first:last], np.diff(self._path[first : last + 1], axis=0)
-        squared = (step**2).sum(axis=1)
-        share = ((position_m - start) * step).sum(axis=1) / np.where(squared > 0, squared, 1.0)
-        share = np.clip(share, 0.0, 1.0)
-        distances = np.linalg.norm(start + share[:, None] * step - position_m, axis=1)
+        share, distances = nearest_on_segments(position_m, start, step)
         nearest = int(distances.argmin())
-        self._reached_m = float(self._along_m[first + nearest] + share[nearest] * math.sqrt(squared[nearest]))
+        length_m = float(np.linalg.norm(step[nearest]))
+        self._reached_m = float(self._along_m[first + nearest]) + float(share[nearest]) * length_m
         return float(distances[nearest])
 
     def _window(self, ahead_m: float) -> tuple[int, int]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.mission.path import TANGENT_PER_CHORD
+from flight_replay.geometry.hermite_curve import curve_weights, tangent_scale
+from flight_replay.mission.path import tangent_ends
 from flight_replay.planning.fit.draft import Draft
 
 
@@ -13,42 +14,37 @@ def weights(draft: Draft, leg: Indices, part: Floats) -> Floats:
     """Weights (m, n) of the n places on the points ``part`` of the way along the legs to places ``leg``.
 
     Straight legs are linear in their ends; a spline leg is a Hermite curve whose tangents are
-    differences of places (see ``path``). Tangents that are scaled down stay scaled alike.
+    differences of places (see ``mission.path``). Tangents that are scaled down stay scaled alike.
     """
     rows = np.zeros((len(leg), len(draft)))
     index = np.arange(len(leg))
     origin = np.maximum(leg - 1, 0)
-    u = np.where(leg == 0, 1.0, part)
+    t = np.where(leg == 0, 1.0, part)
+    straight = np.stack([1 - t, t, np.zeros_like(t), np.zeros_like(t)], axis=1)
     curved = draft.spline[leg] & (leg > 0)
-    end = np.where(curved, u * u * (3 - 2 * u), u)
-    np.add.at(rows, (index, origin), 1 - end)
-    np.add.at(rows, (index, leg), end)
-    leaving, arriving, scale = _tangents(draft)
-    rise = np.where(curved, u * (1 - u) ** 2, 0.0) * scale[leg]
-    fall = np.where(curved, u * u * (u - 1), 0.0) * scale[leg]
-    for share, pair in ((rise, leaving), (fall, arriving)):
-        np.add.at(rows, (index, pair[leg, 0]), share)
-        np.add.at(rows, (index, pair[leg, 1]), -share)
+    shares = np.where(curved[:, None], curve_weights(t), straight)
+    (leaving_head, leaving_tail), (arriving_head, arriving_tail), scale = _tangents(draft)
+    leaving, arriving = shares[:, 2] * scale[leg], shares[:, 3] * scale[leg]
+    for share, place in (
+        (shares[:, 0], origin),
+        (shares[:, 1], leg),
+        (leaving, leaving_head[leg]),
+        (-leaving, leaving_tail[leg]),
+        (arriving, arriving_head[leg]),
+        (-arriving, arriving_tail[leg]),
+    ):
+        np.add.at(rows, (index, place), share)
     return rows
 
 
-def _tangents(draft: Draft) -> tuple[Indices, Indices, Floats]:
-    """For every leg the places (head, tail) whose differences are its tangents, and their scale.
-
-    A tangent of zero has head and tail alike.
-    """
-    n = len(draft)
-    here = np.arange(n)
-    before, after = np.maximum(here - 1, 0), np.minimum(here + 1, n - 1)
-    spline = draft.spline
-    bends = spline & spline[after]
-    arriving = np.stack([after, np.where(bends, before, here)], axis=1)
-    arriving[~spline] = np.stack([here, before], axis=1)[~spline]
-    arriving[draft.halts] = 0
-    leaving = np.concatenate([np.zeros((1, 2), np.intp), arriving[:-1]])
+def _tangents(draft: Draft) -> tuple[tuple[Indices, Indices], tuple[Indices, Indices], Floats]:
+    """For every leg the places (head, tail) whose differences are its tangents, and their scale."""
     places = draft.places_m
-    together = sum(
-        np.linalg.norm(places[pair[:, 0]] - places[pair[:, 1]], axis=1) for pair in (leaving, arriving)
+    chord = np.diff(places, axis=0, prepend=places[:1])
+    # The first leg leads from the first place to itself: corner k + 1 of the path is place k.
+    leaving, arriving = (
+        (np.maximum(head - 1, 0), np.maximum(tail - 1, 0))
+        for head, tail in tangent_ends(draft.spline, draft.halts, np.logical_not(chord.any(axis=1)))
     )
-    longest = TANGENT_PER_CHORD * np.linalg.norm(places - places[before], axis=1)
-    return leaving, arriving, np.where(together > longest, longest / np.maximum(together, 1e-9), 1.0)
+    scale = tangent_scale(chord, *(places[head] - places[tail] for head, tail in (leaving, arriving)))
+    return leaving, arriving, scale

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.gauss_newton import Pull, pulled
@@ -39,7 +40,7 @@ class _Course:
 
     @classmethod
     def of(cls, recording: Recording, hovers: list[Hover]) -> _Course:
-        steps = np.linalg.norm(np.diff(recording.north_east_m, axis=0), axis=1)
+        steps = segment_lengths_m(recording.north_east_m)
         waits = np.diff(recording.time_s)
         for hover in hovers:
             steps[hover.first : hover.last] = waits[hover.first : hover.last] = 0.0

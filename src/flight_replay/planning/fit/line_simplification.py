@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.reference import Recording
 
@@ -35,10 +36,8 @@ def _farthest(points_m: Floats, begin: int, end: int) -> tuple[float, int, int, 
     """(minus distance, begin, end, index) of the point between two that is farthest from their line."""
     if end - begin < 2:
         return 0.0, begin, end, begin
-    inner = points_m[begin + 1 : end] - points_m[begin]
     chord = points_m[end] - points_m[begin]
-    along = np.clip(inner @ chord / max(float(chord @ chord), 1e-12), 0.0, 1.0)
-    apart = np.linalg.norm(inner - along[:, None] * chord, axis=1)
+    _, apart = nearest_on_segments(points_m[begin + 1 : end], points_m[begin], chord)
     worst = int(np.argmax(apart))
     return -float(apart[worst]), begin, end, begin + 1 + worst
 

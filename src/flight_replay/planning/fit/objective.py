@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.polyline import lengths_along_m, segment_lengths_m
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.reference import Recording
@@ -133,7 +134,7 @@ def _late_m(flown: Flown, recording: Recording) -> Floats:
 
 def _in_the_air(time_s: Floats, flown_m: Floats, recording: Recording) -> tuple[Floats, Floats]:
     """When the vehicle flies by every fix, and the vector from there to the fix."""
-    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(flown_m, axis=0), axis=1)))
+    along = lengths_along_m(flown_m)
     marks = np.unique((along / _FLOWN_SPACING_M).astype(np.intp), return_index=True)[1]
     keep = np.unique(np.append(marks, len(along) - 1))
     foot, piece, share = _feet(recording.north_east_m, flown_m[keep])
@@ -145,11 +146,11 @@ def _in_the_air(time_s: Floats, flown_m: Floats, recording: Recording) -> tuple[
 def _feet(fixes_m: Floats, line_m: Floats) -> tuple[Floats, NDArray[np.intp], Floats]:
     """Matched places (n, 2) on a line, the piece of each, and how far along the piece, 0 to 1."""
     match = match_in_order(fixes_m, line_m, _PIECE_M)
-    lengths = np.linalg.norm(np.diff(line_m, axis=0), axis=1)
+    lengths = segment_lengths_m(line_m)
     if not len(lengths):
-        return np.repeat(line_m, len(fixes_m), axis=0), match.piece, np.zeros(len(fixes_m))
-    begins = np.cumsum(lengths) - lengths
-    share = (match.along_m - begins[match.piece]) / np.maximum(lengths[match.piece], 1e-9)
+        return np.repeat(line_m, len(fixes_m), axis=0), match.segment, np.zeros(len(fixes_m))
+    begins = lengths_along_m(line_m)
+    share = (match.along_m - begins[match.segment]) / np.maximum(lengths[match.segment], 1e-9)
     share = np.clip(share, 0.0, 1.0)
-    steps = line_m[match.piece + 1] - line_m[match.piece]
-    return line_m[match.piece] + share[:, None] * steps, match.piece, share
+    steps = line_m[match.segment + 1] - line_m[match.segment]
+    return line_m[match.segment] + share[:, None] * steps, match.segment, share

@@ -8,6 +8,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
+from flight_replay.geometry.polyline import nearest_on_segments, segment_lengths_m
 from flight_replay.logs.track import Track
 from flight_replay.planning.altitude import home_of, plausible_altitudes_m
 
@@ -43,12 +44,11 @@ class Recording:
         """The points (m, 2) of the line through the fixes that are nearest to places (m, 2)."""
         corners = self.thinned(_MOST_CORNERS).north_east_m
         start, step = corners[:-1], np.diff(corners, axis=0)
-        square = np.maximum((step**2).sum(axis=1), 1e-12)
         found = np.empty_like(places_m)
         for i, place in enumerate(places_m):
-            along = np.clip(((place - start) * step).sum(axis=1) / square, 0.0, 1.0)
-            feet = start + along[:, None] * step
-            found[i] = feet[np.argmin(((feet - place) ** 2).sum(axis=1))]
+            share, apart = nearest_on_segments(place, start, step)
+            nearest = np.argmin(apart)
+            found[i] = start[nearest] + share[nearest] * step[nearest]
         return found
 
     @property
@@ -57,7 +57,7 @@ class Recording:
         if len(self) < 2:
             return np.zeros(len(self))
         step_s = np.maximum(np.diff(self.time_s), 1e-3)
-        speed = np.linalg.norm(np.diff(self.north_east_m, axis=0), axis=1) / step_s
+        speed = segment_lengths_m(self.north_east_m) / step_s
         return np.asarray((np.append(speed[0], speed) + np.append(speed, speed[-1])) / 2)
 
 

@@ -1,0 +1,44 @@
+"""Lines through points: how long their segments are, and where on them a point is nearest.
+
+Metres in a local frame; a line is its points, shape (m, d).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+
+
+def segment_lengths_m(line_m: Floats) -> Floats:
+    """Lengths (m - 1,) of the segments of a line (m, d)."""
+    return np.asarray(np.linalg.norm(np.diff(line_m, axis=0), axis=1))
+
+
+def lengths_along_m(line_m: Floats) -> Floats:
+    """Length (m,) of a line (m, d), m >= 1, from its first point up to each of its points."""
+    return np.append(0.0, np.cumsum(segment_lengths_m(line_m)))
+
+
+def nearest_on_segments(point_m: Floats, start_m: Floats, step_m: Floats) -> tuple[Floats, Floats]:
+    """Where segments are nearest to points, as the share of the segment (0 to 1), and how far that is.
+
+    The results have the shape that the leading axes of points and segments broadcast to. A segment
+    without length is nearest at its start.
+
+    Args:
+        point_m: points (..., d).
+        start_m: where the segments begin (..., d).
+        step_m: from there to where they end, of the same shape.
+    """
+    # One axis of space after the other, in place: the matching spends most of its time here.
+    points, starts, steps = (np.moveaxis(array, -1, 0) for array in (point_m, start_m, step_m))
+    square = (steps * steps).sum(axis=0)
+    per_step = steps / np.where(square > 0, square, 1.0)
+    offsets = [np.asarray(point - start) for point, start in zip(points, starts, strict=True)]
+    share = np.asarray(sum(offset * factor for offset, factor in zip(offsets, per_step, strict=True)))
+    np.clip(share, 0.0, 1.0, out=share)
+    for axis, step in enumerate(steps):
+        offsets[axis] -= share * step
+        offsets[axis] *= offsets[axis]
+    return share, np.sqrt(sum(offsets[1:], start=offsets[0]))
