@@ -27,8 +27,8 @@ from flight_replay.logs.tlog import read_log
 from flight_replay.planning.altitude import RECORDED
 from flight_replay.planning.fit import fit
 from flight_replay.planning.fit.line_simplification import straight_draft
-from flight_replay.planning.fit.reference import Recording, recording_of
-from flight_replay.planning.fit.simulated_draft import flown
+from flight_replay.planning.fit.reference import LocalTrack, local_track
+from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -45,12 +45,12 @@ def row(name: str, points: int, *cells: str) -> None:
     print(f"| {name} | {points} | {' | '.join(cells)} |", flush=True)
 
 
-def reduced(name: str, recording: Recording, kept: np.ndarray, cpu_s: float) -> None:
+def reduced(name: str, recording: LocalTrack, kept: np.ndarray, cpu_s: float) -> None:
     """One reducer: its straight route on paper and in the model's air."""
     draft = straight_draft(recording, kept)
     fixes = recording.north_east_m
     covered = fixes[: kept[-1] + 1]
-    air = flown(draft, Limits(), STEP_S)
+    air = simulate_draft(draft, Limits(), STEP_S)
     there = air.place_m[:, :2]
     late = position_errors_m(recording.time_s[: kept[-1] + 1], covered, air.time_s, there)
     row(
@@ -73,7 +73,7 @@ def main() -> None:
     parser.add_argument("--max-points", type=int, default=100)
     options = parser.parse_args()
     part, notes = flown_part(select(read_log(options.log).track, options.flight))
-    recording = recording_of(part, ALTITUDE_M)
+    recording = local_track(part, ALTITUDE_M)
     print(
         f"{options.log.name}: {len(part)} fixes, {part.length_m:.0f} m, {recording.time_s[-1]:.0f} s", *notes
     )

@@ -15,10 +15,10 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.items import Command
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.fit import FitResult, fit
-from flight_replay.planning.fit.fit import RIVAL_FLIGHTS, task_for
+from flight_replay.planning.fit.fit import RIVAL_FLIGHTS, problem_for
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
-from flight_replay.planning.fit.reference import recording_of
-from flight_replay.planning.fit.search import searched
+from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.search import search
 from flight_replay.planning.spacing import decimate
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import simulate
@@ -39,12 +39,12 @@ def distance_to_line_m(places: Floats, line: Floats) -> Floats:
 
 
 def rival_objectives_m(track: Track, max_points: int, *, timed: bool) -> list[float]:
-    recording = recording_of(track, 30.0)
-    task = task_for(recording, max_points, Limits(), timed=timed)
+    recording = local_track(track, 30.0)
+    problem = problem_for(recording, max_points, Limits(), timed=timed)
     line = np.column_stack([recording.north_east_m, recording.up_m])
     return [
-        searched(
-            task, straight_draft(recording, kept), bend=0.02, flights=RIVAL_FLIGHTS, tick=lambda: None
+        search(
+            problem, straight_draft(recording, kept), smoothing=0.02, flights=RIVAL_FLIGHTS, tick=lambda: None
         ).objective_m
         for kept in (douglas_peucker(line, max_points), decimate(track, max_points=max_points))
     ]

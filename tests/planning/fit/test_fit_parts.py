@@ -1,4 +1,4 @@
-"""The parts of the fit: weights, pulls, pace, reducers, the flown part, limits."""
+"""The parts of the fit: weights, residuals, pace, reducers, the flown part, limits."""
 
 from dataclasses import replace
 
@@ -11,13 +11,13 @@ from flight_replay.planning.altitude import MIN_ALTITUDE_M, plausible_altitudes_
 from flight_replay.planning.fit import recorded_limits
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.gauss_newton import Pull, pulled
-from flight_replay.planning.fit.knot_placement import enough_places, first_draft
+from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
+from flight_replay.planning.fit.knot_placement import first_draft, waypoints_needed
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
-from flight_replay.planning.fit.objective import forecast, on_plan
-from flight_replay.planning.fit.reference import Recording, hovers, recording_of
-from flight_replay.planning.fit.result import where_it_lags
-from flight_replay.planning.fit.simulated_draft import flown
+from flight_replay.planning.fit.objective import evaluate, match_to_plan
+from flight_replay.planning.fit.reference import LocalTrack, hovers, local_track
+from flight_replay.planning.fit.result import lag_notes
+from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.fit.speed_schedule import best_lateness_s
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.simulator.dynamics.limits import Limits
@@ -58,8 +58,8 @@ def test_a_pull_moves_the_path_to_where_it_draws() -> None:
     draft = draft_of([(10.0 * i, 0) for i in range(8)], [i > 0 for i in range(8)], [1.0] + [0.0] * 7)
     leg, part = np.repeat(np.arange(2, 7), 3), np.tile([0.2, 0.5, 0.9], 5)
     off = np.tile([0.0, 1.0], (15, 1))
-    pull = Pull(leg, part, np.tile([1.0, 0.0], (15, 1)), off, np.ones(15))
-    moved = pulled(draft, [pull], bend=1e-4)
+    residual = Residuals(leg, part, np.tile([1.0, 0.0], (15, 1)), off, np.ones(15))
+    moved = gauss_newton_step(draft, [residual], smoothing=1e-4)
     there = weights(moved, leg, part) @ moved.places_m[:, :2]
     assert np.allclose(there[6:9, 1], 1.0, atol=0.05)
     assert np.allclose(moved.places_m[[0, -1]], draft.places_m[[0, -1]])
@@ -68,7 +68,7 @@ def test_a_pull_moves_the_path_to_where_it_draws() -> None:
 def test_two_places_cannot_be_pulled() -> None:
     """A route of two places is its ends."""
     draft = draft_of([(0, 0), (10, 0)], [False, False], [1, 0])
-    assert pulled(draft, [], bend=1.0) is draft
+    assert gauss_newton_step(draft, [], smoothing=1.0) is draft
 
 
 def test_lateness_is_spread_where_it_costs_least() -> None:
@@ -101,10 +101,10 @@ def test_douglas_peucker_keeps_corners() -> None:
 
 def test_hovers_are_found_where_the_vehicle_stood() -> None:
     """Half a minute in the air is one hover; a flight without any has none."""
-    found = hovers(recording_of(hover(), 20.0), 5)
+    found = hovers(local_track(hover(), 20.0), 5)
     assert len(found) == 1
     assert found[0].seconds == pytest.approx(29.75)
-    assert hovers(recording_of(wander(1), 20.0), 5) == []
+    assert hovers(local_track(wander(1), 20.0), 5) == []
 
 
 def test_the_flown_part_leaves_out_the_ground_and_closes_the_gap() -> None:
@@ -160,26 +160,27 @@ def test_a_choice_of_speeds_is_flown_and_kept() -> None:
         asked.append(place)
         return 2.0 if place < 3 else 4.0
 
-    chosen = flown(draft, Limits(), 0.05, choose)
+    chosen = simulate_draft(draft, Limits(), 0.05, choose)
     assert sorted(set(asked)) == [1, 2, 3]
     assert chosen.draft.speed_m_s[[1, 3]].tolist() == [2.0, 4.0]
     assert np.isnan(chosen.draft.speed_m_s[[0, 2]]).all()
-    again = flown(chosen.draft, Limits(), 0.05)
+    again = simulate_draft(chosen.draft, Limits(), 0.05)
     assert np.allclose(again.passed_s, chosen.passed_s)
 
 
 def test_the_objective_counts_space_plan_and_time() -> None:
     """A flight beside the recording and slower than it costs more in each of its parts."""
-    recording = recording_of(along([(0, 0), (60, 0)], 4.0), 20.0)
+    recording = local_track(along([(0, 0), (60, 0)], 4.0), 20.0)
     line = straight_draft(recording, np.array([0, len(recording) - 1]))
     aside = replace(line, places_m=line.places_m + np.array([0.0, 2.0, 0.0]))
     slow = replace(line, speed_m_s=np.array([np.nan, 1.0]))
     good, beside, late = (
-        forecast(flown(draft, Limits(), 0.05), recording, timed=True) for draft in (line, aside, slow)
+        evaluate(simulate_draft(draft, Limits(), 0.05), recording, timed=True)
+        for draft in (line, aside, slow)
     )
     assert beside.objective_m > good.objective_m + 2.0
     assert late.objective_m > good.objective_m + 0.5
-    early = forecast(good.flown, replace(recording, time_s=recording.time_s * 3), timed=False)
+    early = evaluate(good.flown, replace(recording, time_s=recording.time_s * 3), timed=False)
     assert early.late_m[8:].max() == 0
 
 
@@ -189,7 +190,7 @@ def test_a_first_draft_stands_closer_where_it_curves() -> None:
     turn = np.linspace(0, 6 * np.pi, 100)
     loops = np.column_stack([6.4 * np.sin(turn), 6.4 * (1 - np.cos(turn))])
     line = np.concatenate([straight, loops])
-    recording = Recording(np.arange(200.0) / 3, line, np.full(200, 20.0))
+    recording = LocalTrack(np.arange(200.0) / 3, line, np.full(200, 20.0))
     draft = first_draft(recording, 30, [], timed=False)
     assert (draft.places_m[:, 0] > -7).sum() > 16
 
@@ -197,7 +198,7 @@ def test_a_first_draft_stands_closer_where_it_curves() -> None:
 def test_enough_places_are_fewer_for_simple_ways() -> None:
     """A straight line needs two places, a circle some, a hand-flown way most."""
     counts = [
-        enough_places(recording_of(track, 20.0), 40, [], timed=False)
+        waypoints_needed(local_track(track, 20.0), 40, [], timed=False)
         for track in (along([(0, 0), (100, 0)], 5.0), circle(), wander(2, fixes=200))
     ]
     assert counts[0] == 2
@@ -209,11 +210,11 @@ def test_on_plan_finds_fixes_on_their_legs() -> None:
     """Fixes on the planned path have no distance and lie on the leg that they were taken from."""
     path = MIXED.path(0.001)
     keep = np.arange(0, len(path.seq), 9)
-    recording = Recording(keep.astype(float), path.north_east_m[keep], np.zeros(len(keep)))
-    leg, _, off, ahead = on_plan(MIXED, recording)
+    recording = LocalTrack(keep.astype(float), path.north_east_m[keep], np.zeros(len(keep)))
+    leg, _, off, direction = match_to_plan(MIXED, recording)
     assert np.abs(off).max() < 0.05
     assert (np.abs(leg - path.seq[keep]) <= 1).all()
-    assert np.allclose(np.linalg.norm(ahead[3:], axis=1), 1.0)
+    assert np.allclose(np.linalg.norm(direction[3:], axis=1), 1.0)
 
 
 def sped_up(track: Track, factor: float) -> Track:
@@ -241,19 +242,19 @@ def test_limits_use_recorded_velocities_where_there_are_some() -> None:
 
 def test_the_nearest_place_of_a_recording() -> None:
     """A place beside the line through two fixes is nearest to the line, not to a fix."""
-    recording = recording_of(track_through(np.array([[0.0, 0], [10, 0]]), np.array([0.0, 5])), 20.0)
+    recording = local_track(track_through(np.array([[0.0, 0], [10, 0]]), np.array([0.0, 5])), 20.0)
     assert np.allclose(recording.nearest_m(np.array([[4.0, 3.0]])), [[4.0, 0.0]], atol=1e-6)
 
 
 def test_where_the_vehicle_lags_is_said() -> None:
     """A recording flown twice as fast as the vehicle can is behind from somewhere on; a slow one nowhere."""
-    fast = recording_of(sped_up(wander(3), 2.0), 20.0)
-    slow = recording_of(along([(0, 0), (60, 0)], 0.5), 20.0)
+    fast = local_track(sped_up(wander(3), 2.0), 20.0)
+    slow = local_track(along([(0, 0), (60, 0)], 0.5), 20.0)
     lags = []
     for recording in (fast, slow):
         line = straight_draft(recording, douglas_peucker(recording.north_east_m, 12))
-        best = forecast(flown(line, Limits(), 0.05), recording, timed=True)
-        lags.append(where_it_lags(best, recording))
+        best = evaluate(simulate_draft(line, Limits(), 0.05), recording, timed=True)
+        lags.append(lag_notes(best, recording))
     assert len(lags[0]) == 1
     assert "behind by up to" in lags[0][0]
     assert lags[1] == ()

@@ -2,7 +2,7 @@
 
 ``fit`` plans with the model of how ArduCopter flies (``simulator``), because a line on paper says
 little of the flight: dense straight legs crawl, splines bulge, corners are cut. The objective and
-its trade between space and time are in ``forecast``.
+its trade between space and time are in ``objective``.
 """
 
 from flight_replay.planning.fit.fit import fit

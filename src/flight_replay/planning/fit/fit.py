@@ -19,12 +19,12 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import RECORDED, Recorded, home_of
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.knot_placement import enough_places, first_draft
+from flight_replay.planning.fit.knot_placement import first_draft, waypoints_needed
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
-from flight_replay.planning.fit.objective import Forecast, least_objective_m
-from flight_replay.planning.fit.reference import Recording, flat_frame, hovers, recording_of
-from flight_replay.planning.fit.result import FitResult, where_it_lags
-from flight_replay.planning.fit.search import Task, searched
+from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
+from flight_replay.planning.fit.reference import LocalTrack, flat_frame, hovers, local_track
+from flight_replay.planning.fit.result import FitResult, lag_notes
+from flight_replay.planning.fit.search import FitProblem, search
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.spacing import MAX_POINTS, decimate
 from flight_replay.simulator.dynamics.limits import Limits
@@ -39,7 +39,7 @@ _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.025, 0.05, 0.05, 0.1))
 _WORK_S = 7000.0
 """Seconds of flight that the search may simulate, unless that is less than ``_FEWEST_FLIGHTS`` flights."""
 _FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 24
-_BEND = 0.02
+_SMOOTHING = 0.02
 
 Progress = Callable[[int, int], None]
 
@@ -70,42 +70,42 @@ def fit(  # noqa: PLR0913
         raise LogError("The log holds no position that could be followed; choose another log or vehicle.")
     flown, notes = flown_part(track)
     timed = speed_m_s == RECORDED
-    recording = recording_of(flown, None if altitude_m == RECORDED else float(altitude_m))
-    task = task_for(recording, max_points, limits or Limits(), timed=timed)
-    drafts = _drafts(task, recording, flown, max_points)
+    recording = local_track(flown, None if altitude_m == RECORDED else float(altitude_m))
+    problem = problem_for(recording, max_points, limits or Limits(), timed=timed)
+    drafts = _drafts(problem, recording, flown, max_points)
     if speed_m_s is not None and speed_m_s != RECORDED:
         drafts = [replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:])) for draft in drafts]
-    best = _best(task, drafts, progress or (lambda done, total: None))
+    best = _best(problem, drafts, progress or (lambda done, total: None))
     if timed:
-        notes = (*notes, *where_it_lags(best, task.recording))
+        notes = (*notes, *lag_notes(best, problem.recording))
     return _result(best, flown, recording, notes)
 
 
-def task_for(recording: Recording, max_points: int, limits: Limits, *, timed: bool) -> Task:
+def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed: bool) -> FitProblem:
     """What the search looks at: some of the fixes, the longest hovers, steps that can be afforded."""
     work = recording.thinned(WORK_FIXES)
     most_hovers = (max_points - 2) // _HOVER_SHARE
     step_s = float(np.interp(recording.time_s[-1], *_STEPS_S))
-    return Task(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
+    return FitProblem(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
 
 
-def _drafts(task: Task, recording: Recording, flown: Track, max_points: int) -> list[Draft]:
+def _drafts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points: int) -> list[Draft]:
     """Where to begin: splines where they are wanted, and straight legs as the classic reducers have them."""
     last = len(recording) - 1
     if last == 0 or max_points < 2:
         return [straight_draft(recording, np.array([last]))]
     line = np.column_stack([recording.north_east_m, recording.up_m])
-    places = enough_places(task.recording, max_points, task.hovers, timed=task.timed)
+    places = waypoints_needed(problem.recording, max_points, problem.hovers, timed=problem.timed)
     return [
-        first_draft(task.recording, places, task.hovers, timed=task.timed),
+        first_draft(problem.recording, places, problem.hovers, timed=problem.timed),
         straight_draft(recording, douglas_peucker(line, max_points)),
         straight_draft(recording, decimate(flown, max_points=max_points)),
     ]
 
 
-def _best(task: Task, drafts: list[Draft], progress: Progress) -> Forecast:
-    """The best forecast that comes of the first draft, or of one of its rivals."""
-    flights = int(np.clip(_WORK_S / max(task.recording.time_s[-1], 1.0), _FEWEST_FLIGHTS, _MOST_FLIGHTS))
+def _best(problem: FitProblem, drafts: list[Draft], progress: Progress) -> Evaluation:
+    """The best evaluation that comes of the first draft, or of one of its rivals."""
+    flights = int(np.clip(_WORK_S / max(problem.recording.time_s[-1], 1.0), _FEWEST_FLIGHTS, _MOST_FLIGHTS))
     total, done = flights + RIVAL_FLIGHTS * (len(drafts) - 1), 0
 
     def tick() -> None:
@@ -113,18 +113,18 @@ def _best(task: Task, drafts: list[Draft], progress: Progress) -> Forecast:
         done += 1
         progress(done, total)
 
-    best = searched(task, drafts[0], bend=_BEND, flights=flights, tick=tick)
+    best = search(problem, drafts[0], smoothing=_SMOOTHING, flights=flights, tick=tick)
     for rival in drafts[1:]:
-        if least_objective_m(rival, task.recording) >= best.objective_m:
+        if objective_lower_bound_m(rival, problem.recording) >= best.objective_m:
             done += RIVAL_FLIGHTS
             progress(done, total)
         else:
-            found = searched(task, rival, bend=_BEND, flights=RIVAL_FLIGHTS, tick=tick)
-            best = min(best, found, key=lambda forecast: forecast.objective_m)
+            found = search(problem, rival, smoothing=_SMOOTHING, flights=RIVAL_FLIGHTS, tick=tick)
+            best = min(best, found, key=lambda evaluation: evaluation.objective_m)
     return best
 
 
-def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str, ...]) -> FitResult:
+def _result(best: Evaluation, flown: Track, recording: LocalTrack, notes: tuple[str, ...]) -> FitResult:
     """The answer, its errors measured against every fix, in ground metres."""
     flat, frame = flat_frame(flown), flown.frame
     mission = best.draft.mission(flat).with_home(home_of(flown))
@@ -136,9 +136,9 @@ def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str
         mission=mission,
         flown=flown,
         frame=frame,
-        planned_error=_spread(path_errors_m(fixes_m, path.north_east_m)),
-        path_error=_spread(path_errors_m(fixes_m, air_m)),
-        position_error=_spread(position_errors_m(recording.time_s, fixes_m, air.time_s, air_m)),
+        planned_error=_statistics(path_errors_m(fixes_m, path.north_east_m)),
+        path_error=_statistics(path_errors_m(fixes_m, air_m)),
+        position_error=_statistics(position_errors_m(recording.time_s, fixes_m, air.time_s, air_m)),
         predicted_duration_s=float(best.passed_s[-1]),
         objective_m=best.objective_m,
         time_s=air.time_s,
@@ -147,7 +147,7 @@ def _result(best: Forecast, flown: Track, recording: Recording, notes: tuple[str
     )
 
 
-def _spread(distances_m: Floats) -> ErrorStatistics:
+def _statistics(distances_m: Floats) -> ErrorStatistics:
     found = error_statistics(distances_m)
     assert found is not None, "a recording has fixes"
     return found

@@ -17,43 +17,45 @@ _LONGEST_STEP_M = 3.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pull:
-    """Points of the path, ``part`` of the way along the legs ``leg``, drawn along ``off_m`` (m, 2).
+class Residuals:
+    """Vectors ``off_m`` (m, 2) from m points of the path, ``part`` of the way along ``leg``, to the fixes.
 
-    ``ahead`` (m, 2) are unit vectors along the path there, ``weight`` (m,) how strongly each pulls.
+    ``direction`` (m, 2) are unit vectors along the path there, ``weight`` (m,) how much each counts.
     """
 
     leg: Indices
     part: Floats
-    ahead: Floats
+    direction: Floats
     off_m: Floats
     weight: Floats
 
 
-def pulled(draft: Draft, pulls: list[Pull], bend: Floats | float, gain: float = 1.0) -> Draft:
-    """The draft whose inner places answer the pulls in the least-squares sense; the ends stay.
+def gauss_newton_step(
+    draft: Draft, residuals: list[Residuals], smoothing: Floats | float, gain: float = 1.0
+) -> Draft:
+    """The draft whose inner places make the residuals smallest in the least-squares sense; the ends stay.
 
     Args:
         draft: at least two places.
-        pulls: what draws where.
-        bend: weight against unevenness, the third differences of the places (n - 3,).
+        residuals: what to make small, for each of the paths that count.
+        smoothing: weight against unevenness, the third differences of the places (n - 3,).
         gain: share of the step that is taken.
     """
     n = len(draft)
     if n < 3:
         return draft
     third = np.diff(np.eye(n), 3, axis=0)
-    smooth = third.T @ (np.broadcast_to(bend, len(third))[:, None] * third)
+    smooth = third.T @ (np.broadcast_to(smoothing, len(third))[:, None] * third)
     normal = np.kron(np.eye(2), smooth + _STILL * np.eye(n))
     force = -(smooth @ draft.places_m[:, :2]).T.ravel()
-    for pull in pulls:
-        rows = weights(draft, pull.leg, pull.part)
-        across, along = pull.weight, pull.weight * ALONG_SHARE
-        keep = (along - across)[:, None] * pull.ahead
-        metric = keep[:, :, None] * pull.ahead[:, None, :] + across[:, None, None] * np.eye(2)
+    for residual in residuals:
+        rows = weights(draft, residual.leg, residual.part)
+        across, along = residual.weight, residual.weight * ALONG_SHARE
+        keep = (along - across)[:, None] * residual.direction
+        metric = keep[:, :, None] * residual.direction[:, None, :] + across[:, None, None] * np.eye(2)
         blocks = [[rows.T @ (metric[:, i, j, None] * rows) for j in (0, 1)] for i in (0, 1)]
         normal += np.block(blocks)
-        force += (rows.T @ (metric @ pull.off_m[:, :, None])[:, :, 0]).T.ravel()
+        force += (rows.T @ (metric @ residual.off_m[:, :, None])[:, :, 0]).T.ravel()
     free = np.tile(np.arange(n) % (n - 1) != 0, 2)
     step = np.zeros(2 * n)
     step[free] = np.linalg.solve(normal[np.ix_(free, free)], force[free])
@@ -67,7 +69,7 @@ def _stepped(draft: Draft, step_m: Floats) -> Draft:
     return replace(draft, places_m=places)
 
 
-def raised(draft: Draft, leg: Indices, part: Floats, up_m: Floats) -> Draft:
+def with_fitted_heights(draft: Draft, leg: Indices, part: Floats, up_m: Floats) -> Draft:
     """The draft with the heights that follow ``up_m`` (m,) best at the given points of its path.
 
     No place is higher or lower than the recording is anywhere.

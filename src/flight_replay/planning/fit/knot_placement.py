@@ -14,12 +14,12 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.gauss_newton import Pull, pulled
-from flight_replay.planning.fit.objective import on_plan
-from flight_replay.planning.fit.reference import Hover, Recording
+from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
+from flight_replay.planning.fit.objective import match_to_plan
+from flight_replay.planning.fit.reference import Hover, LocalTrack
 
 ROUNDS = 4
-FIRST_BEND = 0.001
+FIRST_SMOOTHING = 0.001
 """Weight against unevenness in the first draft; the search weighs it anew."""
 _TIME_MIX = 0.8
 _LATE_SHARE = 0.15
@@ -31,15 +31,15 @@ _AS_GOOD, _NO_WORSE_M, _MORE, _WORTH_FEWER = 1.1, 0.05, 1.5, 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Course:
-    """Progress (n,) of every fix along the recording, part length and part time; hovers make none."""
+class _Progress:
+    """Share (n,) of the recording up to every fix, part length and part time; hovers make none."""
 
-    recording: Recording
-    progress: Floats
+    recording: LocalTrack
+    share: Floats
     hovers: list[Hover]
 
     @classmethod
-    def of(cls, recording: Recording, hovers: list[Hover]) -> _Course:
+    def of(cls, recording: LocalTrack, hovers: list[Hover]) -> _Progress:
         steps = segment_lengths_m(recording.north_east_m)
         waits = np.diff(recording.time_s)
         for hover in hovers:
@@ -49,7 +49,7 @@ class _Course:
         return cls(recording, np.append(0.0, np.cumsum(share)), hovers)
 
 
-def first_draft(recording: Recording, places: int, hovers: list[Hover], *, timed: bool) -> Draft:
+def first_draft(recording: LocalTrack, places: int, hovers: list[Hover], *, timed: bool) -> Draft:
     """A route of at most ``places`` splines through the recording, denser where it is harder to follow.
 
     Args:
@@ -58,33 +58,33 @@ def first_draft(recording: Recording, places: int, hovers: list[Hover], *, timed
         hovers: where to wait; fewer than ``places`` - 2.
         timed: whether speed changes within a leg are hard to follow too.
     """
-    course = _Course.of(recording, hovers)
-    fixed = np.array([course.progress[hover.first] for hover in hovers])
-    free = np.linspace(0.0, course.progress[-1], max(2, places - len(hovers)))
+    progress = _Progress.of(recording, hovers)
+    fixed = np.array([progress.share[hover.first] for hover in hovers])
+    free = np.linspace(0.0, progress.share[-1], max(2, places - len(hovers)))
     best: tuple[float, Draft] | None = None
     for _ in range(ROUNDS):
-        draft, knots = _drafted(course, free, fixed)
-        draft, error = _straightened(draft, course, knots, timed=timed)
+        draft, knots = _drafted(progress, free, fixed)
+        draft, error = _moved_to_fixes(draft, progress, knots, timed=timed)
         score = float(np.sqrt((error**2).mean()))
         if best is None or score < best[0]:
             best = score, draft
-        free = _respaced(len(free), knots, course, error)
+        free = _respaced(len(free), knots, progress, error)
     assert best is not None, "there are rounds"
     return best[1]
 
 
-def enough_places(recording: Recording, most: int, hovers: list[Hover], *, timed: bool) -> int:
+def waypoints_needed(recording: LocalTrack, most: int, hovers: list[Hover], *, timed: bool) -> int:
     """How many places, at most ``most``, do as well as ``most`` would: within a tenth and 5 cm."""
     rough = recording.thinned(_ROUGH_FIXES)
     if len(rough) < len(recording):
         hovers = [_moved(hover, recording, rough) for hover in hovers]
-    course = _Course.of(rough, hovers)
-    fixed = np.array([course.progress[hover.first] for hover in hovers])
+    progress = _Progress.of(rough, hovers)
+    fixed = np.array([progress.share[hover.first] for hover in hovers])
 
     def error_m(places: int) -> float:
-        free = np.linspace(0.0, course.progress[-1], max(2, places - len(hovers)))
-        draft, knots = _drafted(course, free, fixed)
-        error = _straightened(draft, course, knots, timed=timed)[1]
+        free = np.linspace(0.0, progress.share[-1], max(2, places - len(hovers)))
+        draft, knots = _drafted(progress, free, fixed)
+        error = _moved_to_fixes(draft, progress, knots, timed=timed)[1]
         return float(np.sqrt((error**2).mean()))
 
     least = min(most, len(hovers) + 2)
@@ -96,44 +96,46 @@ def enough_places(recording: Recording, most: int, hovers: list[Hover], *, timed
     return most
 
 
-def _moved(hover: Hover, recording: Recording, rough: Recording) -> Hover:
+def _moved(hover: Hover, recording: LocalTrack, rough: LocalTrack) -> Hover:
     """The hover in the fixes that are left of the recording."""
     first, last = np.searchsorted(rough.time_s, recording.time_s[[hover.first, hover.last]])
     return Hover(int(first), int(min(last, len(rough) - 1)), hover.seconds)
 
 
-def _drafted(course: _Course, free: Floats, fixed: Floats) -> tuple[Draft, Floats]:
+def _drafted(progress: _Progress, free: Floats, fixed: Floats) -> tuple[Draft, Floats]:
     """Least-squares places for knots at given progress; returns them with the knots' progress."""
     order = np.argsort(np.append(free, fixed), kind="stable")
     knots = np.append(free, fixed)[order]
-    waits = np.append(np.zeros(len(free)), [max(1.0, round(hover.seconds)) for hover in course.hovers])[order]
+    waits_s = [max(1.0, round(hover.seconds)) for hover in progress.hovers]
+    waits = np.append(np.zeros(len(free)), waits_s)[order]
     waits[0] = _SETTLE_HOLD_S
-    recording, n = course.recording, len(knots)
+    recording, n = progress.recording, len(knots)
     columns = [*recording.north_east_m.T, recording.up_m]
-    places = np.column_stack([np.interp(knots, course.progress, column) for column in columns])
+    places = np.column_stack([np.interp(knots, progress.share, column) for column in columns])
     draft = Draft(places, np.arange(n) > 0, waits, np.full(n, np.nan))
-    leg = np.clip(np.searchsorted(knots, course.progress), 1, n - 1)
+    leg = np.clip(np.searchsorted(knots, progress.share), 1, n - 1)
     length = knots[leg] - knots[leg - 1]
-    part = np.where(length > 0, (course.progress - knots[leg - 1]) / np.maximum(length, 1e-12), 1.0)
+    part = np.where(length > 0, (progress.share - knots[leg - 1]) / np.maximum(length, 1e-12), 1.0)
     off = recording.north_east_m - weights(draft, leg, part) @ places[:, :2]
-    pull = Pull(leg, part, np.zeros_like(off), off, np.ones(len(off)))
-    return pulled(draft, [pull], FIRST_BEND), knots
+    residual = Residuals(leg, part, np.zeros_like(off), off, np.ones(len(off)))
+    return gauss_newton_step(draft, [residual], FIRST_SMOOTHING), knots
 
 
-def _straightened(draft: Draft, course: _Course, knots: Floats, *, timed: bool) -> tuple[Draft, Floats]:
+def _moved_to_fixes(draft: Draft, progress: _Progress, knots: Floats, *, timed: bool) -> tuple[Draft, Floats]:
     """The draft moved towards the fixes beside its path, and the error (n,) that remains at each fix."""
-    recording = course.recording
+    recording = progress.recording
     for _ in range(2):
-        leg, part, off, ahead = on_plan(draft, recording)
-        draft = pulled(draft, [Pull(leg, part, ahead, off, np.ones(len(off)))], FIRST_BEND)
-    leg, part, off, _ = on_plan(draft, recording)
+        leg, part, off, direction = match_to_plan(draft, recording)
+        residuals = [Residuals(leg, part, direction, off, np.ones(len(off)))]
+        draft = gauss_newton_step(draft, residuals, FIRST_SMOOTHING)
+    leg, part, off, _ = match_to_plan(draft, recording)
     error = np.linalg.norm(off, axis=1)
     if not timed:
         return draft, error
     steps = np.diff(draft.places_m[:, :2], axis=0, prepend=draft.places_m[:1, :2])
-    passing = np.interp(knots, course.progress, recording.time_s)
-    for hover in course.hovers:
-        at = np.searchsorted(knots, course.progress[hover.first], side="right") - 1
+    passing = np.interp(knots, progress.share, recording.time_s)
+    for hover in progress.hovers:
+        at = np.searchsorted(knots, progress.share[hover.first], side="right") - 1
         passing[at] = recording.time_s[hover.last]
     length_s = np.maximum(np.diff(passing, prepend=passing[0]), 1e-3)
     even = (recording.time_s - passing[np.maximum(leg - 1, 0)]) / length_s[leg]
@@ -141,9 +143,9 @@ def _straightened(draft: Draft, course: _Course, knots: Floats, *, timed: bool) 
     return draft, np.hypot(error, _LATE_SHARE * np.where(draft.halts[leg], 0.0, late_m))
 
 
-def _respaced(count: int, knots: Floats, course: _Course, error: Floats) -> Floats:
+def _respaced(count: int, knots: Floats, progress: _Progress, error: Floats) -> Floats:
     """Progress of ``count`` knots moved to where the error is: demand grows with a power of it."""
-    leg = np.clip(np.searchsorted(knots, course.progress), 1, len(knots) - 1)
+    leg = np.clip(np.searchsorted(knots, progress.share), 1, len(knots) - 1)
     fixes = np.maximum(np.bincount(leg, minlength=len(knots)), 1)
     mean = np.sqrt(np.bincount(leg, error**2, minlength=len(knots)) / fixes)[1:]
     smooth = np.convolve(np.pad(mean, 1, mode="edge"), [0.25, 0.5, 0.25], "valid")

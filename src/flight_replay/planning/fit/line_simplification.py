@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.reference import Recording
+from flight_replay.planning.fit.reference import LocalTrack
 
 EXACT_M = 0.02
 """A line this near to every fix has no use for more corners."""
@@ -42,7 +42,7 @@ def _farthest(points_m: Floats, begin: int, end: int) -> tuple[float, int, int, 
     return -float(apart[worst]), begin, end, begin + 1 + worst
 
 
-def straight_draft(recording: Recording, kept: NDArray[np.intp]) -> Draft:
+def straight_draft(recording: LocalTrack, kept: NDArray[np.intp]) -> Draft:
     """Straight legs through the kept fixes, after a second to settle at the first."""
     places = np.column_stack([recording.north_east_m, recording.up_m])[kept]
     n = len(kept)

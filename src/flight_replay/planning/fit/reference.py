@@ -21,7 +21,7 @@ _MOST_CORNERS = 4000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recording:
+class LocalTrack:
     """What is to be followed: n fixes in local metres (n, 2), heights and seconds from the first (n,).
 
     ``home_amsl_m`` is how high above the sea the place of take-off is: thin air holds a vehicle back less.
@@ -35,10 +35,10 @@ class Recording:
     def __len__(self) -> int:
         return len(self.time_s)
 
-    def thinned(self, most: int) -> Recording:
+    def thinned(self, most: int) -> LocalTrack:
         """At most ``most`` of the fixes, evenly spread, both ends included."""
         keep = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.intp))
-        return Recording(self.time_s[keep], self.north_east_m[keep], self.up_m[keep], self.home_amsl_m)
+        return LocalTrack(self.time_s[keep], self.north_east_m[keep], self.up_m[keep], self.home_amsl_m)
 
     def nearest_m(self, places_m: Floats) -> Floats:
         """The points (m, 2) of the line through the fixes that are nearest to places (m, 2)."""
@@ -70,13 +70,13 @@ class Hover:
     seconds: float
 
 
-def hovers(recording: Recording, most: int) -> list[Hover]:
+def hovers(recording: LocalTrack, most: int) -> list[Hover]:
     """The ``most`` longest hovers, in order: stretches that fit into ``HOVER_RADIUS_M``, heights too."""
     places = np.column_stack([recording.north_east_m, recording.up_m]).tolist()
     times = recording.time_s.tolist()
     found, i = [], 0
     while i < len(times):
-        end = _leaves(places, i)
+        end = _hover_end(places, i)
         seconds = times[end - 1] - times[i]
         if seconds >= SHORTEST_HOVER_S:
             found.append(Hover(i, end - 1, seconds))
@@ -87,7 +87,7 @@ def hovers(recording: Recording, most: int) -> list[Hover]:
     return sorted(longest, key=lambda hover: hover.first)
 
 
-def _leaves(places: list[list[float]], begin: int) -> int:
+def _hover_end(places: list[list[float]], begin: int) -> int:
     """Index of the first place from ``begin`` on that no longer fits into the circle with those before."""
     low, high = list(places[begin]), list(places[begin])
     for i in range(begin + 1, len(places)):
@@ -104,7 +104,7 @@ def flat_frame(track: Track) -> FlatFrame:
     return FlatFrame(float(track.lat_deg[0]), float(track.lon_deg[0]))
 
 
-def recording_of(track: Track, altitude_m: float | None) -> Recording:
+def local_track(track: Track, altitude_m: float | None) -> LocalTrack:
     """What the fit follows, in ArduPilot's own metres around the track's first fix.
 
     The vehicle navigates in those: in ground metres, up to 0.5 % different, its time would be too.
@@ -116,4 +116,4 @@ def recording_of(track: Track, altitude_m: float | None) -> Recording:
     times = track.time_s - track.time_s[0]
     heights = plausible_altitudes_m(track) if altitude_m is None else np.full(len(track), float(altitude_m))
     places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
-    return Recording(times, places, heights, home_of(track).alt_amsl_m)
+    return LocalTrack(times, places, heights, home_of(track).alt_amsl_m)

@@ -11,10 +11,10 @@ from flight_replay.geometry.distances import ErrorStatistics
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
-from flight_replay.planning.fit.objective import Forecast
-from flight_replay.planning.fit.reference import Recording
+from flight_replay.planning.fit.objective import Evaluation
+from flight_replay.planning.fit.reference import LocalTrack
 
-WORTH_A_WORD_M = 5.0
+MIN_LAG_M = 5.0
 """Nearer behind than this is keeping up."""
 _MOST_STRETCHES = 3
 
@@ -28,7 +28,7 @@ class FitResult:
     of the predicted flight; ``predicted_duration_s`` runs from reaching
     the first waypoint to the end. ``time_s`` (k,), from reaching the first waypoint, and ``place_m`` (k, 3),
     north, east of ``frame``'s origin and up, are the predicted flight. ``notes`` are sentences for
-    a person; ``objective_m`` is what the fit made small, see ``forecast``.
+    a person; ``objective_m`` is what the fit made small, see ``objective``.
     """
 
     mission: Mission
@@ -44,7 +44,7 @@ class FitResult:
     notes: tuple[str, ...]
 
 
-def where_it_lags(best: Forecast, recording: Recording) -> tuple[str, ...]:
+def lag_notes(best: Evaluation, recording: LocalTrack) -> tuple[str, ...]:
     """A sentence on the stretches in which the vehicle is farthest behind the recording, if any.
 
     Args:
@@ -52,7 +52,7 @@ def where_it_lags(best: Forecast, recording: Recording) -> tuple[str, ...]:
         recording: the fixes that it was compared with.
     """
     behind_m = np.where(best.flown_s > recording.time_s, best.late_m, 0.0)
-    lags = np.concatenate([[0], (behind_m > WORTH_A_WORD_M).astype(int), [0]])
+    lags = np.concatenate([[0], (behind_m > MIN_LAG_M).astype(int), [0]])
     begins, ends = np.flatnonzero(np.diff(lags) == 1), np.flatnonzero(np.diff(lags) == -1)
     stretches = [
         (float(behind_m[begin:end].max()), float(recording.time_s[begin]), float(recording.time_s[end - 1]))

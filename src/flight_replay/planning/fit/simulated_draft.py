@@ -17,14 +17,14 @@ from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.mission.local_items import LocalItem
 
-Choose = Callable[[int, float], float]
+ChooseSpeed = Callable[[int, float], float]
 """Speed, m/s, for the leg to a place, if that begins at a time, s, since the first place was reached."""
 _LONGEST_S = 100_000.0
-_LATE_CLIMB = 0.8  # Of what the position controller asks for, which the climb follows behind.
+_CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flown:
+class SimulatedDraft:
     """Where the vehicle was: times (k,) from reaching the first place, places (k, 3) north, east, up.
 
     ``passed_s`` (n,) is when each of the draft's n places was reached.
@@ -36,13 +36,13 @@ class Flown:
     passed_s: Floats
 
 
-def flown(
+def simulate_draft(
     draft: Draft,
     limits: Limits,
     step_s: float,
-    choose: Choose | None = None,
+    choose: ChooseSpeed | None = None,
     home_amsl_m: float = 0.0,
-) -> Flown:
+) -> SimulatedDraft:
     """Fly a draft that begins above where the vehicle takes off.
 
     Args:
@@ -61,25 +61,33 @@ def flown(
     chosen = draft.speed_m_s.copy()
     plan: Sequence[LocalItem] = items
     if choose is not None:
-        plan = _OnTheWay(items, seqs, chosen, choose, lambda: _since_first_s(copter, run, seqs[0]))
+        plan = _ItemsWithChosenSpeeds(
+            items, seqs, chosen, choose, lambda: _since_first_s(copter, run, seqs[0])
+        )
     run = copter.start_auto(plan)
+    rows = _positions_m(copter, run)
+    if choose is not None:
+        chosen[1:][chosen[1:] == np.append(np.nan, chosen[1:-1])] = np.nan
+    passed = np.array([_reached_s(run.reached, seq) for seq in seqs])
+    begin = round(passed[0] / step_s)
+    place = np.array(rows[begin:])
+    return SimulatedDraft(
+        replace(draft, speed_m_s=chosen),
+        step_s * np.arange(len(place), dtype=float),
+        place,
+        passed - passed[0],
+    )
+
+
+def _positions_m(copter: Copter, run: MissionRun) -> list[tuple[float, float, float]]:
+    """Where the copter is after each step, up to the end of the mission."""
     rows = [copter.position_m]
     while not run.completed:
         copter.step()
         rows.append(copter.position_m)
         if copter.time_s > _LONGEST_S:
             raise MissionError("the fitted flight does not end; fit a shorter part of the log")
-    if choose is not None:
-        chosen[1:][chosen[1:] == np.append(np.nan, chosen[1:-1])] = np.nan
-    passed = np.array([_reached_s(run.reached, seq) for seq in seqs])
-    begin = round(passed[0] / step_s)
-    place = np.array(rows[begin:])
-    return Flown(
-        replace(draft, speed_m_s=chosen),
-        step_s * np.arange(len(place), dtype=float),
-        place,
-        passed - passed[0],
-    )
+    return rows
 
 
 def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float) -> Copter:
@@ -89,7 +97,7 @@ def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: f
     """
     north, east, up = _vector(draft.places_m[0])
     short_m = (1.0 - TAKEOFF_REACHED_SHARE) * up
-    climb_m_s = min(_LATE_CLIMB * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
+    climb_m_s = min(_CLIMB_LAG_SHARE * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
     return Copter(
         limits,
         position_m=(north, east, up - short_m),
@@ -99,7 +107,7 @@ def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: f
     )
 
 
-class _OnTheWay(Sequence[LocalItem]):
+class _ItemsWithChosenSpeeds(Sequence[LocalItem]):
     """Mission items whose speed changes are chosen as AUTO looks at them; ``chosen`` (n,) keeps the last."""
 
     def __init__(
@@ -107,7 +115,7 @@ class _OnTheWay(Sequence[LocalItem]):
         items: list[LocalItem],
         seqs: list[int],
         chosen: Floats,
-        choose: Choose,
+        choose: ChooseSpeed,
         now_s: Callable[[], float],
     ) -> None:
         self._items = items

@@ -16,17 +16,17 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, Forecast
-from flight_replay.planning.fit.reference import Hover, Recording
-from flight_replay.planning.fit.simulated_draft import Flown
+from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, Evaluation
+from flight_replay.planning.fit.reference import Hover, LocalTrack
+from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
 SLOWEST_M_S = 0.25
 """ArduCopter ignores speed changes below 0.2 m/s."""
 FASTEST_M_S = 30.0
 WORTH_A_CHANGE = 1.5
 """Speeds nearer to each other than this ratio are not worth an item of the mission."""
-_HASTE = 1.5
-_HASTE_M_S = 1.0
+_SPEED_HEADROOM = 1.5
+_SPEED_HEADROOM_M_S = 1.0
 _RECOVERY_S = 4.0
 _LEAST_SHARE = 0.25
 _SHORTEST_LEG_S = 0.05
@@ -35,8 +35,8 @@ _LEARNING = 0.6
 _MOST_FACTOR = 3.0
 
 
-class Pacer:
-    """Chooses speeds on the way; ``plan`` sets what it aims at, ``learn`` how legs answer to speeds.
+class SpeedSchedule:
+    """Chooses speeds as legs begin; ``plan`` sets what it aims at, ``learn`` how legs answer to speeds.
 
     Args:
         recording: whose times count.
@@ -46,7 +46,7 @@ class Pacer:
     """
 
     def __init__(
-        self, recording: Recording, waits: dict[int, Hover], least_s: Floats, caps_m_s: Floats
+        self, recording: LocalTrack, waits: dict[int, Hover], least_s: Floats, caps_m_s: Floats
     ) -> None:
         self._recording = recording
         self._waits = waits
@@ -59,9 +59,9 @@ class Pacer:
         self._arrival_s: Floats = self._goal_s
         self._length_m: Floats = self._goal_s
 
-    def plan(self, forecast: Forecast, draft: Draft) -> Draft:
-        """Aim at when the recording passed the forecast's places; returns ``draft`` with its waits set."""
-        passing_s = self._wanted_passing_s(forecast)
+    def plan(self, evaluation: Evaluation, draft: Draft) -> Draft:
+        """Aim at when the recording passed the evaluated places; returns ``draft`` with its waits set."""
+        passing_s = self._wanted_passing_s(evaluation)
         wanted = np.diff(passing_s, prepend=0.0)
         path = draft.path(CURVE_TOLERANCE_M)
         steps = np.linalg.norm(np.diff(path.north_east_m, axis=0, prepend=path.north_east_m[:1]), axis=1)
@@ -87,18 +87,18 @@ class Pacer:
         self._speed_m_s[place] = before if near else speed
         return self._speed_m_s[place]
 
-    def learn(self, flown: Flown) -> None:
+    def learn(self, flown: SimulatedDraft) -> None:
         """Correct the speed of each leg by how much longer than asked for it took."""
         moving = np.maximum(np.diff(flown.passed_s, prepend=0.0) - flown.draft.hold_s, _SHORTEST_LEG_S)
         self._least_s = np.where(moving < self._least_s, (self._least_s + moving) / 2, self._least_s)
         answer = (moving / np.maximum(self._asked_s, _SHORTEST_LEG_S)) ** _LEARNING
         self._factor = np.clip(self._factor * answer, 1 / _MOST_FACTOR, _MOST_FACTOR)
 
-    def _wanted_passing_s(self, forecast: Forecast) -> Floats:
+    def _wanted_passing_s(self, evaluation: Evaluation) -> Floats:
         """When the recording passed (n,) where the vehicle is as it passes each place."""
         times = self._recording.time_s
-        flown_s = np.maximum.accumulate(forecast.flown_s) + 1e-6 * np.arange(len(times))
-        passing = np.interp(forecast.passed_s, flown_s, times)
+        flown_s = np.maximum.accumulate(evaluation.flown_s) + 1e-6 * np.arange(len(times))
+        passing = np.interp(evaluation.passed_s, flown_s, times)
         for place, hover in self._waits.items():
             passing[place] = times[hover.last]
         passing[0], passing[-1] = 0.0, times[-1]
@@ -113,7 +113,7 @@ class Pacer:
         return hold
 
 
-def speed_caps_m_s(leg: Indices, legs: int, recording: Recording) -> Floats:
+def speed_caps_m_s(leg: Indices, legs: int, recording: LocalTrack) -> Floats:
     """Highest speed worth asking for on each leg (legs,): half as fast again as recorded there.
 
     Args:
@@ -126,10 +126,10 @@ def speed_caps_m_s(leg: Indices, legs: int, recording: Recording) -> Floats:
     for here in np.unique(leg):
         caps[here] = np.percentile(speed[leg == here], 90)
     caps = np.where(np.isnan(caps), np.nanmax(caps), caps)
-    return np.clip(_HASTE * caps + _HASTE_M_S, 2 * SLOWEST_M_S, FASTEST_M_S)
+    return np.clip(_SPEED_HEADROOM * caps + _SPEED_HEADROOM_M_S, 2 * SLOWEST_M_S, FASTEST_M_S)
 
 
-def worth_asking_for(speeds_m_s: Floats) -> Floats:
+def without_small_changes(speeds_m_s: Floats) -> Floats:
     """The speeds (n,) without those so near to the one in force that they need no item; nan stands there."""
     kept = np.full(len(speeds_m_s), np.nan)
     in_force = np.inf
