@@ -6,8 +6,10 @@ import os
 import socket
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -176,18 +178,19 @@ def test_a_file_that_is_not_a_program_is_an_error(tmp_path: Path) -> None:
 
 def test_a_binary_that_is_never_ready_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With its last output; it is stopped, and not started again because it holds its ports."""
-    monkeypatch.setattr(process, "_READY_S", 0.5)
+    runs = Path(tempfile.gettempdir()) / "runs"
+    clock = SimpleNamespace(monotonic=lambda: 1000.0 * runs.exists(), sleep=time.sleep)
+    monkeypatch.setattr(process, "time", clock)
     body = """
 import socket
-held = socket.create_server(("127.0.0.1", 5760 + 10 * int(sys.argv[-1].removeprefix("-I"))))
-open("../runs", "a").write("x")
+held = socket.create_server(("127.0.0.1", BASE_PORT + 10 * int(sys.argv[-1].removeprefix("-I"))))
 print("thinking", flush=True)
+open("../runs", "a").write("x")
 time.sleep(60)
 """
     path = stand_in(tmp_path, body)
     with pytest.raises(SimulatorError, match="last output: thinking"), process.run(SitlBinary(path), START):
         raise AssertionError
-    runs = Path(tempfile.gettempdir()) / "runs"
     assert runs.read_text() == "x"
     runs.unlink()
 
