@@ -17,7 +17,7 @@ from tests.helpers.paths import EXAMPLES
 def run(name: str, folder: Path, *arguments: str) -> str:
     """What an example prints; warnings are errors."""
     command = [sys.executable, "-W", "error", str(EXAMPLES / name), *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=100, check=False)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -51,7 +51,7 @@ def interrupted(
             time.sleep(0.02)
             process.send_signal(another)
         output += process.stdout.read()
-    status = process.wait(30)
+    status = process.wait(120)
     assert time.monotonic() - began_s < EXIT_TIMEOUT_S
     return status, output
 

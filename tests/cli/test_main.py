@@ -126,7 +126,7 @@ def test_plain_lines_keep_the_example_s_wording(capsys: pytest.CaptureFixture[st
         " Altitude: ",
         " Reached target altitude of ~30",
         "Starting mission",
-        "Distance to waypoint (1): ",
+        "Distance to waypoint (",
         "Return to launch",
         "Close vehicle object",
         "Completed...",

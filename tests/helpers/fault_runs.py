@@ -87,13 +87,15 @@ def replay(
     *triggers: Trigger,
     speedup: float = 20.0,
     duration_s: float = 12.0,
-    connect_s: float = 8.0,
+    connect_s: float = 30.0,
     seed: int = 1,
     **parameters: float,
 ) -> FaultRun:
     """Connect, check, upload, fly and return, as the command line does; ``parameters`` are the vehicle's."""
+    # At speedup 20 the ten seconds after which it disarms on the ground are half a second here.
+    stays_armed = {"DISARM_DELAY": 0.0}
     with (
-        launch.run(START, speedup=speedup, faults=faults, parameters=parameters) as running,
+        launch.run(START, speedup=speedup, faults=faults, parameters=stays_armed | parameters) as running,
         fault_link(running.connection, conditions, triggers, seed) as link,
     ):
         run = FaultRun(link)
@@ -111,7 +113,7 @@ def _fly(run: FaultRun, speedup: float, duration_s: float, connect_s: float) -> 
     with vehicle.connect(
         run.link.connection, listener=listener, speedup=speedup, limit_s=connect_s
     ) as connected:
-        state = connected.wait_position(20.0, listener)
+        state = connected.wait_position(60.0, listener)
         preflight.check(connected.identity, ROUTE, state, takeoff_altitude_m=TAKEOFF_M)
         connected.upload(ROUTE, listener)
         plan = Plan(mission=ROUTE, duration_s=duration_s, takeoff_altitude_m=TAKEOFF_M, deadlines=DEADLINES)

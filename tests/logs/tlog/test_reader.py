@@ -291,7 +291,7 @@ def test_a_standard_input_that_does_not_wait_is_waited_for(monkeypatch: pytest.M
 
     def send() -> None:
         with os.fdopen(write_end, "wb") as pipe:
-            asked.wait(1)
+            asked.wait(60)
             pipe.write(data)
 
     monkeypatch.setattr(os, "set_blocking", ask)
@@ -300,7 +300,7 @@ def test_a_standard_input_that_does_not_wait_is_waited_for(monkeypatch: pytest.M
         monkeypatch.setattr(sys, "stdin", stdin)
         sender.start()
         assert len(read_log("-").track) == 500
-    sender.join(10)
+    sender.join(60)
 
 
 def test_a_named_pipe_is_read_to_its_end(tmp_path: Path) -> None:
@@ -311,7 +311,7 @@ def test_a_named_pipe_is_read_to_its_end(tmp_path: Path) -> None:
     writer = threading.Thread(target=pipe.write_bytes, args=(data,), daemon=True)
     writer.start()
     assert len(read_log(pipe).track) == 500
-    writer.join(10)
+    writer.join(60)
 
 
 def test_blocks_are_put_together_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

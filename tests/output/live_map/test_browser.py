@@ -22,6 +22,7 @@ from flight_replay.events import (
 )
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.live_map.server import LiveMap
+from tests.helpers.machine import slowdown
 from tests.helpers.made_replays import FRAME, made_replay, vehicle_at
 
 pytestmark = pytest.mark.browser
@@ -73,7 +74,7 @@ def wait_for(browser: Any, script: str) -> None:
     """Wait until a script in the page returns a true value."""
     from selenium.webdriver.support.ui import WebDriverWait
 
-    WebDriverWait(browser, 20).until(lambda driver: driver.execute_script(script))
+    WebDriverWait(browser, 120).until(lambda driver: driver.execute_script(script))
 
 
 def requested(browser: Any) -> set[str]:
@@ -116,8 +117,8 @@ def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(brow
         seen = browser.execute_script("return window.seen")
     late_s = np.array([at_s - sent[round(east * 10)] for east, at_s in seen])
     assert len(seen) > 20
-    assert np.median(np.diff([at_s for _, at_s in seen])) < 0.25
-    assert np.percentile(late_s, 95) <= MAX_DELAY_S
+    assert np.median(np.diff([at_s for _, at_s in seen])) < 0.25 * slowdown()
+    assert np.percentile(late_s, 95) <= MAX_DELAY_S * slowdown()
 
 
 @pytest.mark.usefixtures("no_tiles")
@@ -185,7 +186,7 @@ def test_a_closed_page_can_be_opened_again(browser: Any) -> None:
         assert live.is_watched
         browser.close()
         browser.switch_to.window(first)
-        deadline_s = time.monotonic() + 10
+        deadline_s = time.monotonic() + 60
         while live.is_watched and time.monotonic() < deadline_s:
             time.sleep(0.05)
         assert not live.is_watched

@@ -27,7 +27,7 @@ def test_the_page_is_served_on_loopback_with_its_scripts() -> None:
     with LiveMap(made_replay()[0]) as live:
         assert live.url.startswith("http://127.0.0.1:")
         assert not live.is_watched
-        with urllib.request.urlopen(live.url, timeout=10) as answer:
+        with urllib.request.urlopen(live.url, timeout=60) as answer:
             page = answer.read().decode()
         port = int(live.url.rsplit(":", 1)[1].strip("/"))
         assert not answers(outside_address(), port)

