@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.flight_model import STEP_S
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.autopilot.parameter_table import Parameters
+from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.protocol.ground_link import GroundLink
 
 START = Start(47.397742, 8.545594, 488.0, 90.0)
 READY_S = 10.0
-GUIDED, AUTO, RTL, LAND, LOITER = 4, 3, 6, 9, 5
+GUIDED, AUTO, RTL = CopterMode.GUIDED, CopterMode.AUTO, CopterMode.RTL
+LAND, LOITER = CopterMode.LAND, CopterMode.LOITER
 ARM, SET_MODE, TAKEOFF, MISSION_START = 400, 176, 22, 300
 E7_PER_M = 1e7 / 111_000
 

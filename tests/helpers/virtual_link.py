@@ -12,9 +12,9 @@ from typing import Any
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.flight_model import STEP_S
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.autopilot.parameter_table import Parameters
+from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.protocol.ground_link import GroundLink
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.round_trip import RoundTrip

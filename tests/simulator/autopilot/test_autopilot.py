@@ -6,9 +6,12 @@ import math
 
 import pytest
 
+from flight_replay.events import Severity
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
+from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.faults import Faults
+from flight_replay.simulator.flight.copter import STEP_S
 from tests.helpers.sim_station import (
     ARM,
     AUTO,
@@ -17,6 +20,7 @@ from tests.helpers.sim_station import (
     LOITER,
     READY_S,
     RTL,
+    START,
     TAKEOFF,
     sim,
 )
@@ -121,3 +125,44 @@ def test_the_other_modes_hold_the_position(mode: CopterMode) -> None:
     stopped = autopilot.flight.position_m
     station.run(10)
     assert math.dist(stopped, autopilot.flight.position_m) < 0.2
+
+
+class Observer:
+    """Records what an autopilot reports, by the name of the report."""
+
+    def __init__(self) -> None:
+        self.reports: list[str] = []
+
+    def status_text(self, severity: Severity, text: str) -> None:
+        self.reports.append(text)
+
+    def home_changed(self) -> None:
+        self.reports.append("home")
+
+    def mode_changed(self) -> None:
+        self.reports.append("mode")
+
+    def item_reached(self, seq: int) -> None:
+        self.reports.append(f"item {seq}")
+
+    def rebooted(self) -> None:
+        self.reports.append("boot")
+
+
+def test_it_flies_without_a_link_and_reports_to_its_observers() -> None:
+    """The autopilot itself needs no MAVLink: commands are calls, and reports go to whoever observes."""
+    autopilot, observer = Autopilot(START), Observer()
+    autopilot.observers.append(observer)
+    for _ in range(round(READY_S / STEP_S)):
+        autopilot.step()
+    observer.reports.clear()
+    assert autopilot.request_mode(CopterMode.GUIDED)
+    assert autopilot.arming.arm()
+    assert observer.reports == ["mode", "Arming motors", "home"]
+    autopilot.flight.takeoff(10.0)
+    for _ in range(round(15.0 / STEP_S)):
+        autopilot.step()
+    assert autopilot.above_home_m > 9.0
+    autopilot.reboot()
+    assert observer.reports[-1] == "boot"
+    assert not autopilot.armed

@@ -7,7 +7,8 @@ from math import pi, radians
 
 import pytest
 
-from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, PARAMETERS, Limits
+from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
+from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 
 
 def test_no_parameters_are_arducopter_46s_defaults() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from flight_replay.mavlink import dialect
-from flight_replay.simulator.dynamics.limits import PARAMETERS
+from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 from tests.helpers.sim_station import Station, item_at, sim
 
 ODD = (0.0, 1.0, -1.0, 2.5, 1e6, -1e9, 3.4e38, -3.4e38, math.nan, math.inf, -math.inf)

@@ -17,7 +17,7 @@ from flight_replay.simulator.autopilot.ekf_frame import EkfFrame
 from flight_replay.simulator.autopilot.failsafes import Failsafes
 from flight_replay.simulator.autopilot.fault_script import FaultScript
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.flight_model import STEP_S, FlightModel
+from flight_replay.simulator.autopilot.flight_model import FlightModel
 from flight_replay.simulator.autopilot.location import HomeLocation, Location, Start
 from flight_replay.simulator.autopilot.mission_control import MissionControl
 from flight_replay.simulator.autopilot.mode_switch import ModeSwitch
@@ -25,6 +25,7 @@ from flight_replay.simulator.autopilot.parameter_table import Parameter, Paramet
 from flight_replay.simulator.autopilot.prearm import Prearm
 from flight_replay.simulator.autopilot.sensors import Sensors
 from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.mission.store import MissionStore
 
 _HAS_TARGET = frozenset({CopterMode.AUTO, CopterMode.GUIDED, CopterMode.RTL})
@@ -108,6 +109,11 @@ class Autopilot:
     def time_s(self) -> float:
         """Seconds since boot, by the vehicle's clock."""
         return self._steps * STEP_S
+
+    @property
+    def time_boot_ms(self) -> int:
+        """The same in whole milliseconds, as messages have it."""
+        return int(self.time_s * 1000)
 
     @property
     def unix_us(self) -> int:

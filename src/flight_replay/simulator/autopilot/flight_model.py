@@ -7,18 +7,17 @@ origin stays, and positions here are metres from there; ``_home_m`` is home in t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import pi, radians
+from math import radians
 
 from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot.flight_parameters import limits_of, wind_m_s
 from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.dynamics.shaping import wrap_pi
 from flight_replay.simulator.dynamics.vector import Vector, minus
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import STEP_S, Copter
 from flight_replay.simulator.flight.takeoff import TakeOff
 from flight_replay.simulator.mission.local_items import LocalItem
-
-__all__ = ["STEP_S", "FlightModel"]
 
 
 class FlightModel:
@@ -80,7 +79,7 @@ class FlightModel:
     def rates_rad_s(self) -> Vector:
         """Rates of roll, pitch and yaw over the last step."""
         now, before = self._copter.attitude_rad, self._last_attitude
-        roll, pitch, yaw = (((a - b + pi) % (2 * pi) - pi) / STEP_S for a, b in zip(now, before, strict=True))
+        roll, pitch, yaw = (wrap_pi(a - b) / STEP_S for a, b in zip(now, before, strict=True))
         return roll, pitch, yaw
 
     @property

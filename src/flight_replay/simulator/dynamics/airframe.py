@@ -12,7 +12,7 @@ from math import atan, cos, exp, pi, sin
 
 from flight_replay.simulator.dynamics.aerodynamics import Air
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
-from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards
+from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards, wrap_pi
 from flight_replay.simulator.dynamics.vector import Vector
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
@@ -146,7 +146,7 @@ class Airframe:
     def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
         """Turn the heading with ArduCopter's limits of yaw rate and acceleration."""
         limits, dt = self._limits, self.dt
-        error = (yaw_rad - self.yaw + pi) % (2.0 * pi) - pi
+        error = wrap_pi(yaw_rad - self.yaw)
         if abs(error) < _NO_TURN and abs(self._yaw_rate) < _NO_TURN and rate_rad_s == 0.0:
             self._yaw_rate = 0.0
             return
@@ -155,5 +155,5 @@ class Airframe:
         self._yaw_rate = self._next_rate(
             error + ahead, self._yaw_rate, limits.yaw_accel_rad_s2, limits.yaw_slew_rad_s
         )
-        self.yaw = (self.yaw + self._yaw_rate * dt + pi) % (2.0 * pi) - pi
+        self.yaw = wrap_pi(self.yaw + self._yaw_rate * dt)
         self._heading_unit = cos(self.yaw), sin(self.yaw)

@@ -8,7 +8,7 @@ from math import atan2, hypot, pi, radians
 from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
-from flight_replay.simulator.dynamics.shaping import clamp
+from flight_replay.simulator.dynamics.shaping import clamp, wrap_pi
 
 # WP_YAW_BEHAVIOR.
 _NEVER, _NEXT_WAYPOINT, _NEXT_WAYPOINT_EXCEPT_RTL, _AHEAD = 0, 1, 2, 3
@@ -64,7 +64,7 @@ class AutoYaw:
         if relative:
             self._remaining_rad = angle_rad * (1.0 if direction >= 0 else -1.0)
         else:
-            self._remaining_rad = (angle_rad - self.target_rad + pi) % (2 * pi) - pi
+            self._remaining_rad = wrap_pi(angle_rad - self.target_rad)
             if direction * self._remaining_rad < 0:
                 self._remaining_rad += 2 * pi if direction > 0 else -2 * pi
         slew = self._limits.yaw_slew_rad_s
@@ -96,7 +96,7 @@ class AutoYaw:
     @property
     def reached(self) -> bool:
         """Whether a fixed heading is reached, within 2 degrees (AutoYaw::reached_fixed_yaw_target)."""
-        error = (self.target_rad - self._airframe.yaw + pi) % (2 * pi) - pi
+        error = wrap_pi(self.target_rad - self._airframe.yaw)
         return self._remaining_rad == 0 and abs(error) <= _REACHED_RAD
 
     def update(self) -> None:

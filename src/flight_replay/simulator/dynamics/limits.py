@@ -14,8 +14,6 @@ from math import pi, sqrt
 from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 from flight_replay.simulator.dynamics.shaping import clamp
 
-__all__ = ["GRAVITY_M_S2", "MIN_RADIUS_M", "MIN_SPEED_M_S", "PARAMETERS", "Limits"]
-
 GRAVITY_M_S2 = 9.80665
 _DEG = pi / 180.0
 # AC_WPNav.cpp: WPNAV_WP_SPEED_MIN and WPNAV_WP_RADIUS_MIN.

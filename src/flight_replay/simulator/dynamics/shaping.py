@@ -5,12 +5,17 @@ Plain floats in any consistent units: these run at every step of the simulation.
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import hypot, pi, sqrt
 
 
 def clamp(value: float, low: float, high: float) -> float:
     """``value``, not below ``low`` and not above ``high``."""
     return low if value < low else high if value > high else value
+
+
+def wrap_pi(angle_rad: float) -> float:
+    """The same angle from -pi to pi (wrap_PI in AP_Math.cpp)."""
+    return (angle_rad + pi) % (2.0 * pi) - pi
 
 
 def sqrt_controller(error: float, p: float, second_limit: float, dt: float) -> float:

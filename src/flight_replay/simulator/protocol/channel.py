@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.autopilot.flight_model import STEP_S
 from flight_replay.simulator.autopilot.parameter_table import Parameter
+from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.protocol.stream_rates import GROUPS, StreamRates
 from flight_replay.simulator.protocol.telemetry import BUILDERS
 
@@ -136,7 +136,7 @@ class LinkChannel:
                 lat_e7, lon_e7, up_mm = other.location
                 self._send_as_is(
                     dialect.MAVLink_global_position_int_message(
-                        int(self._autopilot.time_s * 1000), lat_e7, lon_e7, up_mm, up_mm, 0, 0, 0, 0
+                        self._autopilot.time_boot_ms, lat_e7, lon_e7, up_mm, up_mm, 0, 0, 0, 0
                     )
                 )
 

@@ -24,7 +24,7 @@ _HAS_LOCATION = frozenset(
 _ONLY_INT = frozenset({dialect.MAV_CMD_DO_REPOSITION})
 _MAX_INT_FLOAT = 2.0**31 - 128  # the largest 32-bit float that fits a 32-bit integer
 
-Handler = Callable[["Autopilot", CommandInt, Sender], int]
+CommandHandler = Callable[[Autopilot, CommandInt, Sender], int]
 
 
 def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
@@ -77,7 +77,7 @@ def _number(value: float) -> float:
     return 0.0 if math.isnan(value) else float32(min(max(value, -_MAX_INT_FLOAT), _MAX_INT_FLOAT))
 
 
-COMMANDS: dict[int, Handler] = {
+COMMANDS: dict[int, CommandHandler] = {
     dialect.MAV_CMD_COMPONENT_ARM_DISARM: command_handlers.arm_disarm,
     dialect.MAV_CMD_DO_SET_MODE: command_handlers.set_mode,
     dialect.MAV_CMD_NAV_TAKEOFF: command_handlers.takeoff,

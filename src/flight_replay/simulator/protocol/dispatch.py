@@ -15,7 +15,7 @@ from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import ACCEPTED, FAILED
 from flight_replay.simulator.protocol.commands import command_int, command_long
 
-Handler = Callable[["Autopilot", Message, Sender], bool]
+MessageHandler = Callable[[Autopilot, Message, Sender], bool]
 
 # MAVLink FTP: opcode and error of a refusal, and the payload's size.
 _FTP_NAK, _FTP_NOT_FOUND, _FTP_PAYLOAD = 129, 10, 251
@@ -110,7 +110,7 @@ def _file_transfer(autopilot: Autopilot, message: Message, sender: Sender) -> bo
     return True
 
 
-HANDLERS: dict[str, Handler] = {
+HANDLERS: dict[str, MessageHandler] = {
     "HEARTBEAT": _heartbeat,
     "PARAM_REQUEST_LIST": _param_request_list,
     "PARAM_REQUEST_READ": _param_request_read,

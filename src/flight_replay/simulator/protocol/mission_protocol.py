@@ -20,7 +20,7 @@ _ALWAYS_EMPTY = frozenset({dialect.MAV_MISSION_TYPE_FENCE, dialect.MAV_MISSION_T
 _ACCEPTED, _ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
 _NO_SPACE, _DENIED = dialect.MAV_MISSION_NO_SPACE, dialect.MAV_MISSION_DENIED
 
-Handler = Callable[[Message, Sender], None]
+MissionHandler = Callable[[Message, Sender], None]
 
 
 def acknowledge(sender: Sender, result: int, mission_type: int = 0) -> None:
@@ -38,7 +38,7 @@ class MissionProtocol:
         self._knows_item_int = autopilot.faults.mission.supports_item_int
         self._upload = upload = MissionUpload(autopilot, acknowledge)
         self._warned = False
-        self.handlers: dict[str, Handler] = {
+        self.handlers: dict[str, MissionHandler] = {
             "MISSION_COUNT": self._for_mission(upload.count, self._other_count),
             "MISSION_ITEM": self._for_mission(upload.item, _ERROR),
             "MISSION_WRITE_PARTIAL_LIST": self._for_mission(upload.write_partial, _ERROR),
@@ -55,7 +55,7 @@ class MissionProtocol:
         self._upload.update()
 
     @staticmethod
-    def _for_mission(handler: Handler, other_lists: int | Callable[[Message], int]) -> Handler:
+    def _for_mission(handler: MissionHandler, other_lists: int | Callable[[Message], int]) -> MissionHandler:
         """Answer messages about fence and rally points with ``other_lists``; other types are UNSUPPORTED."""
 
         def handle(message: Message, sender: Sender) -> None:

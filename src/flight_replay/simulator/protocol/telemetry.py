@@ -15,7 +15,7 @@ from flight_replay.simulator.autopilot.modes import GUIDED_FLAG, MANUAL_THROTTLE
 from flight_replay.simulator.protocol.telemetry_motion import MOTION
 from flight_replay.simulator.protocol.telemetry_sensors import SENSORS
 
-Builder = Callable[["Autopilot"], "Message | None"]
+Builder = Callable[[Autopilot], Message | None]
 
 # MAV_SYS_STATUS_SENSOR masks of a disarmed SITL copter without GPS; the rest is added when it starts.
 _PRESENT, _ENABLED, _HEALTHY = 1399979023, 1380031503, 1196530703

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
@@ -12,10 +11,6 @@ from flight_replay.simulator.autopilot.autopilot import Autopilot
 # Everything but the position is to be ignored, and the reserved bits are set, as ArduCopter sends it.
 _POSITION_ONLY = 65016
 _LOCAL_POSITION_ONLY = 0b0000110111111000
-
-
-def _boot_ms(autopilot: Autopilot) -> int:
-    return int(autopilot.time_s * 1000)
 
 
 def _heading_deg(autopilot: Autopilot) -> float:
@@ -28,9 +23,11 @@ def _global_position_int(autopilot: Autopilot) -> Message:
     heading = round(_heading_deg(autopilot) * 100) % 36000
     above_home_mm = location.alt_mm - (autopilot.home.alt_cm * 10 if autopilot.home else 0)
     if not autopilot.sensors.origin_set:
-        return dialect.MAVLink_global_position_int_message(_boot_ms(autopilot), 0, 0, 0, 0, 0, 0, 0, heading)
+        return dialect.MAVLink_global_position_int_message(
+            autopilot.time_boot_ms, 0, 0, 0, 0, 0, 0, 0, heading
+        )
     return dialect.MAVLink_global_position_int_message(
-        _boot_ms(autopilot),
+        autopilot.time_boot_ms,
         location.lat_e7,
         location.lon_e7,
         location.alt_mm,
@@ -48,13 +45,13 @@ def _local_position_ned(autopilot: Autopilot) -> Message | None:
     north_m, east_m, up_m = autopilot.flight.position_m
     north_m_s, east_m_s, up_m_s = autopilot.flight.velocity_m_s
     return dialect.MAVLink_local_position_ned_message(
-        _boot_ms(autopilot), north_m, east_m, -up_m, north_m_s, east_m_s, -up_m_s
+        autopilot.time_boot_ms, north_m, east_m, -up_m, north_m_s, east_m_s, -up_m_s
     )
 
 
 def _attitude(autopilot: Autopilot) -> Message:
     return dialect.MAVLink_attitude_message(
-        _boot_ms(autopilot), *autopilot.flight.attitude_rad, *autopilot.flight.rates_rad_s
+        autopilot.time_boot_ms, *autopilot.flight.attitude_rad, *autopilot.flight.rates_rad_s
     )
 
 
@@ -62,7 +59,7 @@ def _attitude_quaternion(autopilot: Autopilot) -> Message:
     roll, pitch, yaw = (angle / 2 for angle in autopilot.flight.attitude_rad)
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
     return dialect.MAVLink_attitude_quaternion_message(
-        _boot_ms(autopilot),
+        autopilot.time_boot_ms,
         cr * cp * cy + sr * sp * sy,
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,
@@ -101,7 +98,7 @@ def _position_target_global_int(autopilot: Autopilot) -> Message | None:
         return None
     location = autopilot.start.location_of(target)
     return dialect.MAVLink_position_target_global_int_message(
-        _boot_ms(autopilot), dialect.MAV_FRAME_GLOBAL, _POSITION_ONLY, location.lat_e7, location.lon_e7,
+        autopilot.time_boot_ms, dialect.MAV_FRAME_GLOBAL, _POSITION_ONLY, location.lat_e7, location.lon_e7,
         location.alt_mm / 1000, 0, 0, 0, 0, 0, 0, 0, 0,
     )  # fmt: skip
 
@@ -112,7 +109,7 @@ def _position_target_local_ned(autopilot: Autopilot) -> Message | None:
         return None
     north_m, east_m, up_m = target
     return dialect.MAVLink_position_target_local_ned_message(
-        _boot_ms(autopilot), dialect.MAV_FRAME_LOCAL_NED, _LOCAL_POSITION_ONLY, north_m, east_m, -up_m,
+        autopilot.time_boot_ms, dialect.MAV_FRAME_LOCAL_NED, _LOCAL_POSITION_ONLY, north_m, east_m, -up_m,
         0, 0, 0, 0, 0, 0, 0, 0,
     )  # fmt: skip
 
@@ -135,7 +132,7 @@ def _simstate(autopilot: Autopilot) -> Message:
     )  # fmt: skip
 
 
-MOTION: dict[int, Callable[[Any], Message | None]] = {
+MOTION: dict[int, Callable[[Autopilot], Message | None]] = {
     dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: _global_position_int,
     dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED: _local_position_ned,
     dialect.MAVLINK_MSG_ID_ATTITUDE: _attitude,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
@@ -12,16 +11,12 @@ from flight_replay.simulator.autopilot.flight_parameters import wind_m_s
 
 _UNKNOWN_DOP = 65535
 _SATELLITES = 10
-_RADIO = (1500, 1500, 1000, 1500, 1800, 1000, 1000, 1800)
+_RC_PWM = (1500, 1500, 1000, 1500, 1800, 1000, 1000, 1800)
 _MOTOR_OFF, _MOTOR_IDLE, _MOTOR_SPAN = 1000, 1093, 1600
 
 
 def _boot_us(autopilot: Autopilot) -> int:
     return int(autopilot.time_s * 1e6)
-
-
-def _boot_ms(autopilot: Autopilot) -> int:
-    return int(autopilot.time_s * 1000)
 
 
 def _gps_raw_int(autopilot: Autopilot) -> Message:
@@ -47,7 +42,7 @@ def _ekf_status_report(autopilot: Autopilot) -> Message:
 
 def _system_time(autopilot: Autopilot) -> Message:
     unix_us = autopilot.unix_us if autopilot.sensors.fix_type >= 3 else 0
-    return dialect.MAVLink_system_time_message(unix_us, _boot_ms(autopilot))
+    return dialect.MAVLink_system_time_message(unix_us, autopilot.time_boot_ms)
 
 
 def _motors(autopilot: Autopilot) -> list[int]:
@@ -66,11 +61,11 @@ def _servo_output_raw(autopilot: Autopilot) -> Message:
 
 def _rc_channels(autopilot: Autopilot) -> Message:
     unused = (0,) * 10
-    return dialect.MAVLink_rc_channels_message(_boot_ms(autopilot), len(_RADIO), *_RADIO, *unused, 255)
+    return dialect.MAVLink_rc_channels_message(autopilot.time_boot_ms, len(_RC_PWM), *_RC_PWM, *unused, 255)
 
 
 def _rc_channels_raw(autopilot: Autopilot) -> Message:
-    return dialect.MAVLink_rc_channels_raw_message(_boot_ms(autopilot), 0, *_RADIO, 255)
+    return dialect.MAVLink_rc_channels_raw_message(autopilot.time_boot_ms, 0, *_RC_PWM, 255)
 
 
 def _raw_imu(autopilot: Autopilot) -> Message:
@@ -86,11 +81,11 @@ def _inertial(autopilot: Autopilot) -> tuple[int, ...]:
 
 
 def _scaled_imu2(autopilot: Autopilot) -> Message:
-    return dialect.MAVLink_scaled_imu2_message(_boot_ms(autopilot), *_inertial(autopilot), 2504)
+    return dialect.MAVLink_scaled_imu2_message(autopilot.time_boot_ms, *_inertial(autopilot), 2504)
 
 
 def _scaled_imu3(autopilot: Autopilot) -> Message:
-    return dialect.MAVLink_scaled_imu3_message(_boot_ms(autopilot), 0, 0, 0, *_inertial(autopilot)[3:], 0)
+    return dialect.MAVLink_scaled_imu3_message(autopilot.time_boot_ms, 0, 0, 0, *_inertial(autopilot)[3:], 0)
 
 
 def _pressure_hpa(autopilot: Autopilot) -> float:
@@ -99,11 +94,11 @@ def _pressure_hpa(autopilot: Autopilot) -> float:
 
 
 def _scaled_pressure(autopilot: Autopilot) -> Message:
-    return dialect.MAVLink_scaled_pressure_message(_boot_ms(autopilot), _pressure_hpa(autopilot), 0, 2550)
+    return dialect.MAVLink_scaled_pressure_message(autopilot.time_boot_ms, _pressure_hpa(autopilot), 0, 2550)
 
 
 def _scaled_pressure2(autopilot: Autopilot) -> Message:
-    return dialect.MAVLink_scaled_pressure2_message(_boot_ms(autopilot), _pressure_hpa(autopilot), 0, 2550)
+    return dialect.MAVLink_scaled_pressure2_message(autopilot.time_boot_ms, _pressure_hpa(autopilot), 0, 2550)
 
 
 def _power_status(autopilot: Autopilot) -> Message:
@@ -131,7 +126,7 @@ def _wind(autopilot: Autopilot) -> Message | None:
     return dialect.MAVLink_wind_message(direction_deg, math.hypot(north, east, up), -up)
 
 
-SENSORS: dict[int, Callable[[Any], Message | None]] = {
+SENSORS: dict[int, Callable[[Autopilot], Message | None]] = {
     dialect.MAVLINK_MSG_ID_GPS_RAW_INT: _gps_raw_int,
     dialect.MAVLINK_MSG_ID_EKF_STATUS_REPORT: _ekf_status_report,
     dialect.MAVLINK_MSG_ID_SYSTEM_TIME: _system_time,

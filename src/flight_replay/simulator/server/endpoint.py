@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 from flight_replay.mavlink import Message
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.autopilot.flight_model import STEP_S
+from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.protocol.channel import LinkChannel, Sender
 from flight_replay.simulator.protocol.ground_link import GroundLink
 from flight_replay.simulator.server.addresses import Address

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 
 from flight_replay.errors import VehicleError
 from flight_replay.mavlink import Message, dialect
-from flight_replay.simulator.dynamics.limits import PARAMETERS
+from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.vehicle_link import Inbox, VehicleLink
 
