@@ -7,15 +7,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flight_replay.errors import VehicleError
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import MissionItem
 
 # MAV_CMD_NAV_FENCE_*: param1 is the number of corners of the polygon, or the radius in metres.
 _POLYGON_IN, _POLYGON_OUT, _CIRCLE_IN, _CIRCLE_OUT = 5001, 5002, 5003, 5004
+_FEWEST_CORNERS = 3
+_NOT_UNDERSTOOD = "the fence on board cannot be understood; check it with a ground station"
+_PAIRS_AT_ONCE = 100_000  # Legs times corners: some 10 MB of working memory.
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,17 +28,43 @@ class FenceArea:
     radius_m: float | None
     stay_inside: bool
 
-    def forbids(self, places_m: Floats, frame: LocalFrame) -> NDArray[np.bool_]:
-        """Which of the places (n, 2), metres in ``frame``, the area forbids."""
+    def forbids_legs(self, starts_m: Floats, ends_m: Floats, frame: LocalFrame) -> Flags:
+        """Which straight legs (n,) pass a place that the area forbids.
+
+        Args:
+            starts_m: Where the legs start (n, 2), metres in ``frame``.
+            ends_m: Where they end (n, 2).
+            frame: The frame of those places.
+        """
         corners_m = frame.to_metres(*np.array(self.corners).T)
         if self.radius_m is not None:
-            inside = np.linalg.norm(places_m - corners_m[0], axis=1) <= self.radius_m
-        else:
-            inside = _inside(places_m, corners_m)
-        return np.asarray(~inside if self.stay_inside else inside)
+            return self._circle_forbids(starts_m - corners_m[0], ends_m - corners_m[0])
+        rows = max(_PAIRS_AT_ONCE // len(corners_m), 1)
+        parts = [slice(first, first + rows) for first in range(0, len(starts_m), rows)]
+        forbidden = [self._polygon_forbids(starts_m[part], ends_m[part], corners_m) for part in parts]
+        return np.concatenate([np.zeros(0, np.bool_), *forbidden])
+
+    def _circle_forbids(self, starts_m: Floats, ends_m: Floats) -> Flags:
+        """Legs from ``starts_m`` to ``ends_m`` (n, 2), both counted from the centre."""
+        radius_m = self.radius_m or 0.0
+        if self.stay_inside:
+            return np.maximum(_length(starts_m), _length(ends_m)) > radius_m
+        legs_m = ends_m - starts_m
+        along = -(starts_m * legs_m).sum(axis=1) / np.maximum((legs_m**2).sum(axis=1), 1e-12)
+        return _length(starts_m + np.clip(along, 0, 1)[:, None] * legs_m) <= radius_m
+
+    def _polygon_forbids(self, starts_m: Floats, ends_m: Floats, corners_m: Floats) -> Flags:
+        """Legs that cross the outline, start or end on its wrong side."""
+        starts_inside, ends_inside = _inside(starts_m, corners_m), _inside(ends_m, corners_m)
+        wrong_side = ~(starts_inside & ends_inside) if self.stay_inside else starts_inside | ends_inside
+        return wrong_side | _cross(starts_m, ends_m, corners_m)
 
 
-def _inside(places: Floats, corners: Floats) -> NDArray[np.bool_]:
+def _length(vectors: Floats) -> Floats:
+    return np.hypot(vectors[:, 0], vectors[:, 1])
+
+
+def _inside(places: Floats, corners: Floats) -> Flags:
     """Which places lie in a polygon: a ray from each crosses the outline an odd number of times."""
     x, y = places[:, 0, None], places[:, 1, None]
     x1, y1 = corners[:, 0], corners[:, 1]
@@ -45,6 +73,23 @@ def _inside(places: Floats, corners: Floats) -> NDArray[np.bool_]:
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = x1 + (y - y1) * (x2 - x1) / (y2 - y1)
     return np.asarray((straddles & (x < crossing)).sum(axis=1) % 2 == 1)
+
+
+def _cross(starts: Floats, ends: Floats, corners: Floats) -> Flags:
+    """Which legs (n,) cross a polygon's outline: each has its ends on both sides of the other's line."""
+    following = np.roll(corners, -1, axis=0)
+    corner_left = _is_left(corners, starts[:, None], ends[:, None])
+    outline_straddles = corner_left != np.roll(corner_left, -1, axis=1)
+    leg_straddles = _is_left(starts[:, None], corners, following) != _is_left(
+        ends[:, None], corners, following
+    )
+    return np.asarray((outline_straddles & leg_straddles).any(axis=1))
+
+
+def _is_left(places: Floats, starts: Floats, ends: Floats) -> Flags:
+    """Whether ``places`` lie to the left of the lines from ``starts`` to ``ends``."""
+    lines, offsets = ends - starts, places - starts
+    return np.asarray(lines[..., 0] * offsets[..., 1] > lines[..., 1] * offsets[..., 0])
 
 
 def active_fence_types(parameters: Mapping[str, float]) -> int:
@@ -65,17 +110,30 @@ def areas_from_items(items: Sequence[MissionItem]) -> tuple[FenceArea, ...]:
     """The areas that fence items describe; a polygon is as many items as its first one says.
 
     Raises:
-        VehicleError: A polygon is cut short.
+        VehicleError: A polygon is cut short, or a count, radius or place is impossible.
     """
     areas: list[FenceArea] = []
-    rest = [item for item in items if _POLYGON_IN <= item.command <= _CIRCLE_OUT]
-    while rest:
-        first = rest[0]
-        count = int(first.params[0]) if first.command in (_POLYGON_IN, _POLYGON_OUT) else 1
-        corners, rest = rest[:count], rest[count:]
-        if count < 1 or len(corners) != count or any(corner.command != first.command for corner in corners):
-            raise VehicleError("the fence on board cannot be understood; check it with a ground station")
-        radius_m = first.params[0] if first.command in (_CIRCLE_IN, _CIRCLE_OUT) else None
+    shapes = [item for item in items if _POLYGON_IN <= item.command <= _CIRCLE_OUT]
+    at = 0
+    while at < len(shapes):
+        first = shapes[at]
+        size = first.params[0]
+        is_circle = first.command in (_CIRCLE_IN, _CIRCLE_OUT)
+        if not math.isfinite(size) or (size <= 0 if is_circle else size < _FEWEST_CORNERS):
+            raise VehicleError(_NOT_UNDERSTOOD)
+        corners = shapes[at : at + (1 if is_circle else min(int(size), len(shapes) + 1))]
+        _check_corners(first, corners, 1 if is_circle else int(size))
+        at += len(corners)
         places = tuple((corner.lat_deg, corner.lon_deg) for corner in corners)
-        areas.append(FenceArea(places, radius_m, first.command in (_POLYGON_IN, _CIRCLE_IN)))
+        areas.append(
+            FenceArea(places, size if is_circle else None, first.command in (_POLYGON_IN, _CIRCLE_IN))
+        )
     return tuple(areas)
+
+
+def _check_corners(first: MissionItem, corners: Sequence[MissionItem], count: int) -> None:
+    """Raise unless there are ``count`` corners on earth, all of the kind of the first one."""
+    kinds = {corner.command for corner in corners}
+    on_earth = all(abs(corner.lat_deg) <= 90 and abs(corner.lon_deg) <= 180 for corner in corners)
+    if len(corners) != count or kinds != {first.command} or not on_earth:
+        raise VehicleError(_NOT_UNDERSTOOD)

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 MAX_DISTANCE_M = 1000.0
 """The default of ``--max-distance``: how far from home the first waypoint may be."""
 _FLYABLE_FRAMES = frozenset({Frame.ABSOLUTE, Frame.RELATIVE, Frame.TERRAIN})
-_AREA_STEP_M = 1.0
 
 
 class _Fence(IntFlag):
@@ -164,13 +163,12 @@ def _check_areas(areas: Sequence[FenceArea], mission: Mission, state: VehicleSta
         *((item.lat_deg, item.lon_deg) for _, item in mission.waypoints),
     ]
     waypoints_m = frame.to_metres(*np.array(places).T)
-    for (seq, _), start_m, end_m in zip(mission.waypoints, waypoints_m[:-1], waypoints_m[1:], strict=True):
-        steps = max(int(np.linalg.norm(end_m - start_m) / _AREA_STEP_M), 1)
-        leg_m = start_m + np.linspace(0, 1, steps + 1)[:, None] * (end_m - start_m)
-        if any(area.forbids(leg_m, frame).any() for area in areas):
+    for area in areas:
+        forbidden = np.flatnonzero(area.forbids_legs(waypoints_m[:-1], waypoints_m[1:], frame))
+        if len(forbidden):
             raise MissionError(
-                f"the leg to waypoint {seq} crosses the vehicle's fence; choose another part of the log, "
-                "or change the fence"
+                f"the leg to waypoint {mission.waypoints[forbidden[0]][0]} crosses the vehicle's fence; "
+                "choose another part of the log, or change the fence"
             )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
+from time import process_time
 from typing import Any
 
 import pytest
@@ -65,6 +66,14 @@ def request(seq: int) -> Any:
 
 def accepted() -> Any:
     return dialect.MAVLink_mission_ack_message(OUR_SYSTEM, OUR_COMPONENT, dialect.MAV_MISSION_ACCEPTED)
+
+
+class ForgetfulLink(ScriptedLink):
+    """A link that keeps no list of what was sent, which would take time by itself."""
+
+    def send(self, message: Any) -> None:
+        super().send(message)
+        self.sent.clear()
 
 
 MISSION = Mission(tuple(waypoint(47.0 + 1e-4 * i, 8.0, 30.0) for i in range(1, 101)))
@@ -147,6 +156,25 @@ def test_a_request_answered_at_once_is_measured() -> None:
     link = ScriptedLink(answers)
     assert len(MissionDownloader(link, as_int=True).run()) == 4
     assert link.round_trip.median_s == pytest.approx(0.1, abs=0.01)
+
+
+def test_the_work_for_an_item_does_not_grow_with_the_mission() -> None:
+    """16,000 items on board take some 16 times as long as 1,000, not 256 times."""
+    spent_s = {}
+    for count in (1000, 16000):
+
+        def answers(link: ScriptedLink, message: Any, count: int = count) -> list[tuple[float, Any]]:
+            if message.get_type() == "MISSION_REQUEST_LIST":
+                return [(0.2, dialect.MAVLink_mission_count_message(OUR_SYSTEM, OUR_COMPONENT, count))]
+            if message.get_type() == "MISSION_REQUEST_INT":
+                return [(0.1, item_message(link, message.seq, ITEMS[1], as_int=True))]
+            return []
+
+        downloader = MissionDownloader(ForgetfulLink(answers), as_int=True)
+        began_s = process_time()
+        assert len(downloader.run()) == count
+        spent_s[count] = process_time() - began_s
+    assert spent_s[16000] < 50 * spent_s[1000]
 
 
 class WithoutTimesync(VirtualLink):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import islice
 
 from flight_replay.errors import VehicleError
 from flight_replay.mavlink import MISSION_RESULTS, Message, dialect
@@ -37,6 +38,8 @@ class MissionDownloader:
         self._items: dict[int, MissionItem] = {}
         self._requested_s: dict[int, float] = {}
         self._first_requested_s: dict[int, float] = {}
+        self._unanswered: dict[int, None] = {}  # In ascending order, and no more than were ever in a window.
+        self._unrequested = 0  # The first item never requested.
 
     def run(self) -> list[MissionItem]:
         """All items, home first; empty if the vehicle has none.
@@ -89,7 +92,7 @@ class MissionDownloader:
         progress_s = self._link.now_s()
         while len(self._items) < count:
             if self._link.now_s() - progress_s > _NO_PROGRESS_S:
-                missing = min(set(range(count)) - self._items.keys())
+                missing = self._first_missing(count, 1)[0]
                 raise VehicleError(
                     f"cannot download mission item {missing}: no answer in {_NO_PROGRESS_S:.0f} s; "
                     "check the link"
@@ -105,8 +108,7 @@ class MissionDownloader:
     def _request_missing(self, count: int) -> None:
         """Keep a window of requests in flight, and repeat those that are overdue."""
         now_s = self._link.now_s()
-        missing = [seq for seq in range(count) if seq not in self._items][: self._round_trip.window]
-        for seq in missing:
+        for seq in self._first_missing(count, self._round_trip.window):
             if now_s - self._requested_s.get(seq, float("-inf")) < self._round_trip.retry_s:
                 continue
             if seq in self._requested_s:
@@ -117,6 +119,13 @@ class MissionDownloader:
             self._requested_s[seq] = now_s
             self._first_requested_s.setdefault(seq, now_s)
             self._request(seq, as_int=self._as_int)
+
+    def _first_missing(self, count: int, limit: int) -> list[int]:
+        """The first items that are missing, in a time that does not depend on ``count``."""
+        while len(self._unanswered) < limit and self._unrequested < count:
+            self._unanswered[self._unrequested] = None
+            self._unrequested += 1
+        return list(islice(self._unanswered, limit))
 
     def _request(self, seq: int, *, as_int: bool) -> None:
         link = self._link
@@ -138,6 +147,7 @@ class MissionDownloader:
         if self._requested_s[message.seq] == self._first_requested_s[message.seq]:  # Karn's rule.
             self._round_trip.measured(self._link.now_s() - self._requested_s[message.seq])
         self._items[message.seq] = item_from(message)
+        del self._unanswered[message.seq]
         return True
 
     def _has_our_type(self, message: Message) -> bool:
