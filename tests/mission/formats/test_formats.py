@@ -172,9 +172,15 @@ def test_a_parameter_that_is_no_number_is_zero_in_waypoints_and_null_in_plan() -
         ("QGC WPL 110\n0 1 0 16\n", "line 2 has 4 columns instead of 12"),
         ("QGC WPL 110\n# c\n0 1 0 x 0 0 0 0 1 1 1 1\n", "line 3 holds invalid literal"),
         ("QGC WPL 110\n0 1 0 16 a 0 0 0 1 1 1 1\n", "line 2 holds could not convert"),
-        ("QGC WPL 110\n0 1 0 16 inf 0 0 0 1 1 1 1\n", "line 2 holds a number without end"),
-        ("QGC WPL 110\n0 1 0 16 0 0 0 0 91 1 1 1\n", "line 2 names no place on earth"),
-        ("QGC WPL 110\n1 0 3 82 0 0 0 0 1 nan 1 1\n", "line 2 names no place on earth"),
+        ("QGC WPL 110\n0 1 0 16 inf 0 0 0 1 1 1 1\n", "line 2 has param1 inf, not between"),
+        ("QGC WPL 110\n1 0 3 70000 0 0 0 0 1 1 1 1\n", "line 2 has command 70000, not between 0 and 65535"),
+        ("QGC WPL 110\n1 0 3 -1 0 0 0 0 1 1 1 1\n", "line 2 has command -1, not between 0 and 65535"),
+        ("QGC WPL 110\n1 0 300 16 0 0 0 0 1 1 1 1\n", "line 2 has frame 300, not between 0 and 255"),
+        ("QGC WPL 110\n1 0 3 16 0 0 1e39 0 1 1 1 1\n", r"line 2 has param3 1e\+39, not between"),
+        ("QGC WPL 110\n1 0 3 16 0 0 0 0 1 1 1e39 1\n", r"line 2 has altitude 1e\+39, not between"),
+        ("QGC WPL 110\n1 0 3 178 0 0 0 0 1e9 1 1 1\n", r"line 2 has latitude 1e\+09, not between"),
+        ("QGC WPL 110\n0 1 0 16 0 0 0 0 91 1 1 1\n", "line 2 is not a place on earth"),
+        ("QGC WPL 110\n1 0 3 82 0 0 0 0 1 nan 1 1\n", "line 2 is not a place on earth"),
     ],
 )
 def test_broken_waypoints_are_told_with_their_line(content: str, said: str) -> None:
@@ -199,14 +205,36 @@ SIMPLE = {"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, N
         (_plan(home=[1, 2]), "is not a QGroundControl plan"),
         (_plan({"type": "ComplexItem", "complexItemType": "survey"}), "item 1 is a survey pattern"),
         (_plan(SIMPLE, {**SIMPLE, "params": [0, 1]}), "item 2 is not a SimpleItem of seven numbers"),
+        ("[" * 100_000, "is not a QGroundControl plan"),
+        (_plan(home=[1e300, 2, 3]), "plannedHomePosition is not a place on earth"),
+        (_plan(home=[10**400, 2, 3]), "is not a QGroundControl plan"),
+        (_plan({**SIMPLE, "command": 70000}), "item 1 has command 70000"),
+        (_plan({**SIMPLE, "command": math.inf}), "item 1 is not a SimpleItem"),
+        (_plan({**SIMPLE, "frame": 300}), "item 1 has frame 300"),
+        (_plan({**SIMPLE, "params": [0, 0, 0, 1e39, 1, 2, 3]}), r"item 1 has param4 1e\+39"),
         (_plan("text"), "item 1 is not a SimpleItem"),
-        (_plan({**SIMPLE, "params": [0, 0, 0, 0, None, 2, 3]}), "item 1 names no place on earth"),
+        (_plan({**SIMPLE, "params": [0, 0, 0, 0, None, 2, 3]}), "item 1 is not a place on earth"),
     ],
 )
 def test_broken_plans_are_told_with_their_item(content: str, said: str) -> None:
     """Each error names the file and the item, and what is wrong there."""
     with pytest.raises(MissionError, match=f"^m.plan.*{said}"):
         formats.qgc_plan.parse(content, "m.plan")
+
+
+def test_a_command_without_a_place_may_leave_its_coordinates_out() -> None:
+    """A null is 0 in MAVLink's integers, which know no number that is none."""
+    row = {**SIMPLE, "command": 178, "params": [1, 5, -1, 0, None, None, None]}
+    item = formats.qgc_plan.parse(_plan(row), "m.plan").items[0]
+    assert (item.lat_deg, item.lon_deg) == (0.0, 0.0)
+
+
+def test_a_mission_that_mavlink_cannot_count_is_told(tmp_path: Path) -> None:
+    """MISSION_COUNT has 16 bits, and home is one of the items."""
+    path = tmp_path / "m.waypoints"
+    path.write_text("QGC WPL 110\n" + "1 0 3 16 0 0 0 0 1 1 1 1\n" * 65535)
+    with pytest.raises(MissionError, match="has 65535 items, more than the 65534"):
+        formats.load_mission(path)
 
 
 PLAN_SCHEMA = {

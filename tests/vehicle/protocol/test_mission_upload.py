@@ -316,3 +316,12 @@ def test_a_link_that_became_slow_is_measured_again(as_int: bool) -> None:
     upload(link, route(100), as_int=as_int)
     assert link.now_s() < 25
     assert len(link.sent) < 700
+
+
+def test_a_mission_that_mavlink_cannot_count_is_refused() -> None:
+    """MISSION_COUNT has 16 bits."""
+    link = VirtualLink()
+    mission = Mission((waypoint(47.0, 8.0, 30.0),) * 65535)
+    with pytest.raises(MissionError, match="65535 items, too many for MAVLink"):
+        upload(link, mission)
+    assert not link.sent

@@ -18,6 +18,7 @@ from pathlib import Path
 from flight_replay.errors import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.formats import csv_table, geojson, gpx, kml, qgc_plan, wpl
+from flight_replay.mission.formats.validation import checked_length
 from flight_replay.mission.items import Mission
 from flight_replay.writing.output_files import check_suffix, write_atomically
 
@@ -62,4 +63,4 @@ def load_mission(path: Path | str) -> Mission:
         raise MissionError(f"cannot read {path}: {error.strerror}; give a mission file") from error
     except UnicodeDecodeError as error:
         raise MissionError(f"{path} is not text; give a mission file") from error
-    return reader(text, str(path))
+    return checked_length(reader(text, str(path)), str(path))

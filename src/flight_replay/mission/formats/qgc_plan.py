@@ -12,7 +12,7 @@ from typing import Any
 
 from flight_replay.errors import MissionError
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.validation import checked_place, finite
+from flight_replay.mission.formats.validation import checked_home, checked_item, finite
 from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Home, Mission, MissionItem
 
 _ARDUPILOT = 3  # MAV_AUTOPILOT_ARDUPILOTMEGA
@@ -83,9 +83,10 @@ def parse(content: str, name: str) -> Mission:
         mission = json.loads(content)["mission"]
         home = _home(mission["plannedHomePosition"])
         rows = list(mission["items"])
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise MissionError(f"{name} is not a QGroundControl plan ({error!r}); save it again there") from error
-    return Mission(tuple(_item(row, f"{name} item {number}") for number, row in enumerate(rows, 1)), home)
+    items = tuple(_item(row, f"{name} item {number}") for number, row in enumerate(rows, 1))
+    return Mission(items, checked_home(home, f"{name} plannedHomePosition"))
 
 
 def _home(position: list[float]) -> Home:
@@ -102,8 +103,8 @@ def _item(row: Any, where: str) -> MissionItem:
             math.nan if number is None else float(number) for number in row["params"]
         )
         item = MissionItem(int(row["command"]), int(row["frame"]), (p1, p2, p3, p4), lat_deg, lon_deg, alt_m)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise MissionError(
             f"{where} is not a SimpleItem of seven numbers ({error!r}); save it again"
         ) from error
-    return checked_place(item, where)
+    return checked_item(item, where)

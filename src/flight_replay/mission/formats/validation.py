@@ -1,11 +1,19 @@
-"""What every format asks of a mission item's numbers."""
+"""What every format asks of a mission item's numbers: that they can be flown, and sent."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from flight_replay.errors import MissionError
-from flight_replay.mission.items import MissionItem
+from flight_replay.mission.items import Home, Mission, MissionItem
+
+MAX_ITEMS = 0xFFFE
+"""With home, MAVLink counts no more (MISSION_COUNT)."""
+_MAX_COMMAND = 0xFFFF
+_MAX_FRAME = 0xFF
+_MAX_FLOAT32 = 3.4028234e38
+_MAX_ANGLE_DEG = 214.0  # As degrees times 1e7 in 32 bits, which commands without a place use as they like.
 
 
 def finite(number: float) -> float:
@@ -13,16 +21,63 @@ def finite(number: float) -> float:
     return number if math.isfinite(number) else 0.0
 
 
-def checked_place(item: MissionItem, where: str, *, home: bool = False) -> MissionItem:
-    """The item, once it is sure that a place on it is a place on earth.
+def checked_item(item: MissionItem, where: str, *, home: bool = False) -> MissionItem:
+    """The item, if MAVLink can express it and a waypoint's or home's place is on earth.
+
+    Unknown coordinates of commands without a place become 0, which ArduCopter takes them for.
 
     Raises:
-        MissionError: A waypoint or home lies nowhere; other commands use these fields as they like.
+        MissionError: A number is out of range.
     """
-    if not (home or item.is_waypoint):
+    _check_range(where, "command", item.command, 0, _MAX_COMMAND)
+    _check_range(where, "frame", item.frame, 0, _MAX_FRAME)
+    for number, param in enumerate(item.params, 1):
+        _check_range(where, f"param{number}", param, -_MAX_FLOAT32, _MAX_FLOAT32)
+    _check_range(where, "altitude", item.alt_m, -_MAX_FLOAT32, _MAX_FLOAT32)
+    if home or item.is_waypoint:
+        _check_place(where, item.lat_deg, item.lon_deg, item.alt_m)
         return item
-    on_earth = abs(item.lat_deg) <= 90 and abs(item.lon_deg) <= 180 and math.isfinite(item.alt_m)
-    if not on_earth:
-        place = f"{item.lat_deg}, {item.lon_deg}, {item.alt_m} m"
-        raise MissionError(f"{where} names no place on earth ({place}); mend that item")
+    for name, angle_deg in (("latitude", item.lat_deg), ("longitude", item.lon_deg)):
+        _check_range(where, name, angle_deg, -_MAX_ANGLE_DEG, _MAX_ANGLE_DEG)
+    if math.isnan(item.lat_deg) or math.isnan(item.lon_deg):
+        return replace(item, lat_deg=finite(item.lat_deg), lon_deg=finite(item.lon_deg))
     return item
+
+
+def checked_home(home: Home, where: str) -> Home:
+    """The home, if it is on earth.
+
+    Raises:
+        MissionError: It is not.
+    """
+    _check_range(where, "altitude", home.alt_amsl_m, -_MAX_FLOAT32, _MAX_FLOAT32)
+    _check_place(where, home.lat_deg, home.lon_deg, home.alt_amsl_m)
+    return home
+
+
+def checked_length(mission: Mission, where: str) -> Mission:
+    """The mission, if MAVLink can count its items.
+
+    Raises:
+        MissionError: It has too many.
+    """
+    if len(mission.items) > MAX_ITEMS:
+        raise MissionError(
+            f"{where} has {len(mission.items)} items, more than the {MAX_ITEMS} that MAVLink can count; "
+            "split it"
+        )
+    return mission
+
+
+def _check_range(where: str, name: str, value: float, lowest: float, highest: float) -> None:
+    """Raise if a number is out of range; NaN, which says that a parameter is not used, is not."""
+    if value < lowest or value > highest:
+        raise MissionError(
+            f"{where} has {name} {value:g}, not between {lowest:g} and {highest:g}; correct that item"
+        )
+
+
+def _check_place(where: str, lat_deg: float, lon_deg: float, alt_m: float) -> None:
+    if not (abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and math.isfinite(alt_m)):
+        place = f"{lat_deg}, {lon_deg}, {alt_m} m"
+        raise MissionError(f"{where} is not a place on earth ({place}); correct that item")

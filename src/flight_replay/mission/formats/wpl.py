@@ -8,11 +8,9 @@ which ArduCopter takes it for.
 
 from __future__ import annotations
 
-import math
-
 from flight_replay.errors import MissionError
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.validation import checked_place, finite
+from flight_replay.mission.formats.validation import checked_item, finite
 from flight_replay.mission.items import FIRST_SEQ, HOME_SEQ, Command, Frame, Home, Mission, MissionItem
 
 _HEADER = "QGC WPL 110"
@@ -75,7 +73,5 @@ def _row(line: str, where: str) -> tuple[int, MissionItem]:
         p1, p2, p3, p4, lat_deg, lon_deg, alt_m = (float(column) for column in columns[4:11])
     except ValueError as error:
         raise MissionError(f"{where} holds {error}; mend or leave out that line") from error
-    if math.isinf(sum(map(abs, (p1, p2, p3, p4, alt_m)))):
-        raise MissionError(f"{where} holds a number without end; mend or leave out that line")
     item = MissionItem(command, frame, (p1, p2, p3, p4), lat_deg, lon_deg, alt_m)
-    return seq, checked_place(item, where, home=seq == HOME_SEQ)
+    return seq, checked_item(item, where, home=seq == HOME_SEQ)

@@ -20,6 +20,7 @@ from flight_replay.vehicle.link.vehicle_link import Inbox, VehicleLink
 from flight_replay.vehicle.protocol.mission_items import item_message
 
 _MAX_ERRORS = 4
+_MAX_COUNT = 0xFFFF
 _BUSY_S = 1.0
 
 
@@ -33,7 +34,11 @@ class UploadLimits:
 
 
 class MissionUploader:
-    """One upload of a mission; ``items`` starts with home, item 0."""
+    """One upload of a mission; ``items`` starts with home, item 0.
+
+    Raises:
+        MissionError: There are more items than MISSION_COUNT can count.
+    """
 
     def __init__(
         self,
@@ -43,6 +48,11 @@ class MissionUploader:
         as_int: bool,
         limits: UploadLimits | None = None,
     ) -> None:
+        if len(items) > _MAX_COUNT:
+            raise MissionError(
+                f"the mission has {len(items) - 1} items, too many for MAVLink; "
+                "choose fewer with --max-points"
+            )
         self._link, self._round_trip, self._items, self._as_int = link, link.round_trip, items, as_int
         self._limits = limits or UploadLimits()
         self._errors = 0
