@@ -60,7 +60,7 @@ class MissionDownloader:
 
     def _request_count(self, inbox: Inbox) -> int:
         link, end_s = self._link, self._link.now_s() + _NO_PROGRESS_S
-        refusal = ""
+        reason = "no answer"
         while link.now_s() < end_s:
             link.send(dialect.MAVLink_mission_request_list_message(link.system, link.component, self._type))
             requested_s = link.now_s()
@@ -71,13 +71,11 @@ class MissionDownloader:
                     self._round_trip.measured(link.now_s() - requested_s)
                     return int(message.count)
                 if message.get_type() == "MISSION_ACK" and message.type != dialect.MAV_MISSION_ACCEPTED:
-                    refusal = f": {MISSION_RESULTS.get(message.type, message.type)}"
+                    reason = f"the vehicle answers {MISSION_RESULTS.get(message.type, message.type)}"
                     inbox.get(_BUSY_S)
             self._round_trip.lost()
             timesync.ping(link)
-        raise VehicleError(
-            f"cannot download the mission: no answer in {_NO_PROGRESS_S:.0f} s{refusal}; check the link"
-        )
+        raise VehicleError(f"cannot download the mission in {_NO_PROGRESS_S:.0f} s: {reason}; check the link")
 
     def _next(self, inbox: Inbox, until_s: float) -> Message | None:
         """The next message, calling ``while_waiting`` until it comes; None if none comes by then."""

@@ -46,7 +46,6 @@ class Telemetry:
     def __init__(self, system: int, component: int, drone: Any, commands: CommandSender) -> None:
         self._source = (system, component)
         self._drone = drone
-        self._commands = commands
         self._reports: deque[Report] = deque(maxlen=_QUEUED_REPORTS)
         self._changed = threading.Condition()
         self._mode, self._armed = "", False
