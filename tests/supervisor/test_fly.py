@@ -8,6 +8,7 @@ import pytest
 
 from flight_replay import events
 from flight_replay.errors import PhaseTimeoutError, VehicleError
+from flight_replay.events import Phase
 from flight_replay.mission.items import Mission, change_speed, waypoint
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import Setup, fake_flight
@@ -21,6 +22,8 @@ def test_a_flight_requests_each_step_once_in_order() -> None:
     assert asked == ["GUIDED", "verify", "arm", "takeoff", "verify", "AUTO", "RTL"]
     assert record.problem is None
     assert record.rtl_confirmed
+    phases = [event.phase for event in flight.of(events.PhaseStarted)]
+    assert phases == [Phase.PREARM, Phase.ARM, Phase.TAKEOFF, Phase.MISSION, Phase.RETURN]
 
 
 def test_a_timed_flight_ends_after_its_duration() -> None:

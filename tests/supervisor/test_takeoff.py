@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from flight_replay import events
@@ -159,7 +161,7 @@ def test_a_refused_mode_is_requested_again_until_its_deadline() -> None:
     assert 11 <= flight.vehicle.requested.count("GUIDED") <= 14
 
 
-@pytest.mark.parametrize("idle_s", [3.0, 6.0])
+@pytest.mark.parametrize("idle_s", [3.0, 5.0])
 def test_the_time_shows_who_disarmed_the_vehicle(idle_s: float) -> None:
     """Sooner than 4 s after arming somebody disarmed it; later it disarmed itself, and is armed again."""
     vehicle = FakeVehicle(FakeClock(), climbs=False)
@@ -198,3 +200,131 @@ def test_nothing_is_requested_while_the_mode_is_in_doubt() -> None:
     with pytest.raises(VehicleError, match="LOITER by the pilot"):
         fake_flight(vehicle).fly()
     assert vehicle.requested == []
+
+
+def test_an_armed_vehicle_that_is_never_ready_is_an_error_at_once() -> None:
+    """The pre-arm checks of an armed vehicle are not waited for."""
+    flight = fake_flight(FakeVehicle(FakeClock(), ready_after_s=1e9))
+    flight.vehicle.armed = True
+    with pytest.raises(VehicleError, match="already armed, in mode STABILIZE"):
+        flight.fly()
+    assert flight.wall_s < 3
+
+
+def test_arming_that_takes_less_than_a_second_emits_no_wait() -> None:
+    """The start of the phase is enough."""
+    flight = fake_flight(FakeVehicle(FakeClock(), arm_delay_s=0.2))
+    flight.fly()
+    assert [event for event in flight.of(Waiting) if event.phase is Phase.ARM] == []
+
+
+@pytest.mark.parametrize(("height_m", "again"), [(0.9, True), (1.2, False)])
+def test_take_off_is_requested_again_below_one_metre_only(height_m: float, again: bool) -> None:
+    """A vehicle that has left the ground is climbing, or has another problem."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+    vehicle.schedule += [
+        (8.0, lambda: setattr(vehicle, "altitude_m", height_m)),
+        (9.0, vehicle.requested.clear),
+    ]
+    with pytest.raises(PhaseTimeoutError, match=rf"did not climb above {height_m} m"):
+        fake_flight(vehicle).fly()
+    assert ("takeoff" in vehicle.requested) is again
+
+
+@pytest.mark.parametrize("speedup", [2.0, 20.0])
+def test_an_unacked_request_waits_a_second_of_wall_clock_time(speedup: float) -> None:
+    """However fast the vehicle's clock runs, the ack may be on its way."""
+    vehicle = FakeVehicle(FakeClock(), speedup=speedup)
+    times_s: list[float] = []
+    request_mode = vehicle.request_mode
+
+    def lose_the_first(mode: str) -> None:
+        if mode == "GUIDED":
+            times_s.append(vehicle.clock.now_s)
+        if mode != "GUIDED" or len(times_s) > 1:
+            request_mode(mode)
+
+    vehicle.request_mode = lose_the_first  # type: ignore[method-assign]
+    assert fake_flight(vehicle).fly().problem is None
+    assert times_s[1] - times_s[0] == pytest.approx(max(3.0 / speedup, 1.0), abs=0.15)
+
+
+def test_a_status_text_of_an_earlier_phase_is_not_the_reason() -> None:
+    """GUIDED is refused with a result alone, after a text about the compass."""
+    vehicle = FakeVehicle(FakeClock(), refuse_mode=frozenset({"GUIDED"}))
+    vehicle.schedule.append((1.0, lambda: vehicle.send_text("PreArm: Compass not calibrated")))
+    with pytest.raises(PhaseTimeoutError, match='it says "FAILED"'):
+        fake_flight(vehicle).fly()
+
+
+@pytest.mark.parametrize(
+    ("refused", "message"),
+    [("arm", 'did not arm in 60 s: it says "FAILED"'), ("climb", "check its status texts")],
+)
+def test_a_status_text_from_before_arming_is_not_the_reason(refused: str, message: str) -> None:
+    """Neither of arming nor of the take-off."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+
+    def verified(while_waiting: Callable[[], None]) -> bool:
+        vehicle.send_text("EKF variance")
+        while_waiting()
+        return True
+
+    def refuse() -> None:
+        vehicle.queue.append(RequestAck(Request.ARM, False, "FAILED"))
+
+    def arm() -> None:
+        vehicle.send_text("EKF variance")
+        vehicle.armed = True
+
+    vehicle.mission_verified = verified  # type: ignore[method-assign]
+    vehicle.request_arm = refuse if refused == "arm" else arm  # type: ignore[method-assign]
+    with pytest.raises(PhaseTimeoutError, match=message):
+        fake_flight(vehicle).fly()
+
+
+def test_an_accepted_take_off_is_requested_again_after_arming_again() -> None:
+    """The ack of a take-off before the vehicle disarmed itself does not count for the next one."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+
+    def accept(altitude_m: float) -> None:
+        vehicle.requested.append("takeoff")
+        vehicle.queue.append(RequestAck(Request.TAKEOFF, True))
+        if vehicle.requested.count("takeoff") == 1:
+            when_s = vehicle.clock.now_s - vehicle.began_s + 10.0
+            vehicle.schedule.append((when_s, lambda: setattr(vehicle, "armed", False)))
+        else:
+            vehicle.target_m, vehicle.climbs = altitude_m, True
+
+    vehicle.request_takeoff = accept  # type: ignore[method-assign]
+    assert fake_flight(vehicle).fly().problem is None
+    assert vehicle.requested.count("takeoff") == 2
+
+
+@pytest.mark.parametrize("request_name", ["arm", "AUTO"])
+def test_reports_that_wait_are_processed_before_a_request(request_name: str) -> None:
+    """A heartbeat of a pilot's mode that came during the verification: the next one is waited for."""
+    vehicle = FakeVehicle(FakeClock())
+    verified_s: list[float] = []
+    requested_s: dict[str, float] = {}
+    request_arm, request_mode = vehicle.request_arm, vehicle.request_mode
+
+    def verified(while_waiting: Callable[[], None]) -> bool:
+        while_waiting()
+        verified_s.append(vehicle.clock.now_s)
+        if len(verified_s) == (1 if request_name == "arm" else 2):
+            vehicle.queue.append(Heartbeat("LOITER", vehicle.armed))
+        return True
+
+    def arm() -> None:
+        requested_s.setdefault("arm", vehicle.clock.now_s)
+        request_arm()
+
+    def change_mode(mode: str) -> None:
+        requested_s.setdefault(mode, vehicle.clock.now_s)
+        request_mode(mode)
+
+    vehicle.mission_verified = verified  # type: ignore[method-assign]
+    vehicle.request_arm, vehicle.request_mode = arm, change_mode  # type: ignore[method-assign]
+    assert fake_flight(vehicle).fly().problem is None
+    assert requested_s[request_name] > verified_s[0 if request_name == "arm" else 1]

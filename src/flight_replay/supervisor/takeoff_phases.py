@@ -27,7 +27,6 @@ _MIN_IDLE_S = 4.0  # ArduCopter disarms by itself after 10 s: sooner than this, 
 def wait_prearm(monitor: VehicleMonitor) -> None:
     """Wait until the vehicle is ready to arm, and emit its own reasons meanwhile."""
     monitor.emit(PhaseStarted(Phase.PREARM))
-    monitor.begin_phase()
     progress, checks = ProgressTimer(monitor), Deadline(monitor, _PREARM_CHECKS_S)
     deadline = Deadline(monitor, monitor.deadlines.prearm_s)
     while not _is_ready(monitor):
