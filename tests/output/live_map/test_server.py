@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import socket
+import subprocess
+import sys
 import threading
 import time
 import urllib.request
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,12 +34,22 @@ def test_the_page_is_served_on_loopback_with_its_scripts() -> None:
         assert not live.is_watched
         with urllib.request.urlopen(live.url, timeout=60) as answer:
             page = answer.read().decode()
-        port = int(live.url.rsplit(":", 1)[1].strip("/"))
+        port = port_of(live)
         assert not answers(outside_address(), port)
-    assert 'src="/static/js/bokeh' in page
+    assert f'src="/{token_of(live)}/static/js/bokeh' in page
     assert "//cdn" not in page
     assert 'name="viewport"' in page
     assert not answers("127.0.0.1", port)
+
+
+def port_of(live: LiveMap) -> int:
+    """The port of its address."""
+    return int(live.url.split("/")[2].rsplit(":", 1)[1])
+
+
+def token_of(live: LiveMap) -> str:
+    """The token in its address."""
+    return live.url.split("/")[3]
 
 
 def outside_address() -> str:
@@ -80,16 +95,135 @@ def test_a_closed_page_does_no_harm() -> None:
             live.listener(vehicle_at(5, 7, 101.0 + n))
 
 
-@pytest.mark.usefixtures("no_tiles")
-def test_websockets_of_other_sites_are_refused() -> None:
+WEBSOCKET = (
+    "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Protocol: bokeh, none\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+)
+PLACES = {"page": ("", ""), "script": ("static/js/bokeh.min.js", ""), "websocket": ("ws", WEBSOCKET)}
+
+
+def status_of(live: LiveMap, path: str, headers: str) -> int:
+    """The status of the server's answer."""
+    with socket.create_connection(("127.0.0.1", port_of(live)), 10) as visitor:
+        visitor.sendall(f"GET {path} HTTP/1.1\r\n{headers}\r\n".encode())
+        return int(visitor.recv(1000).split()[1])
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[LiveMap]:
+    """A live map without a tile server."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(map_tiles, "probe", threading.Event)
+        with LiveMap(made_replay()[0]) as live:
+            yield live
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    ("host", "allowed"),
+    [
+        ("Host: 127.0.0.1:{port}\r\n", True),
+        ("Host: localhost:{port}\r\n", True),
+        ("Host: [::1]:{port}\r\n", True),
+        ("Host: evil.example:{port}\r\n", False),
+        ("Host: evil.example:{port}\r\nOrigin: http://evil.example:{port}\r\n", False),
+        ("Host: 127.0.0.1.evil.example:{port}\r\n", False),
+        ("Host: 127.0.0.1\r\n", False),
+        ("Host: 127.0.0.1:1\r\n", False),
+        ("Host: 127.0.0.2:{port}\r\n", False),
+    ],
+)
+def test_only_loopback_names_are_served(served: LiveMap, place: str, host: str, allowed: bool) -> None:
+    """DNS rebinding makes a name of another site lead here; even with the token it is forbidden."""
+    path, headers = PLACES[place]
+    status = status_of(served, f"/{token_of(served)}/{path}", host.format(port=port_of(served)) + headers)
+    assert status == ((101 if place == "websocket" else 200) if allowed else 403)
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("prefix", ["/", "/wrong/", "//", "/{token}x/", "/x/{token}/", "/%00/"])
+def test_only_who_knows_the_token_is_served(served: LiveMap, place: str, prefix: str) -> None:
+    """Page, scripts and websocket are forbidden without it."""
+    path, headers = PLACES[place]
+    host = f"Host: 127.0.0.1:{port_of(served)}\r\n"
+    assert status_of(served, prefix.format(token=token_of(served)) + path, host + headers) == 403
+
+
+def test_each_map_has_a_token_of_its_own(served: LiveMap) -> None:
+    """It has at least 128 random bits."""
+    with LiveMap(made_replay()[0]) as other:
+        assert token_of(other) != token_of(served)
+    assert len(token_of(served)) >= 22
+
+
+def test_websockets_of_other_sites_are_refused(served: LiveMap) -> None:
     """A page of another origin cannot read the map."""
-    request = (
-        "GET /ws HTTP/1.1\r\nHost: {host}\r\nOrigin: http://evil.example\r\nUpgrade: websocket\r\n"
-        "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
-    )
-    with LiveMap(made_replay()[0]) as live:
-        host = live.url.split("/")[2]
-        with socket.create_connection(("127.0.0.1", int(host.split(":")[1])), 10) as visitor:
-            visitor.sendall(request.format(host=host).encode())
-            assert visitor.recv(1000).startswith(b"HTTP/1.1 403")
+    headers = f"Host: 127.0.0.1:{port_of(served)}\r\nOrigin: http://evil.example\r\n{WEBSOCKET}"
+    assert status_of(served, f"/{token_of(served)}/ws", headers) == 403
+
+
+FLOOD = """
+import socket, sys, threading, time
+port, path = int(sys.argv[1]), sys.argv[2]
+request = f"GET {path} HTTP/1.1\\r\\nHost: 127.0.0.1:{port}\\r\\n\\r\\n".encode()
+def ask():
+    while True:
+        try:
+            with socket.create_connection(("127.0.0.1", port), 5) as visitor:
+                while True:
+                    visitor.sendall(request)
+                    visitor.recv(65536)
+        except OSError:
+            time.sleep(0.01)
+silent = []
+for _ in range(200):
+    try:
+        silent.append(socket.create_connection(("127.0.0.1", port), 5))
+        silent[-1].sendall(request[:20])
+    except OSError:
+        pass
+    if len(silent) == 30:
+        for _ in range(4):
+            threading.Thread(target=ask, daemon=True).start()
+        print("flooding", flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.usefixtures("no_tiles")
+@pytest.mark.parametrize("knows_token", [False, True], ids=["a stranger", "a page"])
+def test_a_flood_delays_neither_the_flight_nor_the_exit(knows_token: bool) -> None:
+    """Requests as fast as they can be sent, and connections that send half a request."""
+    with ExitStack() as stack:
+        live = stack.enter_context(LiveMap(made_replay()[0]))
+        path = f"/{token_of(live)}/" if knows_token else "/"
+        before = descriptors()
+        command = [sys.executable, "-c", FLOOD, str(port_of(live)), path]
+        with subprocess.Popen(command, stdout=subprocess.PIPE) as flood:
+            try:
+                assert flood.stdout is not None
+                flood.stdout.readline()
+                slowest_s = max(listener_takes_s(live, 100.0 + number) for number in range(100))
+                opened = descriptors() - before
+                began_s = time.monotonic()
+                stack.close()
+                exit_s = time.monotonic() - began_s
+            finally:
+                flood.kill()
+    assert slowest_s < 0.5
+    assert exit_s < 2.5
+    assert opened < 80
+
+
+def descriptors() -> int:
+    """How many files and sockets this process has open, where the system tells."""
+    folder = Path("/proc/self/fd")
+    return len(list(folder.iterdir())) if folder.exists() else 0
+
+
+def listener_takes_s(live: LiveMap, time_s: float) -> float:
+    """How long an event takes the flight; a moment after the last one."""
+    time.sleep(0.02)
+    began_s = time.monotonic()
+    live.listener(vehicle_at(5, 7, time_s))
+    return time.monotonic() - began_s

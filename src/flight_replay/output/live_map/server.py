@@ -1,13 +1,14 @@
 """The server of the live map, on loopback only; it serves everything that the page needs.
 
-The server runs in its own thread and only receives events, so that a slow or closed page does not
-hold up the flight.
+The server runs in its own thread and only receives events, so that a slow, closed or flooding page does
+not hold up the flight or the exit.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import secrets
 import threading
 import time
 from types import TracebackType
@@ -23,12 +24,14 @@ from flight_replay.planning.route import Route
 
 _HOST = "127.0.0.1"
 _START_TIMEOUT_S = 10.0
+_STOP_TIMEOUT_S = 1.5
+"""Wall-clock time after which a server that is busy with its pages is left behind."""
 _FINAL_UPDATE_S = 3 * TICK_MS / 1000
 """Wall-clock time in which open pages show the last events."""
 
 
 class LiveMap:
-    """Serves the map of one replay at ``url`` while the context is open."""
+    """Serves the map of one replay at ``url``, which nobody can guess, while the context is open."""
 
     def __init__(self, route: Route) -> None:
         self._data = MapData(route)
@@ -56,7 +59,7 @@ class LiveMap:
         if self.is_watched:
             time.sleep(_FINAL_UPDATE_S)
         self._loop.add_callback(self._loop.stop)
-        self._thread.join(_START_TIMEOUT_S)
+        self._thread.join(_STOP_TIMEOUT_S)
 
     def listener(self, event: Event) -> None:
         """Pass an event to the map; takes microseconds."""
@@ -65,31 +68,32 @@ class LiveMap:
     @property
     def is_watched(self) -> bool:
         """Whether a browser has the page open."""
-        return any(session.connection_count for session in self._bokeh.get_sessions("/"))
+        try:
+            return any(session.connection_count for session in self._bokeh.get_sessions("/"))
+        except RuntimeError:  # A page was opened or closed meanwhile, on the server's thread.
+            return True
 
     def _serve(self) -> None:
         from bokeh.application import Application
         from bokeh.application.handlers.function import FunctionHandler
         from bokeh.server.server import BaseServer
-        from bokeh.server.tornado import BokehTornado
         from bokeh.server.util import bind_sockets
-        from tornado.httpserver import HTTPServer
         from tornado.ioloop import IOLoop
+
+        from flight_replay.output.live_map.access import BoundedServer, GuardedTornado
 
         # Browsers request icons that do not exist, which tornado would log.
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
         asyncio.set_event_loop(asyncio.new_event_loop())
         sockets, port = bind_sockets(_HOST, 0)
-        origins = [f"{_HOST}:{port}", f"localhost:{port}"]
-        self._bokeh = BokehTornado(
-            {"/": Application(FunctionHandler(self._open_page))}, extra_websocket_origins=origins
-        )
-        http = HTTPServer(self._bokeh)
+        token = secrets.token_urlsafe(16)
+        self._bokeh = GuardedTornado({"/": Application(FunctionHandler(self._open_page))}, token, port)
+        http = BoundedServer(self._bokeh)
         http.add_sockets(sockets)
         self._loop = IOLoop.current()
         server = BaseServer(self._loop, self._bokeh, http)
         server.start()
-        self.url = f"http://{_HOST}:{port}/"
+        self.url = f"http://{_HOST}:{port}/{token}/"
         self._loop.add_callback(self._ready.set)
         self._loop.start()
         server.unlisten()
