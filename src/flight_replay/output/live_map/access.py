@@ -62,23 +62,21 @@ class GuardedTornado(BokehTornado):
         return _BUSY if is_page and len(self.get_sessions("/")) >= _MAX_SESSIONS else None
 
 
-class BoundedServer(HTTPServer):
-    """A web server that closes connections beyond a number, and those that stay silent."""
-
-    def initialize(self, *args: Any, **kwargs: Any) -> None:
-        """Tornado's constructor."""
-        super().initialize(
-            *args,
-            max_body_size=_MAX_BODY_BYTES,
-            max_buffer_size=2 * _MAX_MESSAGE_BYTES,
-            idle_connection_timeout=_HEADER_TIMEOUT_S,
-            body_timeout=_BODY_TIMEOUT_S,
-            **kwargs,
-        )
-
+class _BoundedServer(HTTPServer):
     def handle_stream(self, stream: IOStream, address: tuple[Any, ...]) -> None:
         """Serve a new connection, or close it."""
         if len(self._connections) >= _MAX_CONNECTIONS:
             stream.close()
             return
         super().handle_stream(stream, address)
+
+
+def bounded_server(application: GuardedTornado) -> HTTPServer:
+    """A web server that closes connections beyond a number, and those that stay silent."""
+    return _BoundedServer(
+        application,
+        max_body_size=_MAX_BODY_BYTES,
+        max_buffer_size=2 * _MAX_MESSAGE_BYTES,
+        idle_connection_timeout=_HEADER_TIMEOUT_S,
+        body_timeout=_BODY_TIMEOUT_S,
+    )

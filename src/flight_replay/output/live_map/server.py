@@ -80,7 +80,7 @@ class LiveMap:
         from bokeh.server.util import bind_sockets
         from tornado.ioloop import IOLoop
 
-        from flight_replay.output.live_map.access import BoundedServer, GuardedTornado
+        from flight_replay.output.live_map.access import GuardedTornado, bounded_server
 
         # Browsers request icons that do not exist, which tornado would log.
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
@@ -88,7 +88,7 @@ class LiveMap:
         sockets, port = bind_sockets(_HOST, 0)
         token = secrets.token_urlsafe(16)
         self._bokeh = GuardedTornado({"/": Application(FunctionHandler(self._open_page))}, token, port)
-        http = BoundedServer(self._bokeh)
+        http = bounded_server(self._bokeh)
         http.add_sockets(sockets)
         self._loop = IOLoop.current()
         server = BaseServer(self._loop, self._bokeh, http)
