@@ -1,6 +1,8 @@
 """consent.py: a real vehicle is armed only after a person has typed the word."""
 
 import io
+import os
+import sys
 
 import pytest
 
@@ -56,3 +58,40 @@ def test_a_closed_terminal_is_no_consent(monkeypatch: pytest.MonkeyPatch) -> Non
 
     with pytest.raises(VehicleError, match="not armed: 'fly' was not typed"):
         ask(monkeypatch, Closed())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+@pytest.mark.parametrize(("then", "consents"), [(b"no\n", False), (b"fly\n", True)])
+def test_what_was_typed_before_the_question_is_no_answer(
+    then: bytes, consents: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At a real terminal, the word counts only after the question."""
+    master, slave = os.openpty()
+    with os.fdopen(slave, "r") as terminal:
+        os.write(master, b"fly\n")
+        monkeypatch.setattr("sys.stdin", terminal)
+        monkeypatch.setattr("flight_replay.cli.consent._READ_S", 0.0)
+
+        class Question(io.StringIO):
+            def flush(self) -> None:
+                os.write(master, then)
+
+        monkeypatch.setattr("sys.stderr", Question())
+        if consents:
+            ask_consent(PlainConsole(io.StringIO()))
+        else:
+            with pytest.raises(VehicleError, match="'fly' was not typed"):
+                ask_consent(PlainConsole(io.StringIO()))
+    os.close(master)
+
+
+def test_a_briefing_that_is_not_shown_is_no_consent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who did not see which vehicle it is cannot agree."""
+
+    class Stuck(PlainConsole):
+        def flush(self, timeout_s: float) -> bool:
+            return False
+
+    monkeypatch.setattr("sys.stdin", Terminal("fly\n"))
+    with pytest.raises(VehicleError, match="not armed: the terminal does not show"):
+        ask_consent(Stuck(io.StringIO()))

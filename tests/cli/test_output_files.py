@@ -1,0 +1,88 @@
+"""Output files of the command line: never an input, never lost, and no reason to lose the results."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from flight_replay.cli.main import main
+from tests.helpers.paths import SAMPLE
+
+DRY = ["--dry-run", "--json"]
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A log of one's own in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    return Path(shutil.copy(SAMPLE, tmp_path / "mine.tlog"))
+
+
+@pytest.mark.parametrize("link", ["itself", "symbolic", "hard"])
+@pytest.mark.parametrize("force", [[], ["--force"]], ids=["plain", "forced"])
+def test_the_log_that_is_replayed_is_never_written(
+    log: Path, link: str, force: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Under no name, and not with --force either; it keeps every byte."""
+    before = log.read_bytes()
+    target = log
+    if link != "itself":
+        target = log.with_name("other.tlog")
+        (target.symlink_to if link == "symbolic" else target.hardlink_to)(log)
+    assert main(["--tlog", str(log), "--record", str(target), *DRY, *force]) == 1
+    assert "is the log that is replayed" in capsys.readouterr().err
+    assert log.read_bytes() == before
+
+
+def test_no_file_is_written_twice(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two options with one file would leave only one of the two."""
+    assert main(["--tlog", str(log), "--save", "a.kml", "--save", "./a.kml", *DRY]) == 1
+    assert "a.kml is written by another option" in capsys.readouterr().err
+    assert not Path("a.kml").exists()
+
+
+def test_a_file_that_exists_is_replaced_only_with_force(
+    log: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The refusal comes before anything is read, and names the option."""
+    Path("a.plan").write_text("mine")
+    assert main(["--tlog", str(log), "--save", "a.plan", *DRY]) == 1
+    assert "a.plan exists; choose another name, or replace it with --force" in capsys.readouterr().err
+    assert Path("a.plan").read_text() == "mine"
+    assert main(["--tlog", str(log), "--save", "a.plan", "--force", *DRY]) == 0
+    assert Path("a.plan").read_text() != "mine"
+
+
+@pytest.mark.parametrize(
+    "error", [OSError(28, "No space left on device"), ValueError("no font"), MemoryError()]
+)
+def test_a_plot_that_fails_costs_neither_the_results_nor_the_report(
+    log: Path, error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The JSON object is whole, the report is written, and the exit status and the error line tell of it."""
+
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("flight_replay.output.charts.plot.save_plot", fail)
+    assert main(["--tlog", str(log), "--plot", "a.png", "--report", "a.html", *DRY]) == 1
+    output = capsys.readouterr()
+    assert json.loads(output.out)["route"]["points"] == 100
+    assert output.err.count("flight-replay: error: ") == 1
+    assert "a.png" in output.err
+    assert Path("a.html").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names are text there")
+def test_a_log_whose_name_is_no_text_has_results_and_a_report(
+    log: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A byte that is no UTF-8 is shown as an escape."""
+    named = log.rename(os.fsdecode(b"\xff.tlog"))
+    assert main(["--tlog", str(named), "--report", "a.html", *DRY]) == 0
+    assert json.loads(capsys.readouterr().out)["log"]["path"].endswith(".tlog")
+    assert "\\udcff.tlog" in Path("a.html").read_text(encoding="utf-8")
