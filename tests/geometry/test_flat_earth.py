@@ -41,16 +41,16 @@ def test_on_board_metres_are_rounded_ones(lat: float, lon: float, north: float, 
     """Rounded degrees and 32-bit sums change a place by centimetres, across the antimeridian too."""
     frame = FlatFrame(lat, lon)
     there = frame.to_degrees((north, east))
-    assert frame.on_board(*there) == pytest.approx(np.array([north, east]), abs=0.06)
+    assert frame.to_metres_on_board(*there) == pytest.approx(np.array([north, east]), abs=0.06)
 
 
 def test_on_board_metres_are_those_of_arducopter() -> None:
     """Where ArduCopter 4.6 stopped in SITL, in its centimetres, with the home as cut off there."""
-    place = FlatFrame(25.25057007, -147.02306109).on_board(25.2509440, -147.0230166)
+    place = FlatFrame(25.25057007, -147.02306109).to_metres_on_board(25.2509440, -147.0230166)
     assert place * 100 == pytest.approx(np.array([4163.32568, 448.03638]), abs=1e-3)
 
 
 def test_on_board_metres_end_in_the_same_bit() -> None:
     """Where cosf does not give the nearest number; ArduCopter 4.6 in SITL rested by this bit."""
-    place = FlatFrame(-54.8019, -68.303).on_board(-54.80189066, -68.30306296)
+    place = FlatFrame(-54.8019, -68.303).to_metres_on_board(-54.80189066, -68.30306296)
     assert place * 100 == pytest.approx(np.array([103.526527, -404.238098145]), rel=0, abs=1e-5)

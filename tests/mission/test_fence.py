@@ -78,9 +78,9 @@ def test_fence_items_become_areas() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 4], ids=["no corners", "too few items"])
-def test_a_fence_that_makes_no_sense_is_told(count: int) -> None:
-    """A polygon that is shorter than it says is not guessed at."""
-    with pytest.raises(VehicleError, match="cannot be understood"):
+def test_an_invalid_polygon_is_an_error(count: int) -> None:
+    """A polygon with fewer items than its first one tells is not guessed at."""
+    with pytest.raises(VehicleError, match="fence is invalid"):
         areas_from_items([item(5001, count, 0, 0), item(5001, count, 1, 1)])
 
 
@@ -88,7 +88,7 @@ def test_a_fence_that_makes_no_sense_is_told(count: int) -> None:
 @pytest.mark.parametrize("command", [5001, 5002])
 def test_an_impossible_number_of_corners_is_told(command: int, size: float) -> None:
     """A vehicle may send any number."""
-    with pytest.raises(VehicleError, match="cannot be understood"):
+    with pytest.raises(VehicleError, match="fence is invalid"):
         areas_from_items([item(command, size, 0, 0), item(command, size, 1, 1)])
 
 
@@ -96,14 +96,14 @@ def test_an_impossible_number_of_corners_is_told(command: int, size: float) -> N
 @pytest.mark.parametrize("command", [5003, 5004])
 def test_an_impossible_radius_is_told(command: int, radius_m: float) -> None:
     """A circle without a radius forbids nothing, or everything."""
-    with pytest.raises(VehicleError, match="cannot be understood"):
+    with pytest.raises(VehicleError, match="fence is invalid"):
         areas_from_items([item(command, radius_m, 0, 0)])
 
 
 def test_a_corner_beyond_the_pole_is_told() -> None:
     """MAVLink's integers reach 214 degrees."""
     beyond = MissionItem(5003, 3, (25.0, 0, 0, 0), 214.0, 8.0, 0.0)
-    with pytest.raises(VehicleError, match="cannot be understood"):
+    with pytest.raises(VehicleError, match="fence is invalid"):
         areas_from_items([beyond])
 
 

@@ -53,9 +53,9 @@ def plan_route(options: Options, track: Track, listener: Listener) -> Route:
 
 
 def _required_limits(track: Track) -> dict[str, float]:
-    from flight_replay.planning.fit import recorded_limits
+    from flight_replay.planning.required_limits import required_limits
 
-    return recorded_limits(track, Limits())
+    return required_limits(track, Limits())
 
 
 def _spaced_route(options: Options, track: Track) -> Route:

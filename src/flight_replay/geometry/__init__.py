@@ -1,1 +1,1 @@
-"""Places, distances and lines, on the Earth and in a plane; numpy only."""
+"""Positions, distances and lines, on the Earth and in a plane: arrays in, arrays out."""

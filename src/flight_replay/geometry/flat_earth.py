@@ -27,7 +27,7 @@ _COSINE = (1.0, -0.49999999725108224, 0.041666623324344516, -0.00138867637943760
 _SINE = (1.0, -0.16666654943701084, 0.008332178146138854, -0.00019517298981385725)
 
 
-def _seen_e7(degrees: float) -> int:
+def _home_e7(degrees: float) -> int:
     """Degrees times 1e7 of a home, as the GPS that SITL simulates gives it."""
     return int(int(round(degrees, 7) * 1e7) * 1e-7 * 1e7)
 
@@ -62,19 +62,19 @@ class FlatFrame:
     lon_deg: float
 
     def to_metres(self, lat_deg: ArrayLike, lon_deg: ArrayLike) -> Floats:
-        """Metres (north, east), shape (..., 2), of places in degrees."""
+        """Metres (north, east), shape (..., 2), of positions in degrees."""
         lat, lon = np.asarray(lat_deg, float), np.asarray(lon_deg, float)
         turned = (lon - self.lon_deg + 180.0) % 360.0 - 180.0
         east = turned * METRES_PER_DEGREE * _scale((lat + self.lat_deg) / 2)
         return np.stack([(lat - self.lat_deg) * METRES_PER_DEGREE, east], axis=-1)
 
-    def on_board(self, lat_deg: ArrayLike, lon_deg: ArrayLike) -> Floats:
+    def to_metres_on_board(self, lat_deg: ArrayLike, lon_deg: ArrayLike) -> Floats:
         """As ``to_metres``, rounded like on board: degrees to 1e-7, the sums to 32-bit centimetres.
 
         The origin is where SITL's GPS saw home: twice cut off at 1e-7 degrees (parse_home, GPS).
         """
         lat, lon = np.asarray(lat_deg, float), np.asarray(lon_deg, float)
-        origin_lat, origin_lon = _seen_e7(self.lat_deg), _seen_e7(self.lon_deg)
+        origin_lat, origin_lon = _home_e7(self.lat_deg), _home_e7(self.lon_deg)
         lat_e7 = np.rint(lat * 1e7).astype(np.int64)
         turned_e7 = (np.rint(lon * 1e7).astype(np.int64) - origin_lon + _HALF_E7) % (2 * _HALF_E7) - _HALF_E7
         middle = np.trunc((lat_e7 + origin_lat) / 2).astype(np.float32) * _RADIANS_E7

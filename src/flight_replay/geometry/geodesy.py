@@ -1,6 +1,6 @@
 """Degrees on the WGS 84 ellipsoid to metres in a local frame, and back.
 
-Heights play no part: every place is taken on the ellipsoid's surface, so distances are ground
+Heights play no part: every position is taken on the ellipsoid's surface, so distances are ground
 distances. The frame is the tangent plane of its origin, stretched radially to ground distance
 (azimuthal equidistant to second order): distances within 10 km of the origin are good to
 1 mm/km at any latitude, at the poles and across the antimeridian.
@@ -23,7 +23,7 @@ _ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)
 
 
 def surface_xyz_m(lat_deg: ArrayLike, lon_deg: ArrayLike) -> Floats:
-    """Earth-centred coordinates of places on the ellipsoid, shape (..., 3), metres."""
+    """Earth-centred coordinates of positions on the ellipsoid, shape (..., 3), metres."""
     lat, lon = np.radians(np.asarray(lat_deg, float)), np.radians(np.asarray(lon_deg, float))
     prime_vertical_m = EQUATORIAL_RADIUS_M / np.sqrt(1 - _ECCENTRICITY_SQUARED * np.sin(lat) ** 2)
     return np.stack(
@@ -37,7 +37,7 @@ def surface_xyz_m(lat_deg: ArrayLike, lon_deg: ArrayLike) -> Floats:
 
 
 def distance_m(lat1_deg: ArrayLike, lon1_deg: ArrayLike, lat2_deg: ArrayLike, lon2_deg: ArrayLike) -> Floats:
-    """Ground distance between places, metres: the straight chord, 1 mm/km short at 31 km."""
+    """Ground distance between positions, metres: the straight chord, 1 mm/km short at 31 km."""
     step = surface_xyz_m(lat2_deg, lon2_deg) - surface_xyz_m(lat1_deg, lon1_deg)
     return np.asarray(np.linalg.norm(step, axis=-1))
 

@@ -17,12 +17,12 @@ _BLOCK = 32
 def cheapest_monotone_path(
     costs_of: Callable[[slice, slice], Floats], low: Indices, high: Indices
 ) -> Indices:
-    """One column of each row, never falling from row to row, so that their costs are least in sum.
+    """The columns (n,), one of each row and never falling, with the smallest sum of costs.
 
     Args:
-        costs_of: gives the costs of some rows and columns, shape (rows, columns).
-        low: the first column that each row may have, shape (n,), never falling.
-        high: the one behind the last, never falling; every row begins before the one in front of it ends.
+        costs_of: gives the costs (rows, columns) of some rows and columns; they may be overwritten.
+        low: the first column that each row may have (n,), never falling.
+        high: the one behind the last (n,), never falling; each row's columns overlap the next one's.
     """
     marks: list[_Marks] = []
     before, start = np.zeros(1), int(low[0])

@@ -11,30 +11,31 @@ import numpy as np
 from flight_replay.errors import VehicleError
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.mission.items import MissionItem
 
 # MAV_CMD_NAV_FENCE_*: param1 is the number of corners of the polygon, or the radius in metres.
 _POLYGON_IN, _POLYGON_OUT, _CIRCLE_IN, _CIRCLE_OUT = 5001, 5002, 5003, 5004
-_FEWEST_CORNERS = 3
-_NOT_UNDERSTOOD = "the fence on board cannot be understood; check it with a ground station"
+_MIN_CORNERS = 3
+_INVALID = "the vehicle's fence is invalid; upload it again with a ground station"
 _PAIRS_AT_ONCE = 100_000  # Legs times corners: some 10 MB of working memory.
 
 
 @dataclass(frozen=True, slots=True)
 class FenceArea:
-    """A polygon of at least three corners (degrees), or a circle of ``radius_m`` around its one corner."""
+    """A polygon of at least three corners (degrees), or a circle of ``radius_m`` around a single one."""
 
     corners: tuple[tuple[float, float], ...]
     radius_m: float | None
     stay_inside: bool
 
     def forbids_legs(self, starts_m: Floats, ends_m: Floats, frame: LocalFrame) -> Flags:
-        """Which straight legs (n,) pass a place that the area forbids.
+        """Which straight legs (n,) pass a position that the area forbids.
 
         Args:
             starts_m: Where the legs start (n, 2), metres in ``frame``.
             ends_m: Where they end (n, 2).
-            frame: The frame of those places.
+            frame: The frame of those positions.
         """
         corners_m = frame.to_metres(*np.array(self.corners).T)
         if self.radius_m is not None:
@@ -49,9 +50,7 @@ class FenceArea:
         radius_m = self.radius_m or 0.0
         if self.stay_inside:
             return np.maximum(_length(starts_m), _length(ends_m)) > radius_m
-        legs_m = ends_m - starts_m
-        along = -(starts_m * legs_m).sum(axis=1) / np.maximum((legs_m**2).sum(axis=1), 1e-12)
-        return _length(starts_m + np.clip(along, 0, 1)[:, None] * legs_m) <= radius_m
+        return nearest_on_segments(np.zeros(2), starts_m, ends_m - starts_m)[1] <= radius_m
 
     def _polygon_forbids(self, starts_m: Floats, ends_m: Floats, corners_m: Floats) -> Flags:
         """Legs that cross the outline, start or end on its wrong side."""
@@ -64,9 +63,9 @@ def _length(vectors: Floats) -> Floats:
     return np.hypot(vectors[:, 0], vectors[:, 1])
 
 
-def _inside(places: Floats, corners: Floats) -> Flags:
-    """Which places lie in a polygon: a ray from each crosses the outline an odd number of times."""
-    x, y = places[:, 0, None], places[:, 1, None]
+def _inside(positions: Floats, corners: Floats) -> Flags:
+    """Which positions lie in a polygon: a ray from each crosses the outline an odd number of times."""
+    x, y = positions[:, 0, None], positions[:, 1, None]
     x1, y1 = corners[:, 0], corners[:, 1]
     x2, y2 = np.roll(x1, -1), np.roll(y1, -1)
     straddles = (y1 > y) != (y2 > y)
@@ -86,9 +85,9 @@ def _cross(starts: Floats, ends: Floats, corners: Floats) -> Flags:
     return np.asarray((outline_straddles & leg_straddles).any(axis=1))
 
 
-def _is_left(places: Floats, starts: Floats, ends: Floats) -> Flags:
-    """Whether ``places`` lie to the left of the lines from ``starts`` to ``ends``."""
-    lines, offsets = ends - starts, places - starts
+def _is_left(positions: Floats, starts: Floats, ends: Floats) -> Flags:
+    """Whether ``positions`` lie to the left of the lines from ``starts`` to ``ends``."""
+    lines, offsets = ends - starts, positions - starts
     return np.asarray(lines[..., 0] * offsets[..., 1] > lines[..., 1] * offsets[..., 0])
 
 
@@ -102,7 +101,7 @@ def active_fence_types(parameters: Mapping[str, float]) -> int:
         return 0
     for name, value in parameters.items():
         if name.startswith("FENCE_") and not math.isfinite(value):
-            raise VehicleError(f"the vehicle's fence cannot be understood: {name} is {value:g}; set it anew")
+            raise VehicleError(f"the vehicle's parameter {name} is {value:g}, not a number; set it again")
     return int(parameters.get("FENCE_TYPE", 0))
 
 
@@ -110,7 +109,7 @@ def areas_from_items(items: Sequence[MissionItem]) -> tuple[FenceArea, ...]:
     """The areas that fence items describe; a polygon is as many items as its first one says.
 
     Raises:
-        VehicleError: A polygon is cut short, or a count, radius or place is impossible.
+        VehicleError: A polygon has too few items, or a count, radius or corner is invalid.
     """
     areas: list[FenceArea] = []
     shapes = [item for item in items if _POLYGON_IN <= item.command <= _CIRCLE_OUT]
@@ -119,14 +118,14 @@ def areas_from_items(items: Sequence[MissionItem]) -> tuple[FenceArea, ...]:
         first = shapes[at]
         size = first.params[0]
         is_circle = first.command in (_CIRCLE_IN, _CIRCLE_OUT)
-        if not math.isfinite(size) or (size <= 0 if is_circle else size < _FEWEST_CORNERS):
-            raise VehicleError(_NOT_UNDERSTOOD)
+        if not math.isfinite(size) or (size <= 0 if is_circle else size < _MIN_CORNERS):
+            raise VehicleError(_INVALID)
         corners = shapes[at : at + (1 if is_circle else min(int(size), len(shapes) + 1))]
         _check_corners(first, corners, 1 if is_circle else int(size))
         at += len(corners)
-        places = tuple((corner.lat_deg, corner.lon_deg) for corner in corners)
+        positions = tuple((corner.lat_deg, corner.lon_deg) for corner in corners)
         areas.append(
-            FenceArea(places, size if is_circle else None, first.command in (_POLYGON_IN, _CIRCLE_IN))
+            FenceArea(positions, size if is_circle else None, first.command in (_POLYGON_IN, _CIRCLE_IN))
         )
     return tuple(areas)
 
@@ -136,4 +135,4 @@ def _check_corners(first: MissionItem, corners: Sequence[MissionItem], count: in
     kinds = {corner.command for corner in corners}
     on_earth = all(abs(corner.lat_deg) <= 90 and abs(corner.lon_deg) <= 180 for corner in corners)
     if len(corners) != count or kinds != {first.command} or not on_earth:
-        raise VehicleError(_NOT_UNDERSTOOD)
+        raise VehicleError(_INVALID)

@@ -1,6 +1,6 @@
 """A mission as plain data: what will be flown, and nothing about how it was found or is sent.
 
-Altitudes are metres in the item's frame, places are degrees. Home, which ArduPilot keeps as
+Altitudes are metres in the item's frame, coordinates are degrees. Home, which ArduPilot keeps as
 item 0, is not an item here: the first item has sequence number 1 on board.
 """
 
@@ -11,6 +11,8 @@ from enum import IntEnum
 
 HOME_SEQ = 0
 FIRST_SEQ = 1
+TAKEOFF_REACHED_SHARE = 0.95
+"""Share of the take-off altitude at which DroneKit's example counts take-off as done."""
 
 
 class Command(IntEnum):
@@ -38,7 +40,7 @@ class Frame(IntEnum):
 
 
 WAYPOINT_COMMANDS = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT})
-"""Commands that routes fly to, and that count as waypoints."""
+"""Commands that count as waypoints."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +61,12 @@ class MissionItem:
 
     @property
     def is_spline(self) -> bool:
-        """Whether the vehicle curves to this item."""
+        """Whether the vehicle flies to this item along a spline."""
         return self.command == Command.SPLINE_WAYPOINT
 
     @property
     def hold_s(self) -> float:
-        """Seconds that the vehicle waits at this waypoint."""
+        """Seconds that the vehicle holds its position at this waypoint."""
         return self.params[0] if self.is_waypoint else 0.0
 
 
@@ -105,7 +107,3 @@ class Mission:
     def with_home(self, home: Home) -> Mission:
         """The same items under another home."""
         return replace(self, home=home)
-
-
-TAKEOFF_REACHED_SHARE = 0.95
-"""Share of the take-off altitude at which DroneKit's example counts take-off as done."""

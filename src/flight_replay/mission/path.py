@@ -1,15 +1,15 @@
 """The path that a mission draws on the ground: straight legs as lines, spline legs as ArduCopter's curves.
 
-Metres in a local frame; columns are north and east, heights are metres above home. This is the
-line on paper, without the vehicle's dynamics: ``simulator`` knows how it is flown.
+Metres in a local frame, north and east; altitudes are metres above home. This is the line on paper,
+without the vehicle's dynamics: ``simulator`` knows how it is flown.
 
 The curve of a spline leg is the cubic Hermite curve of ArduCopter's ``SplineCurve.cpp`` between
 its origin and destination, with the tangents of ``AC_WPNav::set_spline_destination`` (4.0 to 4.7):
 
-- leaving the destination: next place minus origin if the next leg is a spline too, next place minus
-  destination if it is straight, zero if there is none or if the vehicle holds there;
-- leaving the origin: the previous spline leg's destination tangent, or the vector of the previous
-  straight leg, or zero where the vehicle stood still;
+- at the destination: next destination minus origin if the next leg is a spline too, next destination
+  minus destination if it is straight, zero if there is none or if the vehicle halts there;
+- at the origin: the previous spline leg's tangent at its destination, or the vector of the previous
+  straight leg, or zero where the vehicle halted;
 - both are scaled down when together they are longer than four times the leg.
 """
 
@@ -37,10 +37,10 @@ _HALTED_AT = frozenset({Command.LOITER_TURNS, Command.LAND})
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """A line through m points: where each is, and which mission item the piece ending there leads to.
+    """A line through m points: where each is, and which mission item the line up to there leads to.
 
-    ``north_east_m`` (m, 2); ``up_m`` (m,); ``seq`` (m,) sequence numbers; ``hold_s`` (m,) is not
-    zero at the points where the vehicle waits.
+    ``north_east_m`` (m, 2); ``up_m`` (m,); ``seq`` (m,) the items' sequence numbers; ``hold_s`` (m,)
+    how long the vehicle waits at each point.
     """
 
     north_east_m: Floats
@@ -56,9 +56,10 @@ class Path:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Destination:
-    """A place to fly to, in local metres (north, east, up): what a leg ends at.
+    """Where a leg ends, in local metres (north, east, up).
 
-    ``halts`` says that the vehicle comes to rest there, be it to wait ``hold_s`` seconds.
+    ``spline`` is whether the leg is a curve, ``halts`` whether the vehicle comes to rest at its end,
+    be it to wait for ``hold_s`` or for another reason.
     """
 
     seq: int
@@ -71,9 +72,9 @@ class Destination:
 def planned_path(
     mission: Mission | Sequence[MissionItem], frame: LocalFrame, start_m: ArrayLike | None = None
 ) -> Path:
-    """The path of a mission in ``frame``, from ``start_m`` (north, east, up), or else from its first place.
+    """The path of a mission in ``frame``, from ``start_m`` (north, east, up) or else its first destination.
 
-    A mission without a place gives the start alone, or an empty path.
+    A mission without a destination gives the start alone, or an empty path.
     """
     items = mission.items if isinstance(mission, Mission) else tuple(mission)
     start = None if start_m is None else np.asarray(start_m, float)
@@ -83,7 +84,7 @@ def planned_path(
 def destinations(
     items: Sequence[MissionItem], frame: LocalFrame, start_m: Floats | None = None
 ) -> list[Destination]:
-    """The places of the items, with ArduCopter's reading of zeros: 0,0 is here, height 0 keeps the height.
+    """Where the items lead, as ArduCopter reads zeros: coordinates 0, 0 are here, altitude 0 stays the same.
 
     Before anything but a waypoint or a plain loiter, the vehicle halts (``ModeAuto::set_next_wp``).
     """
@@ -95,21 +96,21 @@ def destinations(
         if item.command not in _FLOWN_INTO and found:
             found[-1] = replace(found[-1], halts=True)
         if item.command in _FLOWN_INTO or item.command in _HALTED_AT:
-            here = _place(item, frame, here)
+            here = _position_m(item, frame, here)
             found.append(
                 Destination(seq, here, item.is_spline, item.hold_s, item.hold_s > 0 or not item.is_waypoint)
             )
     return found
 
 
-def _place(item: MissionItem, frame: LocalFrame, here: Floats) -> Floats:
-    """Where an item is, coming from ``here``."""
-    place = np.array(here)
+def _position_m(item: MissionItem, frame: LocalFrame, here_m: Floats) -> Floats:
+    """Where an item is (3,), coming from ``here_m``."""
+    position = np.array(here_m)
     if item.lat_deg != 0 or item.lon_deg != 0:
-        place[:2] = frame.to_metres(item.lat_deg, item.lon_deg)
+        position[:2] = frame.to_metres(item.lat_deg, item.lon_deg)
     if item.alt_m != 0 and item.command != Command.LAND:
-        place[2] = item.alt_m
-    return place
+        position[2] = item.alt_m
+    return position
 
 
 def path_through(

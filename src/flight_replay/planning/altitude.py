@@ -1,4 +1,4 @@
-"""Heights of a recorded track above home, and home itself, where a replay takes off."""
+"""Altitudes above home of a recorded track, and home itself, where a replay takes off."""
 
 from __future__ import annotations
 
@@ -14,39 +14,41 @@ from flight_replay.mission.items import Home
 Recorded = Literal["recorded"]
 RECORDED: Recorded = "recorded"
 MIN_ALTITUDE_M = 5.0
-"""Recorded heights below this are flown at this height."""
-_HOME_SHIFT_M = 20.0
+"""Recorded altitudes below this are flown at this altitude: barometers drift by metres."""
+_MAX_HOME_ERROR_M = 20.0
+"""Home's altitude above the sea is constant once home is set, but for the drift of barometer and GPS."""
 
 
 def home_of(track: Track) -> Home:
-    """The ground below the first fix of a track that has one; at sea level where its height is not known."""
+    """The ground below the first fix of a track that has one; at sea level where its altitude is unknown."""
     ground_m = float(track.amsl_m[0] - track.alt_m[0])
     return Home(
         float(track.lat_deg[0]), float(track.lon_deg[0]), ground_m if math.isfinite(ground_m) else 0.0
     )
 
 
-def plausible_altitudes_m(track: Track) -> Floats:
-    """Recorded heights above home (n,), none below the floor.
-
-    Before home is set, the height above it is nonsense (often that above the sea): where the
-    implied height of home is far from its median in that boot, the next believable height stands in.
-    """
-    home_m = track.amsl_m - track.alt_m
-    good = np.isfinite(track.alt_m) & np.isfinite(home_m)
-    for boot in np.unique(track.boot):
-        here = track.boot == boot
-        if (good & here).any():
-            good &= ~here | (np.abs(home_m - np.median(home_m[good & here])) <= _HOME_SHIFT_M)
-    if not good.any():
-        return np.full(len(track), MIN_ALTITUDE_M)
-    index = np.arange(len(track))
-    following = index[good][np.minimum(np.searchsorted(index[good], index), good.sum() - 1)]
-    return np.asarray(np.maximum(track.alt_m[following], MIN_ALTITUDE_M))
-
-
 def altitudes_m(track: Track, altitude_m: float | Recorded) -> Floats:
-    """Height above home to fly at, shape (n,): constant, or as recorded where that can be believed."""
+    """Altitude above home to fly at (n,): constant, or as recorded where that is plausible."""
     if altitude_m != RECORDED:
         return np.full(len(track), float(altitude_m))
     return plausible_altitudes_m(track)
+
+
+def plausible_altitudes_m(track: Track) -> Floats:
+    """Recorded altitudes above home (n,), none below ``MIN_ALTITUDE_M``.
+
+    Before home is set, the altitude above it is meaningless (often that above the sea): where the
+    implied altitude of home is far from its median in that boot, the next plausible one is taken.
+    """
+    home_amsl_m = track.amsl_m - track.alt_m
+    plausible = np.isfinite(track.alt_m) & np.isfinite(home_amsl_m)
+    for boot in np.unique(track.boot):
+        known = plausible & (track.boot == boot)
+        if known.any():
+            error_m = np.abs(home_amsl_m - np.median(home_amsl_m[known]))
+            plausible &= (track.boot != boot) | (error_m <= _MAX_HOME_ERROR_M)
+    if not plausible.any():
+        return np.full(len(track), MIN_ALTITUDE_M)
+    index = np.flatnonzero(plausible)
+    following = index[np.minimum(np.searchsorted(index, np.arange(len(track))), len(index) - 1)]
+    return np.asarray(np.maximum(track.alt_m[following], MIN_ALTITUDE_M))

@@ -15,17 +15,22 @@ _STEP_S = 0.1
 _SHORT_LEG_M = 6.0
 """Straight legs up to this are flown so slowly that the vehicle is where its target is: 0.5 % off."""
 _LONGEST_SIMULATED_M = 50_000.0
-"""Farther than copters fly; such a route is mostly flown at full speed."""
+"""Longer routes are beyond any copter: their duration is that of their length at full speed."""
 
 
 def duration_s(mission: Mission, path: Path) -> float:
-    """How long a vehicle at its defaults would take for the mission, from above home, seconds."""
+    """Seconds in AUTO that a vehicle at its defaults takes for a mission, from above home.
+
+    Args:
+        mission: at least one waypoint.
+        path: the path of the mission.
+    """
     limits = Limits()
     if path.length_m > _LONGEST_SIMULATED_M:
         return path.length_m / limits.wp_speed_m_s
     if all(item.command == Command.WAYPOINT for item in mission.items) and _longest_m(path) <= _SHORT_LEG_M:
-        places = np.column_stack([path.north_east_m, path.up_m]).tolist()
-        return straight_duration_s([(north, east, up) for north, east, up in places], limits)
+        corners = np.column_stack([path.north_east_m, path.up_m]).tolist()
+        return straight_duration_s([(north, east, up) for north, east, up in corners], limits)
     # The model of the whole vehicle takes as long to import and run as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import simulate
 
@@ -34,5 +39,5 @@ def duration_s(mission: Mission, path: Path) -> float:
 
 
 def _longest_m(path: Path) -> float:
-    """Longest straight piece of the path."""
+    """Longest segment of the path."""
     return float(segment_lengths_m(path.north_east_m).max(initial=0.0))

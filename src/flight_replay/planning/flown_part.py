@@ -1,4 +1,4 @@
-"""The part of a log that was flown, as one recording: flights joined in order, without the gaps between."""
+"""The part of a log that was flown: its flights joined in order, without the gaps between them."""
 
 from __future__ import annotations
 
@@ -7,53 +7,51 @@ from dataclasses import replace
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.geodesy import distance_m
 from flight_replay.logs.flights import Flight, find_flights
 from flight_replay.logs.track import Track
 
-FAR_JOIN_M = 50.0
-"""A way between two flights that is longer than this is worth a word."""
+MAX_GAP_M = 50.0
+"""Flights that begin farther than this from where the last one ended are worth a note."""
 
 
 def flown_part(track: Track) -> tuple[Track, tuple[str, ...]]:
-    """The flown fixes, their clock running on from flight to flight, and what there is to say about it.
+    """The fixes of a track's flights with a clock that has no gaps, and notes for people.
 
-    A log without any flight is taken whole: nothing in it tells flying from standing.
+    A track without a flight is returned whole: nothing in it tells flying from standing.
     """
     flights = find_flights(track)
     if not flights:
-        return track, ("The log tells of no flight, so all of its fixes are followed.",)
+        return track, ("No flight is found in the log; the route follows all of its fixes.",)
     parts = [track.select(slice(flight.first, flight.last + 1)) for flight in flights]
     index = np.concatenate([np.arange(flight.first, flight.last + 1) for flight in flights])
-    joined = replace(track.select(index), time_s=_closed_up_s(parts))
-    notes = []
-    if len(joined) < len(track):
-        left = len(track) - len(joined)
-        notes.append(f"{left} of {len(track)} fixes are left out: they were not flown.")
-    return joined, (*notes, *_far_joins(parts, flights))
+    flown = replace(track.select(index), time_s=_times_without_gaps_s(parts))
+    notes = _gap_notes(parts, flights)
+    if len(flown) < len(track):
+        left_out = len(track) - len(flown)
+        notes = [f"{left_out} of {len(track)} fixes are left out: they are not part of a flight.", *notes]
+    return flown, tuple(notes)
 
 
-def _closed_up_s(parts: list[Track]) -> Floats:
-    """Seconds since the first fix, with one usual step between the last fix of a flight and the next."""
-    steps = np.concatenate([np.diff(part.time_s) for part in parts])
-    usual_s = float(np.median(steps)) if len(steps) else 0.0
-    times, begin_s = [], 0.0
+def _times_without_gaps_s(parts: list[Track]) -> Floats:
+    """Seconds (n,) since the first fix of all parts, with one median step from each part to the next."""
+    steps_s = np.concatenate([np.diff(part.time_s) for part in parts])
+    median_step_s = float(np.median(steps_s)) if len(steps_s) else 0.0
+    times_s, begin_s = [], 0.0
     for part in parts:
-        times.append(part.time_s - part.time_s[0] + begin_s)
-        begin_s = float(times[-1][-1]) + usual_s
-    return np.concatenate(times)
+        times_s.append(part.time_s - part.time_s[0] + begin_s)
+        begin_s = float(times_s[-1][-1]) + median_step_s
+    return np.concatenate(times_s)
 
 
-def _far_joins(parts: list[Track], flights: tuple[Flight, ...]) -> list[str]:
-    """A sentence for each pair of flights far from each other."""
+def _gap_notes(parts: list[Track], flights: tuple[Flight, ...]) -> list[str]:
+    """A sentence for each flight that begins far from where the last one ended."""
     notes = []
-    for before, after, flight in zip(parts, parts[1:], flights[1:], strict=False):
-        ends = before.frame.to_metres(
-            [before.lat_deg[-1], after.lat_deg[0]], [before.lon_deg[-1], after.lon_deg[0]]
-        )
-        apart_m = float(np.linalg.norm(ends[1] - ends[0]))
-        if apart_m > FAR_JOIN_M:
+    for last, part, flight in zip(parts, parts[1:], flights[1:], strict=False):
+        gap_m = float(distance_m(last.lat_deg[-1], last.lon_deg[-1], part.lat_deg[0], part.lon_deg[0]))
+        if gap_m > MAX_GAP_M:
             notes.append(
-                f"Flight {flight.number} began {apart_m:.0f} m from where flight {flight.number - 1} "
-                "ended; the route joins them by a straight way that was not recorded."
+                f"Flight {flight.number} begins {gap_m:.0f} m from where flight {flight.number - 1} ended; "
+                "a straight leg that was not flown joins them."
             )
     return notes

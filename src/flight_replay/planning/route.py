@@ -13,7 +13,7 @@ from flight_replay.mission.path import Path, planned_path
 from flight_replay.planning.duration import duration_s
 
 _PIECE_M = 0.5
-"""Pieces of path that are good enough for a planned distance: 1 mm off on average, at a third of the time."""
+"""Pieces of path that are short enough for a planned error: 1 mm off on average, at a third of the time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +26,12 @@ class PredictedErrors:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Route:
-    """A mission, the recorded fixes that it covers, its distance from them as planned, and its duration.
+    """A mission, the recorded fixes that it covers, and what is known of it before it is flown.
 
-    ``predicted_duration_s`` is the time in AUTO that the vehicle is expected to need, ``predicted``
-    the expected distances where the planning found them, ``notes`` are sentences for a person.
-    ``required_limits`` holds the fields of ``Limits`` that the vehicle must have raised to fly it, SI units.
+    ``planned_error`` is the path error of the mission's path, ``predicted_duration_s`` the time in
+    AUTO, ``predicted`` the errors of the flight where the planning simulated it. ``required_limits``
+    are the fields of ``Limits`` to raise on the vehicle before it flies, in SI units; ``notes`` are
+    sentences for people.
     """
 
     method: str
@@ -48,8 +49,8 @@ def route_of(method: str, mission: Mission, covered: Track) -> Route:
     """The route of a mission that was made from ``covered``, with its planned error.
 
     Args:
-        method: name of the way in which the mission was made.
-        mission: at least one place.
+        method: how the mission was made, by its name.
+        mission: at least one waypoint.
         covered: at least one fix.
     """
     path = planned_path(mission, covered.frame)

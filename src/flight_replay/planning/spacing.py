@@ -18,6 +18,8 @@ SPEED_RATIO = 1.25
 """A recorded leg faster or slower than the speed in force by this ratio is worth a speed change."""
 MIN_SPEED_M_S = 0.5
 """Slowest speed worth asking for: ArduCopter ignores less than 0.2 m/s, 3.3 less than 1 m/s."""
+MAX_SPEED_M_S = 30.0
+"""Where the clock stands still, no leg is faster than this."""
 
 
 def decimate(track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_POINTS) -> NDArray[np.intp]:
@@ -40,7 +42,8 @@ def decimate(track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_P
 
 
 def _first_beyond(xyz: NDArray[np.float64], start: int, spacing_m: float) -> int | None:
-    """Index of the first place after ``start`` farther than ``spacing_m`` from it, in growing looks ahead."""
+    """Index of the first position behind ``start`` that is farther than ``spacing_m`` from it, or None."""
+    # In growing blocks: mostly the next few are enough, and a hover may be long.
     begin, size = start + 1, 64
     while begin < len(xyz):
         apart = np.linalg.norm(xyz[begin : begin + size] - xyz[start], axis=1)
@@ -63,33 +66,33 @@ def spaced_route(
 
     Args:
         track: at least one fix.
-        spacing_m: least distance between waypoints.
-        max_points: most waypoints; speed changes come on top.
-        altitude_m: height above home, constant or as recorded.
+        spacing_m: waypoints are farther apart than this.
+        max_points: maximum number of waypoints; speed changes come on top.
+        altitude_m: altitude above home, constant or as recorded.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
     """
     kept = decimate(track, spacing_m, max_points)
-    places = track.select(kept)
-    heights = altitudes_m(track, altitude_m)[kept]
+    fixes = track.select(kept)
+    altitudes = altitudes_m(track, altitude_m)[kept]
     waypoints = [
-        waypoint(float(lat), float(lon), float(height))
-        for lat, lon, height in zip(places.lat_deg, places.lon_deg, heights, strict=True)
+        waypoint(float(lat), float(lon), float(altitude))
+        for lat, lon, altitude in zip(fixes.lat_deg, fixes.lon_deg, altitudes, strict=True)
     ]
-    mission = Mission(tuple(_with_speeds(waypoints, places, speed_m_s)), home_of(track))
+    mission = Mission(tuple(_with_speeds(waypoints, fixes, speed_m_s)), home_of(track))
     covered = track.select(slice(0, int(kept[-1]) + 1))
     return route_of("spacing", mission, covered)
 
 
 def _with_speeds(
-    waypoints: list[MissionItem], places: Track, speed_m_s: float | Recorded | None
+    waypoints: list[MissionItem], fixes: Track, speed_m_s: float | Recorded | None
 ) -> list[MissionItem]:
-    """The waypoints with the speed changes that hold for the leg to the waypoint behind them."""
+    """The waypoints at kept fixes, each behind the speed change for the leg to it if it needs one."""
     if speed_m_s is None:
         return waypoints
     if speed_m_s != RECORDED:
         return [change_speed(float(speed_m_s)), *waypoints]
     items, in_force = waypoints[:1], np.inf
-    for item, speed in zip(waypoints[1:], _leg_speeds_m_s(places), strict=True):
+    for item, speed in zip(waypoints[1:], _leg_speeds_m_s(fixes), strict=True):
         if max(speed / in_force, in_force / speed) > SPEED_RATIO:
             items.append(change_speed(round(speed, 2)))
             in_force = speed
@@ -97,9 +100,9 @@ def _with_speeds(
     return items
 
 
-def _leg_speeds_m_s(places: Track) -> list[float]:
+def _leg_speeds_m_s(fixes: Track) -> list[float]:
     """Mean recorded ground speed of every leg between kept fixes, metres per second."""
-    steps_m = segment_lengths_m(places.north_east_m())
-    steps_s = np.diff(places.time_s)
-    speeds = np.divide(steps_m, steps_s, out=np.full(len(steps_m), np.inf), where=steps_s > 0)
-    return [float(speed) for speed in np.clip(speeds, MIN_SPEED_M_S, 30.0)]
+    lengths_m = segment_lengths_m(fixes.north_east_m())
+    durations_s = np.diff(fixes.time_s)
+    speeds = np.divide(lengths_m, durations_s, out=np.full(len(lengths_m), np.inf), where=durations_s > 0)
+    return [float(speed) for speed in np.clip(speeds, MIN_SPEED_M_S, MAX_SPEED_M_S)]

@@ -170,8 +170,8 @@ def test_a_parameter_that_is_no_number_is_zero_in_waypoints_and_null_in_plan() -
         ("", 'does not begin with "QGC WPL 110"'),
         ("QGC WPL 100\n", 'does not begin with "QGC WPL 110"'),
         ("QGC WPL 110\n0 1 0 16\n", "line 2 has 4 columns instead of 12"),
-        ("QGC WPL 110\n# c\n0 1 0 x 0 0 0 0 1 1 1 1\n", "line 3 holds invalid literal"),
-        ("QGC WPL 110\n0 1 0 16 a 0 0 0 1 1 1 1\n", "line 2 holds could not convert"),
+        ("QGC WPL 110\n# c\n0 1 0 x 0 0 0 0 1 1 1 1\n", r"line 3 is invalid \(invalid literal"),
+        ("QGC WPL 110\n0 1 0 16 a 0 0 0 1 1 1 1\n", r"line 2 is invalid \(could not convert"),
         ("QGC WPL 110\n0 1 0 16 inf 0 0 0 1 1 1 1\n", "line 2 has param1 inf, not between"),
         ("QGC WPL 110\n1 0 3 70000 0 0 0 0 1 1 1 1\n", "line 2 has command 70000, not between 0 and 65535"),
         ("QGC WPL 110\n1 0 3 -1 0 0 0 0 1 1 1 1\n", "line 2 has command -1, not between 0 and 65535"),
@@ -179,8 +179,8 @@ def test_a_parameter_that_is_no_number_is_zero_in_waypoints_and_null_in_plan() -
         ("QGC WPL 110\n1 0 3 16 0 0 1e39 0 1 1 1 1\n", r"line 2 has param3 1e\+39, not between"),
         ("QGC WPL 110\n1 0 3 16 0 0 0 0 1 1 1e39 1\n", r"line 2 has altitude 1e\+39, not between"),
         ("QGC WPL 110\n1 0 3 178 0 0 0 0 1e9 1 1 1\n", r"line 2 has latitude 1e\+09, not between"),
-        ("QGC WPL 110\n0 1 0 16 0 0 0 0 91 1 1 1\n", "line 2 is not a place on earth"),
-        ("QGC WPL 110\n1 0 3 82 0 0 0 0 1 nan 1 1\n", "line 2 is not a place on earth"),
+        ("QGC WPL 110\n0 1 0 16 0 0 0 0 91 1 1 1\n", "line 2 has invalid coordinates"),
+        ("QGC WPL 110\n1 0 3 82 0 0 0 0 1 nan 1 1\n", "line 2 has invalid coordinates"),
     ],
 )
 def test_broken_waypoints_are_told_with_their_line(content: str, said: str) -> None:
@@ -206,14 +206,14 @@ SIMPLE = {"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, N
         (_plan({"type": "ComplexItem", "complexItemType": "survey"}), "item 1 is a survey pattern"),
         (_plan(SIMPLE, {**SIMPLE, "params": [0, 1]}), "item 2 is not a SimpleItem of seven numbers"),
         ("[" * 100_000, "is not a QGroundControl plan"),
-        (_plan(home=[1e300, 2, 3]), "plannedHomePosition is not a place on earth"),
+        (_plan(home=[1e300, 2, 3]), "plannedHomePosition has invalid coordinates"),
         (_plan(home=[10**400, 2, 3]), "is not a QGroundControl plan"),
         (_plan({**SIMPLE, "command": 70000}), "item 1 has command 70000"),
         (_plan({**SIMPLE, "command": math.inf}), "item 1 is not a SimpleItem"),
         (_plan({**SIMPLE, "frame": 300}), "item 1 has frame 300"),
         (_plan({**SIMPLE, "params": [0, 0, 0, 1e39, 1, 2, 3]}), r"item 1 has param4 1e\+39"),
         (_plan("text"), "item 1 is not a SimpleItem"),
-        (_plan({**SIMPLE, "params": [0, 0, 0, 0, None, 2, 3]}), "item 1 is not a place on earth"),
+        (_plan({**SIMPLE, "params": [0, 0, 0, 0, None, 2, 3]}), "item 1 has invalid coordinates"),
     ],
 )
 def test_broken_plans_are_told_with_their_item(content: str, said: str) -> None:

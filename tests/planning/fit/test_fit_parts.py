@@ -8,7 +8,6 @@ import pytest
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Armed, Track
 from flight_replay.planning.altitude import MIN_ALTITUDE_M, plausible_altitudes_m
-from flight_replay.planning.fit import recorded_limits
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
@@ -20,6 +19,7 @@ from flight_replay.planning.fit.result import lag_notes
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.fit.speed_schedule import best_lateness_s
 from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.required_limits import required_limits
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import FRAME, along, circle, hover, track_through, wander
 
@@ -119,7 +119,7 @@ def test_the_flown_part_leaves_out_the_ground_and_closes_the_gap() -> None:
     part, notes = flown_part(joined(*apart))
     assert len(part) == len(first) + len(second)
     assert part.time_s[-1] == pytest.approx(20.25)
-    assert notes == (f"240 of {240 + len(part)} fixes are left out: they were not flown.",)
+    assert notes == (f"240 of {240 + len(part)} fixes are left out: they are not part of a flight.",)
 
 
 def test_a_far_join_is_said() -> None:
@@ -128,7 +128,7 @@ def test_a_far_join_is_said() -> None:
     second = along([(130, 0), (160, 0)], 3.0)
     between = replace(first.select(slice(0, 1)), time_s=np.array([20.0]), armed=np.array([Armed.NO], np.int8))
     _, notes = flown_part(joined(first, between, replace(second, time_s=second.time_s + 60)))
-    assert any("Flight 2 began 100 m" in note for note in notes)
+    assert any("Flight 2 begins 100 m" in note for note in notes)
 
 
 def test_a_log_without_flights_is_taken_whole() -> None:
@@ -223,12 +223,12 @@ def sped_up(track: Track, factor: float) -> Track:
 
 def test_limits_are_raised_to_the_recording_and_never_lowered() -> None:
     """A circle flown at 4.5 m/s² needs twice that and more; a slow one needs nothing."""
-    fast = recorded_limits(sped_up(circle(20.0, 3.0, laps=2), 3.16), Limits())
+    fast = required_limits(sped_up(circle(20.0, 3.0, laps=2), 3.16), Limits())
     assert 9.0 < fast["wp_accel_m_s2"] < 13.0
     assert fast["wp_jerk_m_s3"] == fast["wp_accel_m_s2"]
     assert Limits().lean_angle_rad < fast["lean_angle_rad"] < np.pi / 4 + 1e-9
-    assert "wp_accel_m_s2" not in recorded_limits(circle(20.0, 3.0), Limits())
-    assert "wp_speed_m_s" in recorded_limits(along([(0, 0), (400, 0)], 15.0), Limits())
+    assert "wp_accel_m_s2" not in required_limits(circle(20.0, 3.0), Limits())
+    assert "wp_speed_m_s" in required_limits(along([(0, 0), (400, 0)], 15.0), Limits())
 
 
 def test_limits_use_recorded_velocities_where_there_are_some() -> None:
@@ -236,8 +236,8 @@ def test_limits_use_recorded_velocities_where_there_are_some() -> None:
     track = along([(0, 0), (60, 0)], 3.0)
     rate: Floats = np.full(len(track), 4.0)
     climbing = replace(track, up_m_s=rate, north_m_s=rate, east_m_s=0 * rate)
-    assert recorded_limits(climbing, Limits())["wp_speed_up_m_s"] == pytest.approx(4.8)
-    assert recorded_limits(track.select(slice(0, 1)), Limits()) == {}
+    assert required_limits(climbing, Limits())["wp_speed_up_m_s"] == pytest.approx(4.8)
+    assert required_limits(track.select(slice(0, 1)), Limits()) == {}
 
 
 def test_the_nearest_place_of_a_recording() -> None:

@@ -20,7 +20,7 @@ STILL: Vector = (0.0, 0.0, 0.0)
 def last_leg(home: tuple[float, float], rows: list[tuple[float, float, float]], *, straight: bool) -> Ends:
     """The curve from the last but one waypoint to the last, after a straight leg or another curve."""
     frame = FlatFrame(*home)
-    north_east = frame.on_board([r[0] for r in rows], [r[1] for r in rows]).tolist()
+    north_east = frame.to_metres_on_board([r[0] for r in rows], [r[1] for r in rows]).tolist()
     before, origin, destination = (
         (n, e, row[2]) for (n, e), row in zip(north_east[-3:], rows[-3:], strict=True)
     )

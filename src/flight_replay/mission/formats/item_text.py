@@ -1,4 +1,4 @@
-"""Mission items in words and in heights above the sea, for formats that know no MAVLink."""
+"""Mission items in words, and their altitudes above mean sea level, for formats that know no MAVLink."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.mission.items import Command, Frame, Home, Mission, MissionItem
+from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Home, Mission, MissionItem
 from flight_replay.mission.path import destinations, path_through
 
 CURVE_TOLERANCE_M = 0.1
-"""How far the lines that stand for a spline leg may lie from it: nobody sees that on a map."""
+"""How far the lines that stand for a spline leg may lie from it: that is not seen on a map."""
 _NAMES: dict[int, str] = {command: command.name.lower().replace("_", " ") for command in Command}
-_HEIGHTS: dict[int, str] = {
+_ALTITUDE_FRAMES: dict[int, str] = {
     Frame.ABSOLUTE: "above mean sea level",
     Frame.RELATIVE: "above home",
     Frame.TERRAIN: "above terrain",
@@ -28,14 +28,14 @@ def command_name(item: MissionItem) -> str:
 
 
 def description(item: MissionItem) -> str:
-    """One line on a place: how it is flown to, how high, how long it is held."""
-    height = _HEIGHTS.get(item.frame, f"in frame {item.frame}")
+    """A waypoint in one line: how it is flown to, how high, how long it is held."""
+    frame = _ALTITUDE_FRAMES.get(item.frame, f"in frame {item.frame}")
     hold = f", hold {item.hold_s:g} s" if item.hold_s > 0 else ""
-    return f"{command_name(item)}, {round(item.alt_m, 1):g} m {height}{hold}"
+    return f"{command_name(item)}, {round(item.alt_m, 1):g} m {frame}{hold}"
 
 
 def amsl_m(item: MissionItem, home: Home | None) -> float:
-    """The item's height above mean sea level; not a number where only a terrain model or home would tell."""
+    """The item's altitude above mean sea level; not a number where home or the terrain is not known."""
     if item.frame == Frame.ABSOLUTE:
         return item.alt_m
     if item.frame == Frame.RELATIVE and home is not None:
@@ -47,7 +47,7 @@ def speeds_m_s(mission: Mission) -> dict[int, float]:
     """Speed asked for on the leg to each waypoint, by sequence number; none where none was asked."""
     speeds: dict[int, float] = {}
     asked = math.nan
-    for seq, item in enumerate(mission.items, 1):
+    for seq, item in enumerate(mission.items, FIRST_SEQ):
         if item.command == Command.CHANGE_SPEED and item.params[1] > 0:
             asked = item.params[1]
         elif item.is_waypoint and math.isfinite(asked):
@@ -56,25 +56,25 @@ def speeds_m_s(mission: Mission) -> dict[int, float]:
 
 
 def route_line(mission: Mission) -> tuple[Floats, bool]:
-    """The planned path as rows (latitude, longitude, height), and whether the heights are above the sea.
+    """The planned path as rows (latitude, longitude, altitude), and whether altitudes are above sea.
 
-    Spline legs are drawn as the curves that ArduCopter flies; heights whose reference is not known
-    for every waypoint are the items' own.
+    Spline legs are drawn as the curves that ArduCopter flies. Where the altitude above mean sea level
+    is not known for every waypoint, altitudes are the items' own.
     """
-    places = [item for _, item in mission.waypoints]
-    if not places:
+    waypoints = [item for _, item in mission.waypoints]
+    if not waypoints:
         return np.zeros((0, 3)), False
-    above_sea = all(math.isfinite(amsl_m(item, mission.home)) for item in places)
-    items = [_raised(item, mission.home) if above_sea else item for item in mission.items]
-    frame = LocalFrame(places[0].lat_deg, places[0].lon_deg)
+    above_sea = all(math.isfinite(amsl_m(item, mission.home)) for item in waypoints)
+    items = [_with_amsl(item, mission.home) if above_sea else item for item in mission.items]
+    frame = LocalFrame(waypoints[0].lat_deg, waypoints[0].lon_deg)
     line = path_through(destinations(items, frame), tolerance_m=CURVE_TOLERANCE_M)
     rows = np.column_stack([*frame.to_degrees(line.north_east_m), line.up_m])
     moved = np.append(True, np.any(np.diff(rows, axis=0) != 0, axis=1))
     return rows[moved], above_sea
 
 
-def _raised(item: MissionItem, home: Home | None) -> MissionItem:
-    """A place with its height above the sea; height 0 stays, for it means "as before"."""
+def _with_amsl(item: MissionItem, home: Home | None) -> MissionItem:
+    """A waypoint with its altitude above mean sea level; altitude 0 stays, for it means "as before"."""
     if not item.is_waypoint or item.alt_m == 0:
         return item
     return replace(item, alt_m=amsl_m(item, home))

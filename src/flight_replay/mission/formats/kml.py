@@ -1,7 +1,7 @@
 """KML 2.2 (OGC 07-147r2): the mission as pins and a line, the track as a line.
 
-Heights are above mean sea level where home's is known, else above ground, which home's surroundings
-then are taken for. What KML has no word for (command, parameters, speed) stands in ExtendedData.
+Altitudes are above mean sea level where home's is known, else above ground, as if the ground were
+level. What KML has no word for (command, parameters, speed) stands in ExtendedData.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """QGroundControl's .plan file (QGroundControl developer guide, "Plan File Format").
 
 JSON, version 1 with mission version 2. Home is not an item; a parameter that is not a number is
-null. QGroundControl wants a home in every plan: where none is known, the first waypoint stands in.
+null. QGroundControl asks for a home in every plan: where none is known, it is at the first waypoint.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _ALTITUDE_MODES: dict[int, int] = {Frame.RELATIVE: 1, Frame.ABSOLUTE: 2, Frame.T
 
 def text(mission: Mission, track: Track | None = None) -> str:
     """The mission for QGroundControl; this format holds no track."""
-    home = mission.home or _stand_in(mission)
+    home = mission.home or _home_at_first_waypoint(mission)
     plan = {
         "fileType": "Plan",
         "version": 1,
@@ -47,9 +47,10 @@ def text(mission: Mission, track: Track | None = None) -> str:
     return json.dumps(plan, indent=2, allow_nan=False) + "\n"
 
 
-def _stand_in(mission: Mission) -> Home:
-    places = mission.waypoints
-    return Home(places[0][1].lat_deg, places[0][1].lon_deg, 0.0) if places else Home(0.0, 0.0, 0.0)
+def _home_at_first_waypoint(mission: Mission) -> Home:
+    for _, item in mission.waypoints:
+        return Home(item.lat_deg, item.lon_deg, 0.0)
+    return Home(0.0, 0.0, 0.0)
 
 
 def _first_speed_m_s(mission: Mission) -> float:
@@ -74,17 +75,19 @@ def _simple_item(seq: int, item: MissionItem) -> dict[str, Any]:
 
 
 def parse(content: str, name: str) -> Mission:
-    """The mission in a file's text; ``name`` stands in errors.
+    """The mission in a file's text; errors name the file ``name``.
 
     Raises:
-        MissionError: It is no plan, or holds a pattern (a survey, say) instead of single items.
+        MissionError: It is no plan, or has a pattern (a survey, say) instead of single items.
     """
     try:
         mission = json.loads(content)["mission"]
         home = _home(mission["plannedHomePosition"])
         rows = list(mission["items"])
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
-        raise MissionError(f"{name} is not a QGroundControl plan ({error!r}); save it again there") from error
+        raise MissionError(
+            f"{name} is not a QGroundControl plan ({error!r}); save it again in QGroundControl"
+        ) from error
     items = tuple(_item(row, f"{name} item {number}") for number, row in enumerate(rows, 1))
     return Mission(items, checked_home(home, f"{name} plannedHomePosition"))
 
@@ -98,13 +101,13 @@ def _item(row: Any, where: str) -> MissionItem:
     try:
         if row["type"] != "SimpleItem":
             kind = row.get("complexItemType", row["type"])
-            raise MissionError(f"{where} is a {kind} pattern; turn it into single waypoints first")
+            raise MissionError(f"{where} is a {kind} pattern; convert it to single waypoints first")
         p1, p2, p3, p4, lat_deg, lon_deg, alt_m = (
             math.nan if number is None else float(number) for number in row["params"]
         )
         item = MissionItem(int(row["command"]), int(row["frame"]), (p1, p2, p3, p4), lat_deg, lon_deg, alt_m)
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise MissionError(
-            f"{where} is not a SimpleItem of seven numbers ({error!r}); save it again"
+            f"{where} is not a SimpleItem of seven numbers ({error!r}); save it again in QGroundControl"
         ) from error
     return checked_item(item, where)

@@ -1,4 +1,4 @@
-"""What every format asks of a mission item's numbers: that they can be flown, and sent."""
+"""Checks of a mission item's numbers for every format: that they can be sent and flown."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ MAX_ITEMS = 0xFFFE
 _MAX_COMMAND = 0xFFFF
 _MAX_FRAME = 0xFF
 _MAX_FLOAT32 = 3.4028234e38
-_MAX_ANGLE_DEG = 214.0  # As degrees times 1e7 in 32 bits, which commands without a place use as they like.
+_MAX_ANGLE_DEG = 214.0  # In 32 bits, degrees times 1e7; other commands may use these fields as they like.
 
 
 def finite(number: float) -> float:
-    """The number, or 0 where it is none."""
+    """The number, or 0 where it is infinite or not a number."""
     return number if math.isfinite(number) else 0.0
 
 
 def checked_item(item: MissionItem, where: str, *, home: bool = False) -> MissionItem:
-    """The item, if MAVLink can express it and a waypoint's or home's place is on earth.
+    """The item, if MAVLink can express it and a waypoint or home has valid coordinates.
 
-    Unknown coordinates of commands without a place become 0, which ArduCopter takes them for.
+    Unknown coordinates of other commands become 0, which ArduCopter takes them for.
 
     Raises:
         MissionError: A number is out of range.
@@ -35,7 +35,7 @@ def checked_item(item: MissionItem, where: str, *, home: bool = False) -> Missio
         _check_range(where, f"param{number}", param, -_MAX_FLOAT32, _MAX_FLOAT32)
     _check_range(where, "altitude", item.alt_m, -_MAX_FLOAT32, _MAX_FLOAT32)
     if home or item.is_waypoint:
-        _check_place(where, item.lat_deg, item.lon_deg, item.alt_m)
+        _check_coordinates(where, item.lat_deg, item.lon_deg, item.alt_m)
         return item
     for name, angle_deg in (("latitude", item.lat_deg), ("longitude", item.lon_deg)):
         _check_range(where, name, angle_deg, -_MAX_ANGLE_DEG, _MAX_ANGLE_DEG)
@@ -45,13 +45,13 @@ def checked_item(item: MissionItem, where: str, *, home: bool = False) -> Missio
 
 
 def checked_home(home: Home, where: str) -> Home:
-    """The home, if it is on earth.
+    """The home, if its coordinates are valid.
 
     Raises:
-        MissionError: It is not.
+        MissionError: They are not.
     """
     _check_range(where, "altitude", home.alt_amsl_m, -_MAX_FLOAT32, _MAX_FLOAT32)
-    _check_place(where, home.lat_deg, home.lon_deg, home.alt_amsl_m)
+    _check_coordinates(where, home.lat_deg, home.lon_deg, home.alt_amsl_m)
     return home
 
 
@@ -77,7 +77,7 @@ def _check_range(where: str, name: str, value: float, lowest: float, highest: fl
         )
 
 
-def _check_place(where: str, lat_deg: float, lon_deg: float, alt_m: float) -> None:
+def _check_coordinates(where: str, lat_deg: float, lon_deg: float, alt_m: float) -> None:
     if not (abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and math.isfinite(alt_m)):
-        place = f"{lat_deg}, {lon_deg}, {alt_m} m"
-        raise MissionError(f"{where} is not a place on earth ({place}); correct that item")
+        coordinates = f"{lat_deg}, {lon_deg}, {alt_m} m"
+        raise MissionError(f"{where} has invalid coordinates ({coordinates}); correct that item")

@@ -2,8 +2,8 @@
 
 A header, then one line an item of 12 columns: number, current, frame, command, four parameters,
 latitude, longitude, altitude, autocontinue. For ArduPilot line 0 is home, its altitude above mean
-sea level; zeros there say that home is not known. A parameter that is not a number is written as 0,
-which ArduCopter takes it for.
+sea level; zeros there say that home is not known. ArduCopter takes a parameter that is not a number
+for 0, so that is what is written.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def _line(seq: int, item: MissionItem) -> str:
 
 
 def parse(content: str, name: str) -> Mission:
-    """The mission in a file's text; ``name`` stands in errors.
+    """The mission in a file's text; errors name the file ``name``.
 
     Blank lines and lines that begin with # are skipped, as MAVProxy does. The item numbered 0 is
     home whatever its command (Mission Planner writes 0 there).
@@ -66,12 +66,12 @@ def _row(line: str, where: str) -> tuple[int, MissionItem]:
     columns = line.split()
     if len(columns) != _COLUMNS:
         raise MissionError(
-            f"{where} has {len(columns)} columns instead of {_COLUMNS}; mend or leave out that line"
+            f"{where} has {len(columns)} columns instead of {_COLUMNS}; correct or delete that line"
         )
     try:
         seq, frame, command = int(columns[0]), int(columns[2]), int(columns[3])
         p1, p2, p3, p4, lat_deg, lon_deg, alt_m = (float(column) for column in columns[4:11])
     except ValueError as error:
-        raise MissionError(f"{where} holds {error}; mend or leave out that line") from error
+        raise MissionError(f"{where} is invalid ({error}); correct or delete that line") from error
     item = MissionItem(command, frame, (p1, p2, p3, p4), lat_deg, lon_deg, alt_m)
     return seq, checked_item(item, where, home=seq == HOME_SEQ)

@@ -7,6 +7,5 @@ its trade between space and time are in ``objective``.
 
 from flight_replay.planning.fit.fit import fit
 from flight_replay.planning.fit.result import FitResult
-from flight_replay.planning.required_limits import recorded_limits
 
-__all__ = ["FitResult", "fit", "recorded_limits"]
+__all__ = ["FitResult", "fit"]

@@ -41,7 +41,7 @@ _WORK_S = 7000.0
 _FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 24
 _SMOOTHING = 0.02
 
-Progress = Callable[[int, int], None]
+ProgressCallback = Callable[[int, int], None]
 
 
 def fit(  # noqa: PLR0913
@@ -51,7 +51,7 @@ def fit(  # noqa: PLR0913
     altitude_m: float | Recorded = 30.0,
     speed_m_s: float | Recorded | None = None,
     limits: Limits | None = None,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> FitResult:
     """The mission whose flown path follows the flown part of ``track`` best.
 
@@ -67,7 +67,7 @@ def fit(  # noqa: PLR0913
         LogError: the track holds no fix.
     """
     if not len(track):
-        raise LogError("The log holds no position that could be followed; choose another log or vehicle.")
+        raise LogError("the log has no position to follow; choose another log or vehicle")
     flown, notes = flown_part(track)
     timed = speed_m_s == RECORDED
     recording = local_track(flown, None if altitude_m == RECORDED else float(altitude_m))
@@ -103,7 +103,7 @@ def _drafts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     ]
 
 
-def _best(problem: FitProblem, drafts: list[Draft], progress: Progress) -> Evaluation:
+def _best(problem: FitProblem, drafts: list[Draft], progress: ProgressCallback) -> Evaluation:
     """The best evaluation that comes of the first draft, or of one of its rivals."""
     flights = int(np.clip(_WORK_S / max(problem.recording.time_s[-1], 1.0), _FEWEST_FLIGHTS, _MOST_FLIGHTS))
     total, done = flights + RIVAL_FLIGHTS * (len(drafts) - 1), 0

@@ -24,7 +24,7 @@ _MIN_SMOOTHING = 0.003
 _LEG_S = 1.4
 _SHAPING_SHARE = 0.6
 _FINER = 0.4
-"""Where time counts, the last flights of the search leave the places alone and mend the speeds."""
+"""Where time counts, the last flights of the search leave the places alone and correct the speeds."""
 # Fixes weigh as the fourth power in the objective has it, and the planned path as much as the flown
 # one; both less where that would cost time.
 _WEIGHT_POWER, _TIMED_WEIGHT_POWER = 2.0, 1.0
@@ -67,7 +67,7 @@ def search(
     for flight in range(1, flights):
         tick()
         if schedule is not None and flight == round(_SHAPING_SHARE * flights):
-            # Speeds are mended in finer steps: coarse ones are early by a second in ten minutes.
+            # Speeds are corrected in finer steps: coarse ones are early by a second in ten minutes.
             problem = replace(problem, step_s=max(STEP_S, _FINER * problem.step_s))
             last = best = problem.evaluate(best.draft)
         draft = last.draft

@@ -81,7 +81,7 @@ def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) ->
         home_amsl_m: home's height above sea level, for items in the absolute frame. Heights above
             terrain count from home: the ground is level here.
     """
-    north_east = frame.on_board(
+    north_east = frame.to_metres_on_board(
         [item.lat_deg for item in mission.items], [item.lon_deg for item in mission.items]
     )
     items = []
