@@ -91,3 +91,15 @@ def test_a_completion_script_is_printed(shell: str, capsys: pytest.CaptureFixtur
         parse_options(["--print-completion", shell])
     assert stop.value.code == 0
     assert "takeoff-altitude" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "argv", [["\x1b[31m"], ["--speed", "\x1b[31m"], ["--route", "\x1b[31m"], ["--\x1b[31m"]], ids=str
+)
+def test_wrong_usage_cannot_control_the_terminal(argv: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """What was typed, perhaps by pasting, is repeated with escapes."""
+    with pytest.raises(SystemExit):
+        parse_options(argv)
+    written = capsys.readouterr().err
+    assert "\x1b" not in written
+    assert r"\x1b[31m" in written

@@ -25,7 +25,7 @@ from flight_replay.errors import FlightReplayError
 from flight_replay.events import combine_listeners
 from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
-from flight_replay.output.console.terminal import write_error
+from flight_replay.output.console.terminal import PrintableFormatter, write_error, write_line
 from flight_replay.output.event_log import EventLog
 from flight_replay.writing.background import Background
 
@@ -67,7 +67,8 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
         if options.verbose:
             import traceback
 
-            traceback.print_exc()
+            for line in traceback.format_exc().rstrip().split("\n"):
+                write_line(sys.stderr, line)
         problem = _error_message(error)
     _flush_stdout()
     if problem is not None:
@@ -111,7 +112,9 @@ def _fly(options: Options, route: Route, console: Console, listener: Listener) -
 
     from flight_replay.cli import flight_step
 
-    logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL)
+    handler = logging.StreamHandler()
+    handler.setFormatter(PrintableFormatter(logging.BASIC_FORMAT))
+    logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL, handlers=[handler])
 
     return flight_step.fly_route(options, route, console, listener)
 

@@ -10,6 +10,7 @@ from typing import Literal
 
 from flight_replay.cli.option_groups import add_groups
 from flight_replay.planning.altitude import Recorded
+from flight_replay.writing.terminal_text import Parser
 
 _EXAMPLES = """\
 examples:
@@ -82,7 +83,7 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of ``flight-replay``."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="flight-replay",
         description="Fly a recorded drone flight again: turn a MAVLink telemetry log (.tlog) into a\n"
         "mission, fly it on a simulator or a real vehicle, and compare the flight with\n"

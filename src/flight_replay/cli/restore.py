@@ -16,6 +16,7 @@ from typing import Protocol
 from flight_replay.errors import FlightReplayError
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
+from flight_replay.output.console.terminal import write_error, write_line
 
 USAGE = "usage: python -m flight_replay.cli.restore FILE CONNECTION [BAUD]"
 
@@ -66,9 +67,9 @@ def main(arguments: Sequence[str]) -> int:
         with vehicle.connect(arguments[1], baud=baud) as connected:
             connected.upload(mission)
     except FlightReplayError as error:
-        sys.stderr.write(f"flight-replay: error: {error}\n")
+        write_error(sys.stderr, str(error))
         return 1
-    sys.stdout.write(f"Restored {len(mission.items)} mission items from {arguments[0]}\n")
+    write_line(sys.stdout, f"Restored {len(mission.items)} mission items from {arguments[0]}")
     return 0
 
 

@@ -246,3 +246,13 @@ def test_wrong_usage_is_status_2(arguments: list[str], capsys: pytest.CaptureFix
         cli.main(arguments)
     assert caught.value.code == 2
     assert f"'{arguments[1]}'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--home", "--listen", "--speedup", "--nonsense"])
+def test_wrong_usage_cannot_control_the_terminal(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What was typed is repeated with escapes."""
+    with pytest.raises(SystemExit):
+        cli.main([option, "\x1b[31m\u202e"])
+    written = capsys.readouterr().err
+    assert r"\x1b[31m\u202e" in written.replace("\\\\", "\\")
+    assert "\x1b" not in written

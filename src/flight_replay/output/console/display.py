@@ -108,7 +108,7 @@ def _bar(label: str, amount: str, done: int, total: int) -> RenderableType:
     row.add_column(ratio=1)
     row.add_column(no_wrap=True, justify="right")
     bar = ProgressBar(total=max(total, 1), completed=done, complete_style="cyan", finished_style="green")
-    row.add_row(label, bar, amount)
+    row.add_row(Text(label), bar, Text(amount))  # Of a plain text, rich would take [words] for markup.
     return row
 
 

@@ -22,7 +22,7 @@ from flight_replay.events import (
     Waiting,
 )
 from flight_replay.output.console.display import Display
-from flight_replay.output.console.terminal import printable
+from flight_replay.output.console.terminal import printable, printable_event
 from flight_replay.output.event_text import event_line, is_problem
 from flight_replay.output.replay_status import ReplayStatus
 
@@ -61,10 +61,11 @@ class LiveConsole:
 
     def listener(self, event: Event) -> None:
         """Show the event in the display; notices, problems and, if verbose, the rest are lines as well."""
+        event = printable_event(event, self._rich.file)
         self._status.update(event)
         line = event_line(event) if self._has_line(event) else None
         if line is not None:
-            self._write(Text(printable(line, self._rich.file), style="yellow" if is_problem(event) else ""))
+            self._write(Text(line, style="yellow" if is_problem(event) else ""))
         if isinstance(event, Finished):
             self._stop()  # The results are printed below the display.
 

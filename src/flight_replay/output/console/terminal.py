@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import IO, TextIO
+from dataclasses import fields, replace
+from typing import IO, Any, TextIO
+
+from flight_replay.events import Event
+from flight_replay.writing.terminal_text import escaped
 
 
 def is_capable_terminal(stream: TextIO, environment: Mapping[str, str] = os.environ) -> bool:
@@ -16,22 +21,40 @@ def is_capable_terminal(stream: TextIO, environment: Mapping[str, str] = os.envi
 def write_error(stream: TextIO, message: str, environment: Mapping[str, str] = os.environ) -> None:
     """Write ``flight-replay: error: ...`` as one line, in colour on a terminal unless NO_COLOR is set.
 
-    Characters that are not printable, such as a newline in a file name, are written as Python escapes.
+    The message may hold a newline, in a file name for example; it is escaped.
     """
     coloured = is_capable_terminal(stream, environment) and not environment.get("NO_COLOR")
     error = "\x1b[1;31merror:\x1b[0m" if coloured else "error:"
-    escaped = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
-    write_line(stream, f"flight-replay: {error} {escaped}")
+    _write(stream, f"flight-replay: {error} {printable(message, stream)}")
 
 
 def write_line(stream: TextIO, text: str) -> None:
     """Write a line; a stream that is closed must not end a flight."""
+    _write(stream, printable(text, stream))
+
+
+def _write(stream: TextIO, line: str) -> None:
     with suppress(OSError):
-        stream.write(printable(text, stream) + "\n")
+        stream.write(line + "\n")
         stream.flush()
 
 
 def printable(text: str, stream: IO[str]) -> str:
-    """The text with escapes for what the stream cannot encode; a file name may hold any bytes."""
+    """The text as one line, with escapes for what moves the cursor or what the stream cannot encode."""
     encoding = getattr(stream, "encoding", None) or "utf-8"
-    return text.encode(encoding, "backslashreplace").decode(encoding)
+    return escaped(text).encode(encoding, "backslashreplace").decode(encoding)
+
+
+def printable_event(event: Event, stream: IO[str]) -> Event:
+    """The event with its texts printable: they may come from an autopilot, a server or a file name."""
+    texts: dict[str, Any] = {field.name: getattr(event, field.name) for field in fields(event)}
+    texts = {name: printable(text, stream) for name, text in texts.items() if type(text) is str}
+    return replace(event, **texts)
+
+
+class PrintableFormatter(logging.Formatter):
+    """Formats log records as printable lines."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The lines of the record; a traceback has several."""
+        return "\n".join(escaped(line) for line in super().format(record).split("\n"))

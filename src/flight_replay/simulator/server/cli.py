@@ -13,6 +13,7 @@ from types import FrameType
 from flight_replay.errors import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server.addresses import parse_address
+from flight_replay.writing.terminal_text import Parser, escaped
 
 DEFAULT_LISTEN = "tcp:127.0.0.1:5760"
 # Where ArduPilot's own SITL starts: the Canberra Model Aircraft Club.
@@ -57,7 +58,7 @@ def speedup(text: str) -> float:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="flight-replay-sim",
         description="A simulated ArduCopter for any MAVLink ground station or script.",
     )
@@ -128,12 +129,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         endpoint = open_endpoint(Settings(options.home, listen, {"SIM_SPEEDUP": options.speedup}))
     except SimulatorError as error:
-        sys.stderr.write(f"flight-replay-sim: error: {error}\n")
+        sys.stderr.write(f"flight-replay-sim: error: {escaped(str(error))}\n")
         return 1
     try:
         for address in endpoint.addresses:
             verb = "sending to" if address.kind == "udpout" else "listening on"
-            sys.stdout.write(f"{verb} {address}\n")
+            sys.stdout.write(f"{verb} {escaped(str(address))}\n")
         sys.stdout.flush()
         endpoint.run(signals.was_received)
     finally:
