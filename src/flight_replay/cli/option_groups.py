@@ -155,8 +155,8 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--sim",
         choices=("auto", "sitl", "builtin"),
-        help="simulator to start: ArduPilot SITL or the built-in copter; auto: SITL if it is available "
-        "(default: auto)",
+        help="simulator to start: ArduPilot SITL, downloaded if there is none, or the built-in copter; "
+        "auto: SITL if there is one on this machine (default: auto)",
     )
     group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary to start")
     group.add_argument(

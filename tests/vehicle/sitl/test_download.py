@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import gzip
+import hashlib
 import http.server
 import io
 import platform
 import random
 import socket
+import subprocess
 import sys
 import tarfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from flight_replay.errors import SimulatorError
-from flight_replay.events import Event, Progress
-from flight_replay.vehicle.sitl import download as module
+from flight_replay.events import Event, Notice, Progress
+from flight_replay.vehicle.sitl import fetch
 from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
 
 Answer = Callable[[http.server.BaseHTTPRequestHandler], object]
@@ -115,7 +119,7 @@ def test_a_download_is_complete_in_the_cache(web: StandIn, tmp_path: Path) -> No
     assert binary.stat().st_mode & 0o111
     assert (binary.parent / "sub" / "default_eeprom.bin").read_bytes() == b"stored"
     assert web.asked == ["/sitl/copter/sitl-linux-copter-3.3.tar.gz"]
-    assert told[-1] == Progress("ArduPilot SITL", len(GOOD), len(GOOD), "bytes")
+    assert Progress("ArduPilot SITL", len(GOOD), len(GOOD), "bytes") in told
     assert [path.name for path in place.cache.iterdir()] == ["copter-3.3"]
 
 
@@ -177,10 +181,165 @@ def test_a_download_without_end_has_a_size_limit(
     web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """More bytes than any simulator has are not stored."""
-    monkeypatch.setattr(module, "_LARGEST_BYTES", 1000)
+    monkeypatch.setattr(fetch, "_LARGEST_BYTES", 1000)
     web.answer = gives(b"x" * 5000)
     with pytest.raises(SimulatorError, match="too large"):
         download(source(web, tmp_path))
+
+
+def test_a_size_that_is_announced_is_refused_before_it_is_read(web: StandIn, tmp_path: Path) -> None:
+    """More than any simulator has."""
+    web.answer = gives(b"", promised=1 << 40)
+    with pytest.raises(SimulatorError, match="too large"):
+        download(source(web, tmp_path))
+
+
+def gzipped(*pieces: tuple[bytes, int]) -> bytes:
+    """A gzip file of pieces, each so many times; written without holding it in memory."""
+    data = io.BytesIO()
+    with gzip.GzipFile(fileobj=data, mode="wb", compresslevel=9) as packed:
+        for piece, times in pieces:
+            for _ in range(times):
+                packed.write(piece)
+    return data.getvalue()
+
+
+def header(name: str, size: int, kind: bytes = tarfile.REGTYPE) -> bytes:
+    """A header of a tar file that announces ``size`` bytes."""
+    info = tarfile.TarInfo(name)
+    info.size, info.type = size, kind
+    return info.tobuf(tarfile.GNU_FORMAT)
+
+
+def sparse(size: int) -> bytes:
+    """An archive of some bytes whose one member is a hole."""
+    info = tarfile.TarInfo("apm")
+    info.type = tarfile.GNUTYPE_SPARSE
+    block = bytearray(info.tobuf(tarfile.GNU_FORMAT))
+    block[386:398] = block[398:410] = b"%011o " % 0
+    block[483:495] = b"%011o " % size
+    block[148:156] = b" " * 8
+    block[148:156] = b"%06o\0 " % sum(block)
+    return gzip.compress(bytes(block) + b"\0" * 1024)
+
+
+_MB = b"\0" * (1 << 20)
+BOMBS = {
+    "a file": gzipped((header("apm", 3 << 30), 1), (_MB, 3 << 10)),
+    "a hole": sparse(1 << 33),
+    "a long name": gzipped((header("././@LongLink", 200 << 20, tarfile.GNUTYPE_LONGNAME), 1), (_MB, 200)),
+    "a pax header": gzipped((header("x", 200 << 20, tarfile.XHDTYPE), 1), (_MB, 200)),
+    "many files": gzipped((header("x", 0), 1500)),
+}
+MEASURED = """
+import resource, sys
+from pathlib import Path
+from flight_replay.errors import SimulatorError
+from flight_replay.vehicle.sitl.download import DownloadSource, download
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+try:
+    download(DownloadSource(sys.argv[1], Path(sys.argv[2]), "linux"))
+except SimulatorError as error:
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before, error)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no resource module")
+@pytest.mark.parametrize("bomb", BOMBS.values(), ids=BOMBS.keys())
+def test_a_small_archive_that_expands_is_refused(web: StandIn, tmp_path: Path, bomb: bytes) -> None:
+    """It takes neither the disk nor the memory."""
+    assert len(bomb) < 4 << 20
+    web.answer = gives(bomb)
+    command = [sys.executable, "-c", MEASURED, web.url, str(tmp_path / "cache")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    kilobytes, error = done.stdout.split(" ", 1)
+    assert "too large" in error
+    assert int(kilobytes) < 50_000
+    assert list((tmp_path / "cache").iterdir()) == []
+
+
+@pytest.mark.parametrize("pinned", [hashlib.sha256(GOOD).hexdigest().upper(), None], ids=["known", "unknown"])
+def test_a_known_sha256_is_checked_and_an_unknown_one_told(
+    web: StandIn, tmp_path: Path, pinned: str | None
+) -> None:
+    """Whoever downloads it can compare it with that of others."""
+    web.answer = gives(GOOD)
+    place = source(web, tmp_path)
+    told: list[Event] = []
+    download(replace(place, sha256=pinned), told.append)
+    notices = [event.text for event in told if isinstance(event, Notice)]
+    assert notices[0].endswith(f"from {place.url}")
+    assert any(hashlib.sha256(GOOD).hexdigest() in text for text in notices) is (pinned is None)
+
+
+def test_an_archive_with_another_sha256_is_refused(web: StandIn, tmp_path: Path) -> None:
+    """Nothing of it is unpacked."""
+    web.answer = gives(GOOD)
+    place = replace(source(web, tmp_path), sha256="0" * 64)
+    with pytest.raises(SimulatorError, match="it is another file"):
+        download(place)
+    assert list(place.cache.iterdir()) == []
+
+
+@pytest.mark.parametrize("target", ["http://127.0.0.1:{port}/x", "ftp://127.0.0.1/x", "file:///etc/passwd"])
+def test_a_redirect_to_anything_but_https_is_refused(web: StandIn, tmp_path: Path, target: str) -> None:
+    """Who can change an answer on its way could name any file."""
+    web.answer = redirects(target.format(port=web.server.server_port))
+    with pytest.raises(SimulatorError, match=r"which is not https|not allowed"):
+        download(source(web, tmp_path))
+    assert len(web.asked) == 1
+
+
+def test_a_redirect_to_https_is_followed(web: StandIn, tmp_path: Path) -> None:
+    """The stand-in does not speak TLS, which is the error then."""
+    web.answer = redirects(f"https://127.0.0.1:{web.server.server_port}/x")
+    with pytest.raises(SimulatorError, match="SSL"):
+        download(source(web, tmp_path))
+
+
+def redirects(target: str) -> Answer:
+    """An answer that sends the program elsewhere."""
+
+    def answer(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.send_response(302)
+        handler.send_header("Location", target)
+        handler.send_header("Content-Length", "0")
+        handler.end_headers()
+
+    return answer
+
+
+@pytest.mark.parametrize("line", [b"HTTP/1.0 200 OK", b"HTTP/1.0 200 OK\r\nX: "], ids=["status", "header"])
+def test_headers_that_drip_have_a_time_limit(web: StandIn, tmp_path: Path, line: bytes) -> None:
+    """Each byte resets a socket's timeout, but not the limit of the download."""
+    over = threading.Event()
+
+    def drips(handler: http.server.BaseHTTPRequestHandler) -> None:
+        handler.wfile.write(line)
+        while not over.wait(0.05):
+            try:
+                handler.wfile.write(b"x")
+            except OSError:
+                return
+
+    web.answer = drips
+    began_s = time.monotonic()
+    with pytest.raises(SimulatorError, match="the download takes too long"):
+        download(source(web, tmp_path), limit_s=0.5)
+    assert time.monotonic() - began_s < 5
+    over.set()
+
+
+def test_python_without_a_filter_unpacks_as_safely(
+    web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Early versions of 3.10 have none."""
+    monkeypatch.delattr(tarfile, "data_filter", raising=False)
+    web.answer = gives(archive(member("../../evil")))
+    with pytest.raises(SimulatorError, match="outside its folder"):
+        download(source(web, tmp_path))
+    web.answer = gives(GOOD)
+    assert download(source(web, tmp_path)).is_file()
 
 
 def test_a_cache_that_cannot_be_written_is_an_error(web: StandIn, tmp_path: Path) -> None:

@@ -302,14 +302,30 @@ def test_without_ardupilot_the_built_in_copter_flies() -> None:
         assert connection.startswith("tcp:127.0.0.1:")
     (notice,) = said
     assert isinstance(notice, Notice)
-    assert notice.text.startswith(
-        "Flying the built-in copter: cannot download ArduPilot SITL from http://127"
-    )
+    assert notice.text.startswith("Flying the built-in copter: no ArduPilot SITL on this machine")
     said.clear()
     with simulator("builtin", None, START, listener=said.append):
         assert said == []
     with pytest.raises(SimulatorError, match="cannot download"), simulator("sitl", None, START):
         raise AssertionError
+
+
+@pytest.mark.usefixtures("no_sitl")
+def test_only_sitl_asks_the_network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """``auto`` and ``builtin`` download nothing; ``sitl`` says what and from where before it does."""
+    asked: list[object] = []
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        server.settimeout(0.2)
+        url = f"http://127.0.0.1:{server.getsockname()[1]}/sitl"
+        place = DownloadSource(url, tmp_path / "cache", "linux")
+        monkeypatch.setattr(choose, "dronekit_sitl_source", lambda: place)
+        for kind in ("auto", "builtin"):
+            with simulator(kind, None, START), pytest.raises(TimeoutError):
+                server.accept()
+        server.close()
+        with pytest.raises(SimulatorError), simulator("sitl", None, START, listener=asked.append):
+            raise AssertionError
+    assert asked == [Notice(f"Downloading ArduPilot SITL (ArduCopter 3.3) from {place.url}")]
 
 
 @pytest.mark.usefixtures("no_sitl")

@@ -13,6 +13,8 @@ from flight_replay.vehicle.sitl import process
 from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
 from flight_replay.vehicle.sitl.locate import SitlBinary, find_binary
 
+_NO_SITL = "Flying the built-in copter: no ArduPilot SITL on this machine (--sim sitl downloads one)"
+
 
 @contextmanager
 def simulator(
@@ -21,7 +23,7 @@ def simulator(
     """Run a simulator for as long as the context lasts; yields its connection string.
 
     Args:
-        kind: "auto", "sitl" or "builtin".
+        kind: "auto", "sitl" or "builtin"; only "sitl" downloads ArduPilot SITL if none is found.
         path: An ArduPilot SITL binary, or None to search for one.
         start: The copter's position and heading.
         speedup: How fast the vehicle's clock runs.
@@ -44,14 +46,20 @@ def simulator(
 
 
 def _start_auto(stack: ExitStack, start: Start, speedup: float, listener: Listener) -> str | None:
-    """The connection string of ArduPilot SITL; None if it fails and the user did not name it."""
-    source, missing = _download_source()
+    """The connection string of an ArduPilot SITL on this machine; None without one that can fly.
+
+    Raises:
+        SimulatorError: The binary that the user named fails.
+    """
+    source, _ = _download_source()
     binary = find_binary(None, source)
+    if binary is None:
+        listener(Notice(_NO_SITL))
+        return None
     try:
-        binary = binary or _downloaded(source, missing, listener)
         return stack.enter_context(process.run(binary, start, speedup=speedup)).connection
     except SimulatorError as error:
-        if binary is not None and binary.named:
+        if binary.named:
             raise
         listener(Notice(f"Flying the built-in copter: {error}"))
         return None

@@ -1,32 +1,29 @@
 """dronekit-sitl's ArduCopter binaries: its cache, and a safe download into it.
 
 dronekit-sitl downloads over plain http without a time limit, takes a broken download for a good one,
-and unpacks files outside its folder if the archive says so. Only its addresses are used here.
+and unpacks files outside its folder if the archive says so. Only its addresses are used here. Nobody
+publishes a checksum of its binaries, so that the one of each download is told.
 """
 
 from __future__ import annotations
 
 import contextlib
+import gzip
 import http.client
-import lzma
 import platform
 import shutil
-import socket
 import sys
 import tarfile
 import tempfile
-import time
-import urllib.error
-import urllib.parse
-import urllib.request
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from flight_replay.errors import SimulatorError
-from flight_replay.events import Listener, Progress, ignore
-from flight_replay.vehicle.link.host_lookup import look_up
+from flight_replay.events import Listener, Notice, ignore
+from flight_replay.vehicle.sitl.fetch import fetch
+from flight_replay.vehicle.sitl.unpack import unpack
 
 _BASE_URL = "https://dronekit-assets.s3.amazonaws.com/sitl"
 _CACHE = Path("~/.dronekit/sitl")
@@ -34,10 +31,8 @@ _CACHE = Path("~/.dronekit/sitl")
 _SYSTEM, _VERSION = "copter", "3.3"  # What dronekit_sitl.start_default() flies.
 _SILENCE_S = 8.0
 _LIMIT_S = 120.0
-_CHUNK = 1 << 16
-_LARGEST_BYTES = 1 << 29
 _DOWNLOAD_ERRORS = (
-    OSError, EOFError, ValueError, tarfile.TarError, zlib.error, lzma.LZMAError, http.client.HTTPException,
+    OSError, EOFError, ValueError, tarfile.TarError, zlib.error, http.client.HTTPException,
 )  # fmt: skip
 """Errors that faulty servers and archives cause in Python's libraries."""
 _PLATFORMS = {"linux": "linux", "darwin": "osx", "win32": "win"}
@@ -46,11 +41,15 @@ _MACHINES = frozenset({"x86_64", "amd64", "i386", "i686"})
 
 @dataclass(frozen=True, slots=True)
 class DownloadSource:
-    """Where the binaries are downloaded from and stored; ``target`` is the platform in their names."""
+    """Where the binaries are downloaded from and stored; ``target`` is the platform in their names.
+
+    ``sha256`` of the archive, in hexadecimal, is None where it is not known.
+    """
 
     base_url: str
     cache: Path
     target: str
+    sha256: str | None = None
 
     @property
     def url(self) -> str:
@@ -101,15 +100,17 @@ def download(
     """Download and unpack the binary; it appears in the cache complete or not at all.
 
     Raises:
-        SimulatorError: The download fails or is too slow, or the archive is broken or unsafe.
+        SimulatorError: The download fails or is too slow, or the archive is another one, broken or unsafe.
     """
+    listener(Notice(f"Downloading ArduPilot SITL (ArduCopter {_VERSION}) from {source.url}"))
     try:
         source.cache.mkdir(parents=True, exist_ok=True)
         with _scratch(source.cache) as scratch:
             archive = scratch / "sitl.tar.gz"
-            _fetch(source.url, archive, listener, time.monotonic() + limit_s, silence_s)
+            sha256 = fetch(source.url, archive, listener, limit_s=limit_s, silence_s=silence_s)
+            _check_sha256(sha256, source, listener)
             unpacked = scratch / "unpacked"
-            _unpack(archive, unpacked)
+            unpack(archive, unpacked)
             return _install(unpacked, source, scratch)
     except _DOWNLOAD_ERRORS as error:
         raise SimulatorError(
@@ -117,10 +118,17 @@ def download(
         ) from error
 
 
+def _check_sha256(sha256: str, source: DownloadSource, listener: Listener) -> None:
+    """Compare the hash with the known one, or tell it."""
+    if source.sha256 is None:
+        listener(Notice(f" No SHA-256 is known for this file; it has {sha256}"))
+    elif sha256 != source.sha256.lower():
+        raise OSError(f"its SHA-256 is {sha256}, not {source.sha256}: it is another file")
+
+
 def _reason(error: Exception) -> str:
-    """The error on one line; tarfile writes a line for each compression that it tried."""
-    no_archive = isinstance(error, tarfile.ReadError) and "\n" in str(error)
-    return "not an archive" if no_archive else " ".join(str(error).split())
+    """The error on one line."""
+    return "not an archive" if isinstance(error, gzip.BadGzipFile) else " ".join(str(error).split())
 
 
 def _install(unpacked: Path, source: DownloadSource, scratch: Path) -> Path:
@@ -150,67 +158,3 @@ def _scratch(folder: Path) -> Iterator[Path]:
         yield scratch
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
-
-
-def _fetch(url: str, path: Path, listener: Listener, end_s: float, silence_s: float) -> None:
-    """Download an address to a file, completely and in time."""
-    _resolve(url, silence_s)
-    with _answer(url, silence_s) as answer, path.open("wb") as file:
-        total = int(answer.headers.get("Content-Length") or 0)
-        done = 0
-        # read1, because read waits for a whole chunk, however slow the server is.
-        while chunk := answer.read1(_CHUNK):
-            done += file.write(chunk)
-            if time.monotonic() > end_s:
-                raise TimeoutError("the download takes too long")
-            if done > _LARGEST_BYTES:
-                raise OSError("the file is too large to be a simulator")
-            listener(Progress("ArduPilot SITL", done, total, "bytes"))
-    if total and done != total:
-        raise OSError(f"the download ended after {done} of {total} bytes")
-
-
-def _answer(url: str, silence_s: float) -> http.client.HTTPResponse:
-    """The open answer of a server.
-
-    Raises:
-        HTTPError: The server refuses; its answer is closed, which the error would leave open.
-    """
-    try:
-        answer: http.client.HTTPResponse = urllib.request.build_opener().open(url, timeout=silence_s)
-    except urllib.error.HTTPError as error:
-        error.close()
-        raise
-    return answer
-
-
-def _resolve(url: str, limit_s: float) -> None:
-    """Check in time that the host name resolves; a proxy resolves it itself."""
-    parts = urllib.parse.urlsplit(url)
-    if parts.scheme in urllib.request.getproxies():
-        return
-    try:
-        look_up(parts.hostname or "", parts.port or parts.scheme, limit_s)
-    except socket.gaierror as error:
-        raise OSError(f"unknown host name {parts.hostname}") from error
-
-
-def _unpack(archive: Path, folder: Path) -> None:
-    """Unpack plain files and folders, none of them outside ``folder``."""
-    folder.mkdir()
-    with tarfile.open(archive) as tar:
-        for member in tar:
-            name = PurePosixPath(member.name.replace("\\", "/"))
-            if name.is_absolute() or ".." in name.parts or ":" in member.name:
-                raise tarfile.TarError(f"the archive would write outside its folder: {member.name}")
-            place = folder.joinpath(*name.parts)
-            if member.isdir():
-                place.mkdir(parents=True, exist_ok=True)
-            elif member.isfile() and (content := tar.extractfile(member)) is not None:
-                place.parent.mkdir(parents=True, exist_ok=True)
-                with content, place.open("wb") as file:
-                    shutil.copyfileobj(content, file)
-            else:
-                raise tarfile.TarError(f"the archive entry {member.name} is neither file nor folder")
-        while tar.fileobj and tar.fileobj.read(_CHUNK):
-            continue  # To the end, where the checksum is.
