@@ -1,6 +1,7 @@
 """README.md agrees with the program."""
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -46,3 +47,12 @@ def test_options_in_the_readme_exist() -> None:
     other_programs = {"--master", "--listen", "--home"}
     shown = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README))
     assert shown <= known | other_programs
+
+
+def test_the_library_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It prints what it says, and leaves the mission behind."""
+    monkeypatch.chdir(tmp_path)
+    example = re.search(r"```python\n(.*?)```", README, re.DOTALL)
+    assert example
+    exec(compile(example[1], "README.md", "exec"), {})
+    assert (tmp_path / "mission.plan").is_file()
