@@ -16,7 +16,7 @@ from flight_replay.cli.main import main
 from flight_replay.logs.sample import sample_log
 from flight_replay.logs.tlog import read_log
 from flight_replay.mission import formats
-from tests.mission.formats.test_formats import PLAN_SCHEMA
+from tests.mission.formats.test_qgc_plan import PLAN_SCHEMA
 
 pytestmark = pytest.mark.slow
 

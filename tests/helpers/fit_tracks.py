@@ -1,10 +1,13 @@
-"""Flights made for the tests of the fit."""
+"""Flights and drafts made for the tests of planning."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Armed, Track, track_from_columns
+from flight_replay.planning.fit.draft import Draft
 
 FRAME = LocalFrame(47.3, 8.5)
 
@@ -54,3 +57,26 @@ def wander(seed: int, fixes: int = 80, rate_hz: float = 2.0) -> Track:
     speed = 2.5 + 1.5 * np.sin(np.linspace(0, 6, fixes) + rng.uniform(0, 6))
     step = speed[:, None] * np.column_stack([np.cos(heading), np.sin(heading)]) / rate_hz
     return track_through(np.cumsum(step, axis=0) - step[0], np.arange(fixes) / rate_hz)
+
+
+def joined(*parts: Track) -> Track:
+    columns = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in Track.__dataclass_fields__
+    }
+    return Track(**columns)
+
+
+def sped_up(track: Track, factor: float) -> Track:
+    return replace(track, time_s=track.time_s / factor)
+
+
+def draft_of(places: list[tuple[float, float]], spline: list[bool], hold: list[float]) -> Draft:
+    flat = np.column_stack([np.array(places, float), np.full(len(places), 20.0)])
+    return Draft(flat, np.array(spline), np.array(hold), np.full(len(places), np.nan))
+
+
+MIXED = draft_of(
+    [(0, 0), (10, 2), (18, 10), (30, 8), (31, 20), (45, 22)],
+    [False, True, True, False, True, True],
+    [1, 0, 0, 0, 2, 0],
+)

@@ -1,0 +1,28 @@
+"""CSV: one table of home, items and fixes."""
+
+import csv
+from pathlib import Path
+
+from flight_replay.mission import formats
+from flight_replay.mission.items import Mission, MissionItem
+from tests.helpers.format_examples import MISSION, recorded_track
+
+
+def test_csv_is_one_table_told_apart_by_kind(tmp_path: Path) -> None:
+    """Home, items and fixes are rows; what a row cannot have is an empty cell."""
+    path = tmp_path / "mission.csv"
+    formats.save(path, MISSION, recorded_track())
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["kind"] for row in rows] == ["home"] + ["item"] * 6 + ["track"] * 4
+    assert (rows[3]["seq"], rows[3]["command_name"], rows[3]["param1"]) == ("3", "spline waypoint", "2")
+    assert (rows[3]["lat_deg"], rows[3]["alt_m"], rows[3]["amsl_m"]) == ("47.39794213", "31.5", "519.75")
+    assert (rows[2]["command_name"], rows[2]["param2"], rows[2]["amsl_m"]) == ("change speed", "4.25", "")
+    assert (rows[9]["amsl_m"], rows[9]["north_m_s"], rows[10]["alt_m"]) == ("", "", "0")
+
+
+def test_a_command_without_a_word_is_its_number() -> None:
+    """Nothing is lost of a mission that another program made."""
+    mission = Mission((MissionItem(206, 2, (25.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0),))
+    assert "command 206" in formats.csv_table.text(mission)
+    assert "item" not in formats.csv_table.text(Mission(()))

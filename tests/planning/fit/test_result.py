@@ -1,0 +1,23 @@
+"""Notes on where the vehicle cannot keep up."""
+
+from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
+from flight_replay.planning.fit.objective import evaluate
+from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.result import lag_notes
+from flight_replay.planning.fit.simulated_draft import simulate_draft
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import along, sped_up, wander
+
+
+def test_where_the_vehicle_lags_is_said() -> None:
+    """A recording flown twice as fast as the vehicle can is behind from somewhere on; a slow one nowhere."""
+    fast = local_track(sped_up(wander(3), 2.0), 20.0)
+    slow = local_track(along([(0, 0), (60, 0)], 0.5), 20.0)
+    lags = []
+    for recording in (fast, slow):
+        line = straight_draft(recording, douglas_peucker(recording.north_east_m, 12))
+        best = evaluate(simulate_draft(line, Limits(), 0.05), recording, timed=True)
+        lags.append(lag_notes(best, recording))
+    assert len(lags[0]) == 1
+    assert "behind by up to" in lags[0][0]
+    assert lags[1] == ()

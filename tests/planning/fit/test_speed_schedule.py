@@ -1,0 +1,26 @@
+"""Lateness that a vehicle cannot avoid, spread where it costs least."""
+
+import numpy as np
+import pytest
+
+from flight_replay.planning.fit.speed_schedule import best_lateness_s
+
+
+def test_lateness_is_spread_where_it_costs_least() -> None:
+    """A stretch that takes 2 s too long is entered early and left late, not late all the way after."""
+    wanted = np.array([0.0, 4, 4, 2, 4, 4])
+    least = np.array([0.0, 2, 2, 4, 2, 2])
+    late = best_lateness_s(wanted, least, np.ones(6))
+    assert (np.diff(late) >= least[1:] - wanted[1:] - 1e-9).all()
+    assert np.abs(late).sum() == pytest.approx(2.0)
+
+
+def test_no_lateness_where_the_vehicle_keeps_up() -> None:
+    """Legs that can be flown in time are."""
+    assert np.allclose(best_lateness_s(np.full(5, 3.0), np.full(5, 2.0), np.ones(5)), 0.0)
+
+
+def test_lateness_that_cannot_be_made_good_stays() -> None:
+    """A route that is too fast from end to end is ever later."""
+    late = best_lateness_s(np.full(4, 1.0), np.full(4, 3.0), np.ones(4))
+    assert late.tolist() == [0, 2, 4, 6]
