@@ -37,6 +37,7 @@ def _import_and_run() -> int:
     gc.disable()
     from flight_replay import signals
     from flight_replay.cli import main
+    from flight_replay.output.console import terminal
 
     gc.freeze()
     gc.enable()
@@ -45,6 +46,8 @@ def _import_and_run() -> int:
         # A second Ctrl-C while the interpreter exits would change the exit status, and flushing a stream
         # that another thread is stuck in would wait for ever.
         os._exit(status)
+    # Python would change the exit status if standard error is full.
+    terminal.flush_or_discard(sys.stderr)
     return status
 
 

@@ -82,10 +82,48 @@ def test_a_saved_mission_is_restored(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "Restored 3 mission items" in capsys.readouterr().out
 
 
+def test_the_command_names_the_signing_key() -> None:
+    """Without it the vehicle would ignore the upload."""
+    command = restore_command(Path("a.waypoints"), "udp:1:2", 57600, Path("my key"))
+    assert shlex.split(command)[3:] == ["--signing-key", "my key", "a.waypoints", "udp:1:2"]
+
+
+@pytest.mark.parametrize(
+    "row",
+    ["1 0 3 70000 0 0 0 0 47 8 30 1", "1 0 300 16 0 0 0 0 47 8 30 1", "1 0 3 16 0 1e39 0 0 47 8 30 1"],
+    ids=["command", "frame", "parameter"],
+)
+def test_a_mission_that_cannot_be_sent_is_told_before_connecting(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], row: str
+) -> None:
+    """One line with the line of the file; nothing listens at the connection, which is never tried."""
+    path = tmp_path / "m.waypoints"
+    path.write_text(f"QGC WPL 110\n{row}\n")
+    assert restore.main([str(path), "tcp:127.0.0.1:1"]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith(f"flight-replay: error: {path} line 2 has ")
+    assert error.count("\n") == 1
+
+
+def test_an_interrupted_restore_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Exit status 130, and what may be wrong now."""
+
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    path = save_mission_on_board(VehicleWithMission(BEFORE), tmp_path, NOW)
+    monkeypatch.setattr(vehicle, "connect", interrupt)
+    assert restore.main([str(path), "tcp:127.0.0.1:1"]) == 130
+    assert "interrupted; the mission on board may be incomplete" in capsys.readouterr().err
+
+
 def test_an_error_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A file that does not exist is exit status 1, wrong usage is 2."""
     assert restore.main([str(tmp_path / "none.waypoints"), "tcp:127.0.0.1:5760"]) == 1
     assert capsys.readouterr().err.startswith("flight-replay: error: cannot read")
     assert restore.main(["one"]) == 2
     assert restore.main(["a", "b", "fast"]) == 2
+    assert restore.main(["a", "b", "²"]) == 2
     assert capsys.readouterr().err.startswith("usage:")

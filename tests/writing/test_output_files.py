@@ -73,10 +73,17 @@ def test_names_on_the_way_cannot_be_guessed(tmp_path: Path, monkeypatch: pytest.
     assert len(set(names)) == 2
     monkeypatch.setattr("secrets.token_hex", lambda _: "known")
     (tmp_path / "victim").write_text("kept")
-    (tmp_path / ".file.known.part").symlink_to(tmp_path / "victim")
+    (tmp_path / ".flight-replay.known.part").symlink_to(tmp_path / "victim")
     with pytest.raises(FlightReplayError, match="cannot write"):
         write_atomically(tmp_path / "file", "text")
     assert (tmp_path / "victim").read_text() == "kept"
+
+
+@pytest.mark.parametrize("name", ["a" * 245, "\u30c9" * 82], ids=["ASCII", "Japanese"])
+def test_a_name_as_long_as_the_file_system_allows_is_written(tmp_path: Path, name: str) -> None:
+    """The name on the way is not made of it: 255 bytes hold 82 Japanese letters."""
+    write_atomically(tmp_path / name, "text")
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_text_that_is_no_unicode_is_escaped(tmp_path: Path) -> None:

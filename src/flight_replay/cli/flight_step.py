@@ -51,7 +51,7 @@ def fly_route(options: Options, route: Route, console: Console, listener: Listen
         _set_speedup(connected, options.speedup)
         _check_before_arming(options, route, connected, console, listener)
         if options.connect is not None:
-            _save_mission_on_board(connected, connection, options.baud, listener)
+            _save_mission_on_board(connected, connection, options, listener)
         if route.required_limits:
             stack.enter_context(_raised_limits(connected, route.required_limits))
         connected.upload(route.mission, listener)
@@ -106,6 +106,7 @@ def _connected(
             listener=listener,
             speedup=options.speedup or 1.0,
             recorder=recorder,
+            signing_key=options.signing_key,
         ) as connected,
         ground_stations(connected.link, options.gcs, allow_open=options.gcs_open),
     ):
@@ -152,14 +153,14 @@ def _briefing(options: Options, route: Route, connected: ConnectedVehicle, liste
 
 
 def _save_mission_on_board(
-    connected: ConnectedVehicle, connection: str, baud: int, listener: Listener
+    connected: ConnectedVehicle, connection: str, options: Options, listener: Listener
 ) -> None:
     """Save the mission on board before the upload, and show the command that restores it."""
     from flight_replay.cli.restore import restore_command, save_mission_on_board
 
     path = save_mission_on_board(connected, Path.cwd(), datetime.now())
     if path is not None:
-        command = restore_command(path, connection, baud)
+        command = restore_command(path, connection, options.baud, options.signing_key)
         listener(Notice(f"Saved the mission on board to {path}. To restore it, run: {command}"))
 
 

@@ -6,7 +6,6 @@ which is one line on stderr, 2 wrong usage, 130 interrupted.
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import threading
@@ -25,7 +24,12 @@ from flight_replay.errors import FlightReplayError
 from flight_replay.events import combine_listeners
 from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
-from flight_replay.output.console.terminal import PrintableFormatter, write_error, write_line
+from flight_replay.output.console.terminal import (
+    PrintableFormatter,
+    flush_or_discard,
+    write_error,
+    write_line,
+)
 from flight_replay.output.event_log import EventLog
 from flight_replay.writing.background import Background
 
@@ -49,7 +53,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         options = parse_options(arguments)
     except SystemExit as stop:
-        return int(stop.code or 0)
+        lost = flush_or_discard(sys.stdout)
+        if lost:
+            _report(lost)
+        return int(stop.code or bool(lost))
     with _signals_as_keyboard_interrupt():
         try:
             return _run(options, arguments)
@@ -70,7 +77,8 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
             for line in traceback.format_exc().rstrip().split("\n"):
                 write_line(sys.stderr, line)
         problem = _error_message(error)
-    _flush_stdout()
+    lost = flush_or_discard(sys.stdout)
+    problem = "; ".join(filter(None, [problem, lost])) or None
     if problem is not None:
         _report(problem)
     return 0 if problem is None else 1
@@ -123,14 +131,6 @@ def _console(options: Options) -> AbstractContextManager[Console]:
     """The console; on stderr where stdout has the JSON object."""
     stream = sys.stderr if options.json else sys.stdout
     return BackgroundConsole(lambda: open_console(stream, quiet=options.quiet, verbose=options.verbose))
-
-
-def _flush_stdout() -> None:
-    """Flush stdout; a reader that has exited (``| head``) is no error."""
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextmanager

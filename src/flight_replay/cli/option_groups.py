@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from flight_replay.cli import option_types
+from flight_replay.output.console.terminal import write_line, write_verbatim
 from flight_replay.planning.spacing import MAX_POINTS, SPACING_M
 
 
@@ -72,7 +73,7 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--max-points",
         metavar="N",
-        type=option_types.count,
+        type=option_types.points,
         default=MAX_POINTS,
         help="maximum number of waypoints (default: %(default)s)",
     )
@@ -115,7 +116,7 @@ def _flight_group(parser: argparse.ArgumentParser) -> None:
         "--takeoff-altitude",
         dest="takeoff_altitude_m",
         metavar="M",
-        type=option_types.positive,
+        type=option_types.height,
         default=30.0,
         help="take-off altitude in metres above home (default: 30)",
     )
@@ -148,9 +149,16 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--baud",
         metavar="N",
-        type=option_types.count,
+        type=option_types.baud,
         default=57600,
         help="baud rate of a serial port (default: %(default)s)",
+    )
+    group.add_argument(
+        "--signing-key",
+        metavar="FILE",
+        type=Path,
+        help="sign messages to the vehicle, and ignore unsigned ones, with the key in this file: "
+        "64 hexadecimal digits or a passphrase",
     )
     group.add_argument(
         "--sim",
@@ -162,7 +170,7 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--speedup",
         metavar="X",
-        type=option_types.positive,
+        type=option_types.speedup,
         help="simulation speed as a multiple of real time (default: 1; with --connect, left as it is)",
     )
 
@@ -240,7 +248,7 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from importlib.metadata import version
 
-        sys.stdout.write(f"{parser.prog} {version('flight-replay')}\n")
+        write_line(sys.stdout, f"{parser.prog} {version('flight-replay')}")
         parser.exit()
 
 
@@ -252,5 +260,5 @@ class _Completion(argparse.Action):
     ) -> None:
         import shtab
 
-        sys.stdout.write(shtab.complete(parser, str(shell)) + "\n")
+        write_verbatim(sys.stdout, shtab.complete(parser, str(shell)))
         parser.exit()

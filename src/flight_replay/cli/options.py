@@ -49,6 +49,7 @@ class Options:
     yes: bool
     connect: str | None
     baud: int
+    signing_key: Path | None
     sim: Literal["auto", "sitl", "builtin"]
     sitl: Path | None
     speedup: float | None
@@ -104,6 +105,8 @@ def _check_combinations(parser: argparse.ArgumentParser, values: dict[str, objec
     """Refuse options that exclude each other."""
     if values["connect"] is not None and (values["sim"] or values["sitl"]):
         parser.error("--sim and --sitl start a simulator and cannot be used with --connect")
+    if values["connect"] is None and values["signing_key"]:
+        parser.error("--signing-key is for a vehicle given with --connect")
     if values["sitl"] and values["sim"] == "builtin":
         parser.error("--sitl starts ArduPilot SITL and cannot be used with --sim builtin")
     if values["verbose"] and values["quiet"]:

@@ -6,7 +6,6 @@ import json
 import logging
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from flight_replay.cli.options import Options
 from flight_replay.errors import FlightReplayError
 from flight_replay.logs.sample import default_log
 from flight_replay.output.console.console import Console
+from flight_replay.output.console.terminal import write_verbatim
 from flight_replay.output.json_summary import flight_summary, log_summary, route_summary
 from flight_replay.writing.output_files import check_suffix
 
@@ -145,8 +145,7 @@ def _save_report(
 def print_result(options: Options, result: ReplayResult, console: Console) -> None:
     """Write the JSON object to standard output with ``--json``, otherwise lines of text to the console."""
     if options.json:
-        with suppress(BrokenPipeError):
-            sys.stdout.write(json.dumps(json_object(result)) + "\n")
+        write_verbatim(sys.stdout, json.dumps(json_object(result)))
     else:
         for line in result_lines(result):
             console.print(line)

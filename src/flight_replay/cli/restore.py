@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import argparse
 import shlex
 import sys
 from collections.abc import Sequence
@@ -13,12 +14,13 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Protocol
 
+from flight_replay import signals
+from flight_replay.cli import option_types
 from flight_replay.errors import FlightReplayError
+from flight_replay.events import Event, Notice
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
-from flight_replay.output.console.terminal import write_error, write_line
-
-USAGE = "usage: python -m flight_replay.cli.restore FILE CONNECTION [BAUD]"
+from flight_replay.output.console.terminal import flush_or_discard, write_error, write_line
 
 
 class HasMissionOnBoard(Protocol):
@@ -48,29 +50,61 @@ def _unused(path: Path) -> Path:
     return next(other for other in chain([path], numbered) if not other.exists())
 
 
-def restore_command(path: Path, connection: str, baud: int) -> str:
+def restore_command(path: Path, connection: str, baud: int, signing_key: Path | None = None) -> str:
     """The shell command that restores a saved mission."""
     speed = [str(baud)] if ":" not in connection else []
-    return shlex.join(["python", "-m", "flight_replay.cli.restore", str(path), connection, *speed])
+    signing = ["--signing-key", str(signing_key)] if signing_key else []
+    return shlex.join(["python", "-m", "flight_replay.cli.restore", *signing, str(path), connection, *speed])
 
 
 def main(arguments: Sequence[str]) -> int:
     """Upload a saved mission; returns the exit status."""
-    if len(arguments) not in (2, 3) or (len(arguments) == 3 and not arguments[2].isdigit()):
-        sys.stderr.write(USAGE + "\n")
-        return 2
+    try:
+        options = _parser().parse_args(arguments)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    try:
+        count = _restore(options)
+        write_line(sys.stdout, f"Restored {count} mission items from {options.file}")
+        problem = flush_or_discard(sys.stdout)
+    except FlightReplayError as error:
+        problem = str(error)
+    except KeyboardInterrupt:
+        write_error(sys.stderr, "interrupted; the mission on board may be incomplete")
+        return signals.INTERRUPTED_STATUS
+    if problem is not None:
+        write_error(sys.stderr, problem)
+        flush_or_discard(sys.stderr)
+    return 0 if problem is None else 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m flight_replay.cli.restore",
+        description="Upload a mission that was saved before a replay.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("file", metavar="FILE", type=Path)
+    parser.add_argument("connection", metavar="CONNECTION")
+    parser.add_argument("baud", metavar="BAUD", nargs="?", type=option_types.baud, default=57600)
+    parser.add_argument("--signing-key", metavar="FILE", type=Path)
+    return parser
+
+
+def _restore(options: argparse.Namespace) -> int:
+    """Upload the mission; returns the number of its items."""
     from flight_replay import vehicle
 
-    try:
-        mission = formats.load_mission(Path(arguments[0]))
-        baud = int(arguments[2]) if len(arguments) == 3 else 57600
-        with vehicle.connect(arguments[1], baud=baud) as connected:
-            connected.upload(mission)
-    except FlightReplayError as error:
-        write_error(sys.stderr, str(error))
-        return 1
-    write_line(sys.stdout, f"Restored {len(mission.items)} mission items from {arguments[0]}")
-    return 0
+    def show_notice(event: Event) -> None:
+        if isinstance(event, Notice):
+            write_line(sys.stderr, event.text)
+
+    mission = formats.load_mission(options.file)
+    with vehicle.connect(
+        options.connection, baud=options.baud, listener=show_notice, signing_key=options.signing_key
+    ) as connected:
+        connected.upload(mission)
+    return len(mission.items)
 
 
 if __name__ == "__main__":

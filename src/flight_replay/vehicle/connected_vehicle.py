@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
 from typing import Any
 
 from flight_replay.errors import PhaseTimeoutError, VehicleError
@@ -27,6 +28,7 @@ from flight_replay.vehicle.identity import Identity, find_vehicle, identify
 from flight_replay.vehicle.link.connection_string import open_transport
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
 from flight_replay.vehicle.link.link import Link
+from flight_replay.vehicle.link.signing import Signing, is_readable_by_others, read_key
 from flight_replay.vehicle.link.vehicle_link import DroneKitLink
 from flight_replay.vehicle.protocol.commands import CommandSender
 from flight_replay.vehicle.protocol.mission_download import FENCE, MissionDownloader
@@ -46,6 +48,7 @@ _NO_DATA_S = 30.0  # As long as a flight waits for a lost link.
 _SPEEDUP = "SIM_SPEEDUP"
 _POLYGONS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
+_KEY_WANTED = "the vehicle signs its messages and may ignore unsigned ones; give its key with --signing-key"
 _UNBOUNDED_SPEEDUP = 100.0  # Assumed where SIM_SPEEDUP is 0 or less: as fast as possible.
 
 
@@ -218,6 +221,7 @@ def connect(  # noqa: PLR0913
     listener: Listener = ignore,
     speedup: float = 1.0,
     recorder: Recorder | None = None,
+    signing_key: Path | None = None,
     limit_s: float = CONNECT_LIMIT_S,
 ) -> Iterator[ConnectedVehicle]:
     """Connect through DroneKit to the vehicle behind a connection string; closed on every way out.
@@ -228,18 +232,30 @@ def connect(  # noqa: PLR0913
         listener: Gets the phases CONNECT and CLOSE, and a notice of each other vehicle on the link.
         speedup: How fast the vehicle's clock runs: heartbeats are sent often enough for it.
         recorder: Records every frame of both directions.
+        signing_key: The file with the key of a vehicle that requires signed messages.
         limit_s: Seconds to wait for a heartbeat.
 
     Raises:
         VehicleError: The connection cannot be opened, or no vehicle sends a heartbeat.
     """
     listener(PhaseStarted(Phase.CONNECT, connection_string))
-    link = Link(open_transport(connection_string, baud), speedup=speedup, recorder=recorder)
+    signing = _signing(signing_key, listener)
+    link = Link(open_transport(connection_string, baud), speedup=speedup, recorder=recorder, signing=signing)
     try:
         discovery = VehicleDiscovery()
         link.add_receiver(discovery.receive)
         link.start()
-        vehicle = find_vehicle(discovery, connection_string, limit_s)
+        try:
+            vehicle = find_vehicle(discovery, connection_string, limit_s)
+        except VehicleError as error:
+            if link.ignored:
+                raise VehicleError(
+                    f"{link.ignored} messages on {connection_string} were not signed with the key in "
+                    f"{signing_key}; check the key, and that the vehicle signs"
+                ) from error
+            raise
+        if signing is None and link.received_signed:
+            listener(Notice(_KEY_WANTED, warning=True))
         for other in discovery.vehicles[1:]:
             listener(Notice(f"vehicle {other.system} is also on this link; it is ignored", warning=True))
         yield ConnectedVehicle(link, vehicle)
@@ -248,3 +264,13 @@ def connect(  # noqa: PLR0913
             listener(PhaseStarted(Phase.CLOSE))
         finally:
             link.close()
+
+
+def _signing(key_file: Path | None, listener: Listener) -> Signing | None:
+    """Signing with the key in a file; warns of one that others can read."""
+    if key_file is None:
+        return None
+    key = read_key(key_file)
+    if is_readable_by_others(key_file):
+        listener(Notice(f"other users can read the signing key {key_file}; run: chmod 600", warning=True))
+    return Signing(key)

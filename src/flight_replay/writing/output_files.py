@@ -59,7 +59,7 @@ class NewFile:
         """
         target = Path(path).expanduser()
         self._target = target.resolve() if target.is_symlink() else target
-        self._path = self._target.with_name(f".{self._target.name[:100]}.{secrets.token_hex(8)}.part")
+        self._path = self._target.with_name(f".flight-replay.{secrets.token_hex(8)}.part")
         try:
             number = os.open(self._path, _CREATE, 0o666)
         except OSError as error:

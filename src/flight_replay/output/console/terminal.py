@@ -8,9 +8,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from typing import IO, Any, TextIO
+from weakref import WeakKeyDictionary
 
 from flight_replay.events import Event
 from flight_replay.writing.terminal_text import escaped
+
+_failures: WeakKeyDictionary[TextIO, OSError] = WeakKeyDictionary()
 
 
 def is_capable_terminal(stream: TextIO, environment: Mapping[str, str] = os.environ) -> bool:
@@ -25,18 +28,41 @@ def write_error(stream: TextIO, message: str, environment: Mapping[str, str] = o
     """
     coloured = is_capable_terminal(stream, environment) and not environment.get("NO_COLOR")
     error = "\x1b[1;31merror:\x1b[0m" if coloured else "error:"
-    _write(stream, f"flight-replay: {error} {printable(message, stream)}")
+    write_verbatim(stream, f"flight-replay: {error} {printable(message, stream)}")
 
 
 def write_line(stream: TextIO, text: str) -> None:
-    """Write a line; a stream that is closed must not end a flight."""
-    _write(stream, printable(text, stream))
+    """Write a line; a stream that fails must not end a flight: ``flush_or_discard`` tells of it."""
+    write_verbatim(stream, printable(text, stream))
 
 
-def _write(stream: TextIO, line: str) -> None:
-    with suppress(OSError):
-        stream.write(line + "\n")
+def write_verbatim(stream: TextIO, text: str) -> None:
+    """Write text that is our own, as it is, and a newline."""
+    try:
+        stream.write(text + "\n")
         stream.flush()
+    except OSError as error:
+        _failures[stream] = error
+
+
+def flush_or_discard(stream: TextIO) -> str | None:
+    """Flush a stream; why it failed, now or when a line was written, if it did.
+
+    What is left is discarded: Python would try to write it again on exit. A reader that has exited
+    (``| head``) is no failure.
+    """
+    failure = _failures.pop(stream, None)
+    try:
+        stream.flush()
+    except OSError as error:
+        failure = error
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            stream.flush()
+    if failure is None or isinstance(failure, BrokenPipeError):
+        return None
+    name = str(getattr(stream, "name", "the output")).strip("<>")
+    return f"cannot write {name}: {failure.strerror}; free some space, or write elsewhere"
 
 
 def printable(text: str, stream: IO[str]) -> str:

@@ -14,6 +14,7 @@ from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mavlink import Message, dialect
 from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
+from flight_replay.vehicle.link.signing import Signing, is_signed, without_signature
 from flight_replay.vehicle.link.transport import Transport
 
 _log = logging.getLogger(__name__)
@@ -32,10 +33,27 @@ class Link:
     """MAVLink over a transport. Receivers are called on the link's thread, in the order of the frames."""
 
     def __init__(
-        self, transport: Transport, *, speedup: float = 1.0, recorder: Recorder | None = None
+        self,
+        transport: Transport,
+        *,
+        speedup: float = 1.0,
+        recorder: Recorder | None = None,
+        signing: Signing | None = None,
     ) -> None:
-        """Take over an open transport; ``speedup`` is how fast the vehicle's clock runs."""
+        """Take over an open transport.
+
+        Args:
+            transport: The transport, already open.
+            speedup: How fast the vehicle's clock runs.
+            recorder: Records every frame as it is on the link.
+            signing: Signs what is sent; what is received is ignored unless signed with the same key.
+        """
         self._transport = transport
+        self._signing = signing
+        self.received_signed = False
+        """Whether a frame with a signature was received."""
+        self.ignored = 0
+        """How many frames were ignored because of their signature, or because they had none."""
         self._recorder = recorder
         self._receivers: list[Receiver] = []
         self._mav = dialect.MAVLink(None, srcSystem=OUR_SYSTEM, srcComponent=OUR_COMPONENT)
@@ -71,12 +89,15 @@ class Link:
         with self._lock:
             frame = message.pack(self._mav, force_mavlink1=self._mavlink1)
             self._mav.seq = (self._mav.seq + 1) % 256
-            self._write(frame)
+            self._write(self._signing.sign(frame) if self._signing else frame)
 
     def forward(self, frame: bytes) -> None:
-        """Send a frame of a ground station on the same link, unchanged."""
-        with self._lock:
-            self._write(frame)
+        """Send a frame of a ground station on the same link: unchanged, or signed if the link is."""
+        try:
+            with self._lock:
+                self._write(self._signing.sign(frame) if self._signing else frame)
+        except KeyError:
+            _log.debug("dropped a ground station's frame: it cannot be signed, its message is unknown")
 
     def _write(self, frame: bytes) -> None:
         if self._broken:
@@ -152,9 +173,11 @@ class Link:
             self._deliver(message)
 
     def _deliver(self, message: Message) -> None:
+        frame = bytes(message.get_msgbuf())
+        if not self._accepts(message, frame):
+            return
         if (message.get_srcSystem(), message.get_srcComponent()) == self._vehicle:
             self._transport.send_only_to(self._transport.sender)
-        frame = bytes(message.get_msgbuf())
         if self._recorder:
             self._recorder.write(frame)
         if frame[0] == dialect.PROTOCOL_MARKER_V2:
@@ -165,3 +188,15 @@ class Link:
             except Exception:
                 # An error in one receiver must not stop the link in flight.
                 _log.exception("cannot process %s", message.get_type())
+
+    def _accepts(self, message: Message, frame: bytes) -> bool:
+        """Whether a frame may be heeded; on a signed link, receivers get it without its signature."""
+        self.received_signed = self.received_signed or is_signed(frame)
+        if self._signing is None:
+            return True
+        is_known = message.get_msgId() in dialect.mavlink_map
+        if not is_known or not self._signing.accepts(frame):
+            self.ignored += 1
+            return False
+        message.get_msgbuf()[:] = without_signature(frame)
+        return True

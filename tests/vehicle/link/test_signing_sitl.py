@@ -1,0 +1,87 @@
+"""Signing against a real ArduCopter in ArduPilot SITL.
+
+SERIAL0 takes unsigned messages always (GCS_Signing.cpp: it is the USB port), so SERIAL1 is tried.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from flight_replay import supervisor
+from flight_replay.errors import VehicleError
+from flight_replay.events import Event, Notice
+from flight_replay.mavlink import dialect
+from flight_replay.supervisor import Plan
+from flight_replay.vehicle import ConnectedVehicle, connect
+from flight_replay.vehicle.sitl import simulator
+from tests.cli.test_real_copter import Clock
+from tests.helpers.fault_runs import ROUTE, START
+
+pytestmark = [
+    pytest.mark.sitl,
+    pytest.mark.skipif("SITL_BINARY" not in os.environ, reason="SITL_BINARY names no ArduCopter"),
+]
+
+SPEEDUP = 4.0
+PASSPHRASE = "only the pilot knows"
+
+
+@contextmanager
+def signing_copter() -> Iterator[str]:
+    """The connection string of SERIAL1 of a copter that was given the key over SERIAL0."""
+    with simulator("sitl", None, START, speedup=SPEEDUP) as usb, connect(usb, speedup=SPEEDUP) as vehicle:
+        if not vehicle.identity.takes_item_int:
+            pytest.skip("3.3 knows no signing")
+        now = int((time.time() - 1_420_070_400) * 1e5)
+        key = list(hashlib.sha256(PASSPHRASE.encode()).digest())
+        vehicle.link.send(dialect.MAVLink_setup_signing_message(1, 1, key, now))
+        host, _, port = usb.rpartition(":")
+        yield f"{host}:{int(port) + 2}"
+
+
+@contextmanager
+def key_file(path: Path, passphrase: str = PASSPHRASE) -> Iterator[Path]:
+    path.write_text(passphrase)
+    path.chmod(0o600)
+    yield path
+
+
+def fly(vehicle: ConnectedVehicle, events: list[Event]) -> supervisor.FlightRecord:
+    vehicle.upload(ROUTE)
+    return supervisor.fly(
+        vehicle, Clock(), Plan(mission=ROUTE, duration_s=10.0, takeoff_altitude_m=8.0), events.append
+    )
+
+
+def test_a_copter_that_wants_signatures_is_flown_with_the_key(tmp_path: Path) -> None:
+    """Without it, and with another one, nothing is uploaded; each failure names the option or the key."""
+    events: list[Event] = []
+    with signing_copter() as connection:
+        with (
+            pytest.raises(VehicleError, match="upload stopped at mission item 0"),
+            connect(connection, speedup=SPEEDUP, listener=events.append) as vehicle,
+        ):
+            vehicle.upload(ROUTE)
+        warnings = [event.text for event in events if isinstance(event, Notice)]
+        assert any("give its key with --signing-key" in text for text in warnings)
+        with (
+            key_file(tmp_path / "wrong", "a guess") as wrong,
+            pytest.raises(VehicleError, match="were not signed with the key"),
+            connect(connection, speedup=SPEEDUP, signing_key=wrong, limit_s=5.0),
+        ):
+            pass
+        events.clear()
+        with (
+            key_file(tmp_path / "key") as key,
+            connect(connection, speedup=SPEEDUP, signing_key=key, listener=events.append) as vehicle,
+        ):
+            record = fly(vehicle, events)
+            assert vehicle.link.ignored == 0
+    assert (record.ended, record.problem, record.rtl_confirmed) == ("duration", None, True)
