@@ -108,6 +108,27 @@ def test_the_copter_does_not_outlive_the_program_that_launched_it() -> None:
         time.sleep(0.02)
 
 
+@pytest.mark.parametrize("settings", ["", Settings(START).as_line()], ids=["before", "after its settings"])
+def test_a_copter_whose_launcher_was_killed_while_it_starts_says_nothing(settings: str) -> None:
+    """Nobody reads its addresses; the terminal shows no traceback of it."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "flight_replay.simulator.server.child"],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as copter:  # fmt: skip
+        assert copter.stdin and copter.stdout and copter.stderr
+        copter.stdout.close()
+        copter.stdin.write(settings)
+        copter.stdin.close()
+        assert copter.stderr.read() == ""
+        copter.wait(30)
+
+
+def test_ctrl_c_at_the_terminal_does_not_reach_a_copter() -> None:
+    """Its process group is another one, also while it is imported and cannot ignore the signal yet."""
+    with run(START) as running:
+        assert os.getpgid(running.process_id) != os.getpgid(0)
+
+
 def test_the_process_ends_with_its_stdin(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -6,6 +6,7 @@ It ends when stdin is closed, so it never outlives the program that started it. 
 
 from __future__ import annotations
 
+import contextlib
 import json
 import signal
 import sys
@@ -19,8 +20,11 @@ def main() -> int:
     """Read the settings, write the addresses or an error, then run until stdin is closed."""
     # Ctrl-C in a terminal reaches the whole process group; the program that started this one ends it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    line = sys.stdin.readline()
+    if not line.endswith("\n"):
+        return 1  # The program that started this one has ended.
     try:
-        endpoint = open_endpoint(settings_of(sys.stdin.readline()))
+        endpoint = open_endpoint(settings_of(line))
     except SimulatorError as error:
         _answer({"error": str(error)})
         return 1
@@ -40,8 +44,13 @@ def _wait_for_end(over: threading.Event) -> None:
 
 
 def _answer(value: dict[str, object]) -> None:
-    sys.stdout.write(json.dumps(value) + "\n")
-    sys.stdout.flush()
+    """Write one line; where nobody reads it any more, standard input is closed too."""
+    try:
+        sys.stdout.write(json.dumps(value) + "\n")
+        sys.stdout.flush()
+    except OSError:
+        with contextlib.suppress(OSError):
+            sys.stdout.close()  # Otherwise Python would flush it once more, and show that error.
 
 
 if __name__ == "__main__":

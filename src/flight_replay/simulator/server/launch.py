@@ -58,6 +58,8 @@ def run(
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
+        # Ctrl-C at the terminal must not reach it, not even while it is imported: the copter flies RTL first.
+        start_new_session=True,
     )
     try:
         yield _started(process, settings)

@@ -6,7 +6,6 @@ import contextlib
 import shutil
 import socket
 import subprocess
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from flight_replay.errors import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl.bench_parameters import bench_text
 from flight_replay.vehicle.sitl.locate import SitlBinary
+from flight_replay.vehicle.sitl.watched_folder import WatchedFolder
 
 _HELP_S = 10.0
 _READY_S = 30.0
@@ -51,14 +51,11 @@ def run(binary: SitlBinary, start: Start, *, speedup: float = 1.0) -> Iterator[S
     Raises:
         SimulatorError: It does not start, or ended while the context lasted; with its last output.
     """
-    scratch = Path(tempfile.mkdtemp(prefix="flight-replay-sitl-"))
-    try:
-        options = _options(binary.path)
-        _prepare(binary, options, scratch, start)
-        with _started(binary, options, scratch, start, speedup) as running:
+    options = _options(binary.path)
+    with WatchedFolder() as folder:
+        _prepare(binary, options, folder, start)
+        with _started(binary, options, folder, start, speedup) as running:
             yield running
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _options(path: Path) -> str:
@@ -86,28 +83,29 @@ def _options(path: Path) -> str:
     return text
 
 
-def _prepare(binary: SitlBinary, options: str, scratch: Path, start: Start) -> None:
+def _prepare(binary: SitlBinary, options: str, folder: WatchedFolder, start: Start) -> None:
     """Provide the parameters: as a file, or in the EEPROM of a binary that takes no such file."""
     if "--defaults" in options:
-        (scratch / "bench.parm").write_text(bench_text())
+        (folder.path / "bench.parm").write_text(bench_text())
         return
     stored = binary.path.parent / "default_eeprom.bin"
     if stored.is_file():
-        shutil.copy(stored, scratch / "eeprom.bin")
+        shutil.copy(stored, folder.path / "eeprom.bin")
         return
     from flight_replay.vehicle.sitl.eeprom import store_bench_parameters
 
-    with _started(binary, options, scratch, start, 1.0) as running:
+    with _started(binary, options, folder, start, 1.0) as running:
         store_bench_parameters(running.connection, binary.defaults)
 
 
 @contextlib.contextmanager
 def _started(
-    binary: SitlBinary, options: str, scratch: Path, start: Start, speedup: float
+    binary: SitlBinary, options: str, folder: WatchedFolder, start: Start, speedup: float
 ) -> Iterator[SitlProcess]:
     """Run the simulator; if it ended, an error in the context becomes an error of the simulator."""
-    log = scratch / "console.txt"
-    instance, process = _ready(binary, _arguments(binary, options, scratch, start, speedup), log)
+    log = folder.path / "console.txt"
+    arguments = _arguments(binary, options, folder.path, start, speedup)
+    instance, process = _ready([binary.path, *arguments], folder, log)
     try:
         yield SitlProcess(_first_port(instance), process, log)
     except SimulatorError:
@@ -117,23 +115,25 @@ def _started(
             raise _ended(binary.path, process, log) from error
         raise
     finally:
-        _stop(process)
+        _stop(process, folder)
 
 
-def _ready(binary: SitlBinary, arguments: Sequence[str], log: Path) -> tuple[int, subprocess.Popen[bytes]]:
+def _ready(
+    command: Sequence[Path | str], folder: WatchedFolder, log: Path
+) -> tuple[int, subprocess.Popen[bytes]]:
     """The instance and process of a simulator that waits for a connection.
 
     It is started again if another simulator took its ports first.
     """
     for tries_left in reversed(range(_STARTS)):
         instance = _free_instance()
-        process = _spawn(binary, [*arguments, f"-I{instance}"], log)
+        process = folder.spawn([*command, f"-I{instance}"], log)
         try:
-            _wait_ready(binary.path, process, log)
+            _wait_ready(Path(command[0]), process, log)
             return instance, process
         except BaseException as error:
             ports_taken = process.poll() is not None and not _is_free_instance(instance)
-            _stop(process)
+            _stop(process, folder)
             if not (isinstance(error, SimulatorError) and ports_taken and tries_left):
                 raise
     raise AssertionError("the last start returns or raises")
@@ -149,19 +149,6 @@ def _arguments(binary: SitlBinary, options: str, scratch: Path, start: Start, sp
     if "--speedup" in options:
         arguments += ["--speedup", f"{speedup:g}"]
     return arguments
-
-
-def _spawn(binary: SitlBinary, arguments: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
-    with log.open("wb") as output:
-        return subprocess.Popen(
-            [binary.path, *arguments],
-            cwd=log.parent,
-            stdin=subprocess.DEVNULL,
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            # Ctrl-C at the terminal must not end the simulator: the copter has to fly RTL first.
-            start_new_session=True,
-        )
 
 
 def _absolute(defaults: Path | None) -> str | None:
@@ -226,7 +213,7 @@ def _last_lines(text: str) -> str:
     return " / ".join(lines[-_SHOWN_LINES:])
 
 
-def _stop(process: subprocess.Popen[bytes]) -> None:
+def _stop(process: subprocess.Popen[bytes], folder: WatchedFolder) -> None:
     """Terminate the process; kill it if it does not end."""
     process.terminate()
     try:
@@ -234,3 +221,4 @@ def _stop(process: subprocess.Popen[bytes]) -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
+    folder.forget(process)
