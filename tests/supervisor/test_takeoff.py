@@ -9,7 +9,13 @@ import pytest
 from flight_replay import events
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Phase, VehicleState, Waiting
-from flight_replay.supervisor.vehicle_interface import Heartbeat, PrearmStatus, Request, RequestAck
+from flight_replay.supervisor.vehicle_interface import (
+    Heartbeat,
+    PrearmStatus,
+    Request,
+    RequestAck,
+    RequestLost,
+)
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import fake_flight
 
@@ -100,8 +106,9 @@ def test_a_refused_arming_is_requested_again_soon() -> None:
     flight = fake_flight(vehicle)
     assert flight.fly().problem is None
     assert 5 <= vehicle.requested.count("arm") <= 7
-    reasons = {event.reason for event in flight.of(Waiting) if event.phase is Phase.ARM}
+    reasons = [event.reason for event in flight.of(Waiting) if event.phase is Phase.ARM]
     assert "Arm: Throttle too high" in reasons
+    assert 5 <= len(reasons) <= 8, "one a second"
 
 
 def test_an_arming_without_an_ack_is_requested_again_after_five_seconds() -> None:
@@ -194,6 +201,7 @@ def test_nothing_is_requested_while_the_mode_is_in_doubt() -> None:
     def change() -> None:
         vehicle.mode = "LOITER"
         vehicle.queue.append(Heartbeat("LOITER", True))
+        vehicle.heartbeat_s = vehicle.time_s + 3.0
         vehicle.requested.clear()
 
     vehicle.schedule.append((9.0, change))
@@ -259,7 +267,7 @@ def test_a_status_text_of_an_earlier_phase_is_not_the_reason() -> None:
 
 @pytest.mark.parametrize(
     ("refused", "message"),
-    [("arm", 'did not arm in 60 s: it says "FAILED"'), ("climb", "check its status texts")],
+    [("arm", 'the vehicle did not arm in 60 s: it says "FAILED"'), ("climb", "check its status texts")],
 )
 def test_a_status_text_from_before_arming_is_not_the_reason(refused: str, message: str) -> None:
     """Neither of arming nor of the take-off."""
@@ -328,3 +336,55 @@ def test_reports_that_wait_are_processed_before_a_request(request_name: str) -> 
     vehicle.request_arm, vehicle.request_mode = arm, change_mode  # type: ignore[method-assign]
     assert fake_flight(vehicle).fly().problem is None
     assert requested_s[request_name] > verified_s[0 if request_name == "arm" else 1]
+
+
+def test_a_request_after_a_lost_one_waits_for_its_own_ack() -> None:
+    """That the first request for GUIDED is known to be lost says nothing about the second."""
+    vehicle = FakeVehicle(FakeClock())
+    times_s: list[float] = []
+    request_mode = vehicle.request_mode
+
+    def lose_two(mode: str) -> None:
+        if mode == "GUIDED":
+            times_s.append(vehicle.time_s)
+            if len(times_s) == 1:
+                vehicle.queue.append(RequestLost(Request.MODE))
+        if mode != "GUIDED" or len(times_s) > 2:
+            request_mode(mode)
+
+    vehicle.request_mode = lose_two  # type: ignore[method-assign]
+    assert fake_flight(vehicle).fly().problem is None
+    assert times_s[1] - times_s[0] == pytest.approx(1.2, abs=0.3)
+    assert times_s[2] - times_s[1] == pytest.approx(3.0, abs=0.3)
+
+
+def test_ctrl_c_while_a_second_arming_is_under_way_commands_rtl() -> None:
+    """The first one was refused, the second may yet succeed."""
+    vehicle = FakeVehicle(FakeClock())
+    requests: list[float] = []
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    def arm() -> None:
+        requests.append(vehicle.time_s)
+        if len(requests) == 1:
+            vehicle.queue.append(RequestAck(Request.ARM, False, "FAILED"))
+        else:
+            vehicle.arms_at_s = vehicle.time_s + 3.0
+            vehicle.schedule.append((vehicle.clock.now_s - vehicle.began_s + 1.0, interrupt))
+
+    vehicle.request_arm = arm  # type: ignore[method-assign]
+    with pytest.raises(KeyboardInterrupt):
+        fake_flight(vehicle).fly()
+    assert vehicle.mode == "RTL"
+
+
+def test_a_mission_that_another_station_changed_is_an_error() -> None:
+    """Before arming."""
+    message = (
+        "^the mission on board is not the one that was uploaded: another ground station changed it; "
+        "disconnect that station, then start again$"
+    )
+    with pytest.raises(VehicleError, match=message):
+        fake_flight(FakeVehicle(FakeClock(), verified=False)).fly()

@@ -1,0 +1,162 @@
+"""AUTO and the return: progress, its end, RTL and the landing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from flight_replay import events
+from flight_replay.events import DistanceToWaypoint, Phase, VehicleState, Waiting
+from flight_replay.mission.items import Mission, change_speed, waypoint
+from flight_replay.supervisor import Deadlines, Plan
+from flight_replay.supervisor.mission_phases import distance_to_item_m
+from flight_replay.supervisor.vehicle_interface import Heartbeat, MissionCurrent, Request, RequestAck
+from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
+from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
+from tests.helpers.supervised import fake_flight
+
+
+@pytest.mark.parametrize(("item_s", "ended"), [(1100.0, "duration"), (1400.0, "no progress")])
+def test_half_a_metre_a_minute_is_progress(item_s: float, ended: str) -> None:
+    """10 m between waypoints in 1100 s are 0.5 m in 55 s; in 1400 s they are 0.5 m in 70 s."""
+    flight = fake_flight(FakeVehicle(FakeClock(), item_s=item_s), duration_s=200.0)
+    record = flight.fly()
+    assert record.ended == ended
+    assert record.problem in (None, "the vehicle stopped on its way to item 1; find out why")
+
+
+def test_a_new_item_is_progress_even_without_a_position() -> None:
+    """Five commands that take 50 s each, and a waypoint."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=6, item_s=50.0), duration_s=None)
+    items = (*[change_speed(3.0)] * 5, waypoint(47.001, 8.0, 30.0))
+    flight.plan = replace(flight.plan, mission=Mission(items))
+    assert flight.fly().ended == "mission complete"
+
+
+def test_the_distance_is_emitted_once_a_second() -> None:
+    """From the first item on; 10 m between items, flown in 4 s each."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
+    flight.fly()
+    distances = flight.of(DistanceToWaypoint)
+    assert 50 <= len(distances) <= 62
+    assert min(event.seq for event in distances) == 1
+    assert {event.last_seq for event in distances} == {40}
+    of_item_2 = [event.distance_m or 0.0 for event in distances if event.seq == 2]
+    assert max(of_item_2) < 10.1
+    assert min(of_item_2) < 2.6
+
+
+@pytest.mark.parametrize(("seq", "distance_m"), [(0, None), (1, 10.0), (5, 50.0), (6, None)])
+def test_the_distance_is_that_to_the_current_item(seq: int, distance_m: float | None) -> None:
+    """None before the first item, and beyond the last one; None without a position."""
+    clock = FakeClock()
+    monitor = VehicleMonitor(FakeVehicle(clock), clock, events.ignore, Deadlines())
+    plan = Plan(mission=route(5))
+    monitor.mission = MissionCurrent(seq)
+    assert distance_to_item_m(monitor, plan) is None
+    monitor.state = VehicleState(1.0, 47.0, 8.0, 30.0, (0, 0, 0), None, "AUTO", True)
+    assert distance_to_item_m(monitor, plan) == (distance_m and pytest.approx(distance_m, abs=0.1))
+
+
+def test_a_mode_change_at_the_end_of_the_duration_is_the_pilots() -> None:
+    """The next heartbeat is waited for before RTL is commanded."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    request_mode = vehicle.request_mode
+
+    def take_over() -> None:
+        vehicle.mode = "LOITER"
+        vehicle.queue.append(Heartbeat("LOITER", True))
+
+    def request(mode: str) -> None:
+        request_mode(mode)
+        if mode == "AUTO":
+            vehicle.schedule.append((vehicle.clock.now_s - vehicle.began_s + 59.8, take_over))
+
+    vehicle.request_mode = request  # type: ignore[method-assign]
+    record = fake_flight(vehicle).fly()
+    assert record.ended == "pilot"
+    assert "RTL" not in vehicle.requested
+
+
+def test_disarming_without_a_status_text_has_no_reason() -> None:
+    """The message says so by leaving it out."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    vehicle.schedule.append((30.0, lambda: setattr(vehicle, "armed", False)))
+    record = fake_flight(vehicle).fly()
+    assert record.problem == "the vehicle disarmed in flight; find out why before flying again"
+
+
+@pytest.mark.parametrize(("acked", "fewest", "most"), [(True, 22, 28), (False, 100, 200)])
+def test_rtl_is_requested_until_a_heartbeat_confirms_it(acked: bool, fewest: int, most: int) -> None:
+    """Every 1.2 s once it is accepted, as often as an ack takes while it is not; for 30 s."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    request_mode = vehicle.request_mode
+
+    def ignore_rtl(mode: str) -> None:
+        if mode != "RTL":
+            request_mode(mode)
+            return
+        vehicle.requested.append(mode)
+        if acked:
+            vehicle.queue.append(RequestAck(Request.MODE, True))
+
+    vehicle.request_mode = ignore_rtl  # type: ignore[method-assign]
+    flight = fake_flight(vehicle)
+    record = flight.fly()
+    assert fewest <= vehicle.requested.count("RTL") <= most
+    assert record.problem == (
+        "the vehicle did not confirm RTL; take control with the transmitter or another ground station"
+    )
+
+
+def test_an_unexpected_mode_that_is_not_repeated_delays_rtl_by_two_seconds() -> None:
+    """One heartbeat of another mode, and then positions only: RTL is not held back for ever."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    times_s: list[float] = []
+    request_mode = vehicle.request_mode
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    def doubt() -> None:
+        vehicle.queue.append(Heartbeat("LOITER", True))
+        vehicle.heartbeat_s = vehicle.time_s + 5.0
+        vehicle.schedule.append((30.1, interrupt))
+
+    def request(mode: str) -> None:
+        if mode == "RTL":
+            times_s.append(vehicle.clock.now_s - vehicle.began_s)
+        request_mode(mode)
+
+    vehicle.request_mode = request  # type: ignore[method-assign]
+    vehicle.schedule.append((30.0, doubt))
+    with pytest.raises(KeyboardInterrupt):
+        fake_flight(vehicle).fly()
+    assert times_s[0] == pytest.approx(32.0, abs=0.25)
+
+
+def test_a_long_landing_is_awaited_while_the_vehicle_moves() -> None:
+    """From 200 m at 2.5 m/s it takes 80 s, longer than 60 s without progress would."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40), land=True, takeoff_altitude_m=200.0)
+    record = flight.fly()
+    assert (record.landed, record.problem) == (True, None)
+    waits = [event.reason for event in flight.of(Waiting) if event.phase is Phase.RETURN]
+    assert 65 <= len(waits) <= 80
+    assert waits[-1].endswith(" m above home")
+
+
+def test_land_on_the_way_home_is_a_landing_too() -> None:
+    """A failsafe may land the vehicle sooner: that is not somebody else's choice."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    request_mode = vehicle.request_mode
+
+    def request(mode: str) -> None:
+        request_mode(mode)
+        if mode == "RTL":
+            when_s = vehicle.clock.now_s - vehicle.began_s + 3.0
+            vehicle.schedule.append((when_s, lambda: setattr(vehicle, "mode", "LAND")))
+
+    vehicle.request_mode = request  # type: ignore[method-assign]
+    record = fake_flight(vehicle, land=True).fly()
+    assert (record.rtl_confirmed, record.landed, record.problem) == (True, True, None)
