@@ -36,8 +36,9 @@ def find_flights(track: Track) -> tuple[Flight, ...]:
     flown = track.armed == Armed.YES
     if (track.armed == Armed.UNKNOWN).all():
         flown = _moving(track)
+    along_m = np.append(0.0, np.cumsum(track.steps_m))
     return tuple(
-        _flight(track, number, first, last)
+        _flight(track, along_m, number, first, last)
         for number, (first, last) in enumerate(_stretches(track, flown), 1)
     )
 
@@ -114,8 +115,8 @@ def _moving(track: Track) -> Flags:
     return flown
 
 
-def _flight(track: Track, number: int, first: int, last: int) -> Flight:
-    """A flight of the fixes ``first`` to ``last``."""
-    start_s, end_s = track.time_s[[first, last]] - track.time_s[0]
-    length_m = track.select(slice(first, last + 1)).length_m
-    return Flight(number, float(start_s), float(end_s), last - first + 1, length_m, first, last)
+def _flight(track: Track, along_m: Floats, number: int, first: int, last: int) -> Flight:
+    """A flight of the fixes ``first`` to ``last``; ``along_m`` is the distance along the track (n,)."""
+    start_s, end_s = (float(track.time_s[end] - track.time_s[0]) for end in (first, last))
+    length_m = float(along_m[last] - along_m[first])
+    return Flight(number, start_s, end_s, last - first + 1, length_m, first, last)

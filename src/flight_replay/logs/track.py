@@ -58,10 +58,15 @@ class Track:
         return (frame or self.frame).to_metres(self.lat_deg, self.lon_deg)
 
     @property
+    def steps_m(self) -> Floats:
+        """Ground distances from fix to fix (n - 1,), metres."""
+        steps = np.diff(surface_xyz_m(self.lat_deg, self.lon_deg), axis=0)
+        return np.asarray(np.linalg.norm(steps, axis=1))
+
+    @property
     def length_m(self) -> float:
         """Ground distance along the fixes, metres."""
-        steps = np.diff(surface_xyz_m(self.lat_deg, self.lon_deg), axis=0)
-        return float(np.linalg.norm(steps, axis=1).sum())
+        return float(self.steps_m.sum())
 
 
 def track_from_columns(  # noqa: PLR0913

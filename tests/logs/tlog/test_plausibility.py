@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight_replay.geometry.arrays import Flags, Indices
+from flight_replay.geometry.arrays import Flags
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.logs.tlog import Log, read_log
-from flight_replay.logs.tlog.plausibility import _Moves
+from flight_replay.logs.tlog import Log, plausibility, read_log
 from tests.helpers.log_writer import LogWriter
 from tests.helpers.paths import other_log
 
@@ -115,13 +114,13 @@ def test_thousands_of_jumps_are_judged_in_a_few_steps(
     flight, steps = Flight(), []
     for _ in range(500):
         flight.to(5_000.0).to(0.0)
-    possible = _Moves.possible
+    possible = plausibility._possible
 
-    def counted(moves: _Moves, start: Indices, end: Indices) -> Flags:
-        steps.append(len(start))
-        return possible(moves, start, end)
+    def counted(start: plausibility._Ends, end: plausibility._Ends) -> Flags:
+        steps.append(len(start.time_s))
+        return possible(start, end)
 
-    monkeypatch.setattr(_Moves, "possible", counted)
+    monkeypatch.setattr(plausibility, "_possible", counted)
     assert flight.read(tmp_path).rejected == {"impossible jump": 500}
     assert len(steps) < 20
 

@@ -7,13 +7,16 @@ the vehicle itself reported nor any multicopter's speed can explain.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from enum import IntEnum
+from math import dist
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
-from flight_replay.geometry.geodesy import distance_m
+from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.logs.tlog.boot_clock import Clock
 from flight_replay.logs.tlog.columns import Fixes, Positions
 
@@ -93,20 +96,43 @@ def _wrong_side_of_jumps(positions: Positions, clock: Clock, left: Indices) -> F
     Jumps cut each boot into runs. Of all chains of runs that can follow each other, the one with
     most positions is believed: an outlier is left out, and so is a false start before a jump.
     """
-    wrong = np.zeros(len(left), np.bool_)
     boot = clock.boot[left]
     is_far = boot[1:] == boot[:-1]
     is_far &= _is_step(positions.lat_e7[left]) | _is_step(positions.lon_e7[left])
-    moves = _Moves(positions, clock.time_s, left)
     far = np.flatnonzero(is_far)
-    cuts = far[~moves.possible(far, far + 1)] + 1
-    for jumped in np.flatnonzero(np.bincount(boot[cuts])):
-        begin, end = np.searchsorted(boot, [jumped, jumped + 1])
-        firsts = np.concatenate([[begin], cuts[(cuts > begin) & (cuts < end)]])
-        lasts = np.append(firsts[1:], end) - 1
-        for run in _disbelieved(moves, firsts, lasts):
-            wrong[firsts[run] : lasts[run] + 1] = True
-    return wrong
+    possible = _possible(_ends(positions, clock, left[far]), _ends(positions, clock, left[far + 1]))
+    runs = _runs(boot, far[~possible] + 1)
+    wrong = np.zeros(len(left) + 1, np.int8)
+    if len(runs.first):
+        starts, ends = (_ends(positions, clock, left[index]) for index in (runs.first, runs.last))
+        disbelieved = ~_believed(runs, starts, ends)
+        wrong[runs.first[disbelieved]] += 1
+        wrong[runs.last[disbelieved] + 1] -= 1
+    return np.cumsum(wrong[:-1]) > 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Runs:
+    """Positions in a row without a jump, of boots that have jumps: ``first`` to ``last`` of ``boot`` (m,)."""
+
+    first: Indices
+    last: Indices
+    boot: Indices
+
+
+def _runs(boot: NDArray[np.int32], cuts: Indices) -> _Runs:
+    """The runs that begin at ``cuts``, and those before them.
+
+    Args:
+        boot: The boot of each position (n,), ascending.
+        cuts: Positions that a jump leads to, ascending.
+    """
+    bounds = np.concatenate([[0], np.flatnonzero(np.diff(boot)) + 1, [len(boot)]])
+    has_cut = np.diff(np.searchsorted(cuts, bounds)) > 0
+    first = np.sort(np.concatenate([bounds[:-1][has_cut], cuts]))
+    number = np.searchsorted(bounds, first, "right") - 1
+    last = np.minimum(np.append(first[1:], len(boot)), bounds[number + 1]) - 1
+    return _Runs(first, last, number)
 
 
 def _is_step(angle_e7: NDArray[np.int32]) -> Flags:
@@ -114,57 +140,95 @@ def _is_step(angle_e7: NDArray[np.int32]) -> Flags:
     return _beyond(np.diff(angle_e7), _SLACK_E7)
 
 
-class _Moves:
-    """Which moves between the positions ``left`` of a vehicle are possible."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ends:
+    """Where runs start or end: places (m, 3) in metres, times, and the speeds that they are trusted with."""
 
-    def __init__(self, positions: Positions, time_s: Floats, left: Indices) -> None:
-        self._positions, self._time_s, self._left = positions, time_s, left
+    xyz_m: Floats
+    time_s: Floats
+    fastest_m_s: Floats
 
-    def possible(self, start: Indices, end: Indices) -> Flags:
-        """Whether the vehicle can have moved from position ``start`` to ``end``, both (m,)."""
-        start, end = self._left[start], self._left[end]
-        lat, lon = self._positions.lat_e7, self._positions.lon_e7
-        apart_m = distance_m(lat[start] / 1e7, lon[start] / 1e7, lat[end] / 1e7, lon[end] / 1e7)
-        fastest_m_s = np.maximum(np.maximum(self._reported_m_s(start), self._reported_m_s(end)), _FASTEST_M_S)
-        return np.asarray(apart_m <= _SLACK_M + fastest_m_s * (self._time_s[end] - self._time_s[start]))
-
-    def _reported_m_s(self, index: Indices) -> Floats:
-        """The most that a vehicle which reports these velocities is trusted with."""
-        columns = self._positions.north_cm_s, self._positions.east_cm_s, self._positions.down_cm_s
-        squares = sum(column[index].astype(float) ** 2 for column in columns)
-        return np.asarray(_VELOCITY_FACTOR * np.sqrt(squares) / 100)
+    def select(self, keep: slice) -> _Ends:
+        return _Ends(self.xyz_m[keep], self.time_s[keep], self.fastest_m_s[keep])
 
 
-def _disbelieved(moves: _Moves, firsts: Indices, lasts: Indices) -> set[int]:
-    """The runs, from ``firsts`` to ``lasts`` (m,), that are not in the heaviest chain.
+def _ends(positions: Positions, clock: Clock, index: Indices) -> _Ends:
+    """The positions of an index array (m,)."""
+    xyz_m = surface_xyz_m(positions.lat_e7[index] / 1e7, positions.lon_e7[index] / 1e7)
+    columns = positions.north_cm_s, positions.east_cm_s, positions.down_cm_s
+    squares = sum(column[index].astype(float) ** 2 for column in columns)
+    reported_m_s = _VELOCITY_FACTOR * np.sqrt(squares) / 100
+    return _Ends(xyz_m, clock.time_s[index], np.maximum(reported_m_s, _FASTEST_M_S))
+
+
+def _possible(start: _Ends, end: _Ends) -> Flags:
+    """Whether the vehicle can have moved from each start to its end (m,)."""
+    apart_m = np.linalg.norm(end.xyz_m - start.xyz_m, axis=1)
+    fastest_m_s = np.maximum(start.fastest_m_s, end.fastest_m_s)
+    return np.asarray(apart_m <= _SLACK_M + fastest_m_s * (end.time_s - start.time_s))
+
+
+def _believed(runs: _Runs, starts: _Ends, ends: _Ends) -> Flags:
+    """Which runs (m,) are in the heaviest chain of their boot.
 
     Looks back at the last few runs and at the end of the heaviest chain so far, so that time does
-    not grow with the square of the number of runs.
+    not grow with the square of the number of runs. No call of numpy for each run: there may be a million.
     """
-    may_follow = _may_follow(moves, firsts, lasts)
-    weights = (lasts - firsts + 1).tolist()
+    earlier = _followed(runs, starts, ends).tolist()
+    can_move = _scalar_possible(starts, ends)
+    boots = runs.boot.tolist()
+    weights = (runs.last - runs.first + 1).tolist()
     before = [-1] * len(weights)
     heaviest = 0
+    chain_ends = []
     for run in range(1, len(weights)):
-        earlier = [run - back for back in range(_LOOK_BACK, 0, -1) if may_follow[back - 1][run]]
-        if heaviest < run - _LOOK_BACK and moves.possible(lasts[[heaviest]], firsts[[run]]).all():
-            earlier.insert(0, heaviest)
-        if earlier:
-            before[run] = max(earlier, key=weights.__getitem__)
-            weights[run] += weights[before[run]]
+        if boots[run] != boots[run - 1]:
+            chain_ends.append(heaviest)
+            heaviest = run
+            continue
+        best = heaviest if heaviest < run - _LOOK_BACK and can_move(heaviest, run) else -1
+        flags = earlier[run]
+        for back in range(_LOOK_BACK, 0, -1) if flags else ():
+            if flags >> (back - 1) & 1 and (best < 0 or weights[run - back] > weights[best]):
+                best = run - back
+        if best >= 0:
+            before[run] = best
+            weights[run] += weights[best]
         if weights[run] > weights[heaviest]:
             heaviest = run
-    chain = set()
-    while heaviest >= 0:
-        chain.add(heaviest)
-        heaviest = before[heaviest]
-    return set(range(len(weights))) - chain
+    return _chains(before, [*chain_ends, heaviest])
 
 
-def _may_follow(moves: _Moves, firsts: Indices, lasts: Indices) -> list[list[bool]]:
-    """Whether a run may follow the one before it, the second before it and so on: a row (m,) each."""
-    rows = np.zeros((_LOOK_BACK, len(firsts)), np.bool_)
-    for back in range(1, min(_LOOK_BACK, len(firsts) - 1) + 1):
-        rows[back - 1, back:] = moves.possible(lasts[:-back], firsts[back:])
-    rows_listed: list[list[bool]] = rows.tolist()
-    return rows_listed
+def _chains(before: list[int], last: list[int]) -> Flags:
+    """Which runs are in the chains that end at the runs ``last``."""
+    believed = np.zeros(len(before), np.bool_)
+    for chain_end in last:
+        run = chain_end
+        while run >= 0:
+            believed[run] = True
+            run = before[run]
+    return believed
+
+
+def _followed(runs: _Runs, starts: _Ends, ends: _Ends) -> NDArray[np.uint8]:
+    """Which of the runs before each run (m,) it may follow: bit 0 is the one before it, and so on."""
+    flags = np.zeros(len(runs.first), np.uint8)
+    for back in range(1, min(_LOOK_BACK, len(flags) - 1) + 1):
+        possible = _possible(ends.select(slice(None, -back)), starts.select(slice(back, None)))
+        possible &= runs.boot[back:] == runs.boot[:-back]
+        flags[back:] |= possible.astype(np.uint8) << np.uint8(back - 1)
+    return flags
+
+
+def _scalar_possible(starts: _Ends, ends: _Ends) -> Callable[[int, int], bool]:
+    """``_possible`` from the end of one run to the start of another, for single runs."""
+    start_xyz_m, end_xyz_m = starts.xyz_m.tolist(), ends.xyz_m.tolist()
+    start_s, end_s = starts.time_s.tolist(), ends.time_s.tolist()
+    start_m_s, end_m_s = starts.fastest_m_s.tolist(), ends.fastest_m_s.tolist()
+
+    def possible(earlier: int, later: int) -> bool:
+        fastest_m_s = max(end_m_s[earlier], start_m_s[later])
+        reach_m = _SLACK_M + fastest_m_s * (start_s[later] - end_s[earlier])
+        return bool(dist(end_xyz_m[earlier], start_xyz_m[later]) <= reach_m)
+
+    return possible

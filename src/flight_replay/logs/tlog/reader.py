@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from flight_replay.errors import LogError
-from flight_replay.geometry.arrays import Indices
+from flight_replay.geometry.arrays import Flags, Indices
 from flight_replay.logs.tlog import byte_source
 from flight_replay.logs.tlog.boot_clock import Clock, read_clock
-from flight_replay.logs.tlog.columns import AnyColumns, Positions, Records
+from flight_replay.logs.tlog.columns import AnyColumns, Fixes, Heartbeats, Positions, Records
 from flight_replay.logs.tlog.plausibility import REASONS, Verdict, judge
 from flight_replay.logs.tlog.scan import scan
 from flight_replay.logs.tlog.vehicles import VehicleCount, VehicleId, armed_at
 from flight_replay.logs.track import Track
+
+MAX_VEHICLES = 1000
+"""More in one log are noise or forged: judging each of the 65,025 that are possible would take minutes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,10 +64,7 @@ def read_log(
     with byte_source.opened(path) as opened:
         records, length = scan(opened, progress)
         name, head = opened.name, opened.head
-    found = sorted(
-        (_read_vehicle(records, int(key)) for key in np.flatnonzero(np.bincount(records.positions.vehicle))),
-        key=lambda each: -each.count.fixes,
-    )
+    found = sorted(_read_vehicles(records, vehicle), key=lambda each: -each.count.fixes)
     if not found:
         raise LogError(f"{name} {_nothing_of(records, head)}; name a telemetry log with --tlog")
     chosen = _choose(name, found, vehicle)
@@ -73,7 +73,7 @@ def read_log(
         bytes=length,
         vehicles=tuple(each.count for each in found),
         vehicle=chosen.count,
-        track=_track(records, chosen),
+        track=_track(chosen, records.heartbeats.select(records.heartbeats.vehicle == chosen.key)),
         without_position=chosen.empty,
         rejected=chosen.rejected,
     )
@@ -95,20 +95,44 @@ class _Found:
         return VehicleCount(self.key >> 8, self.key & 255, len(self.usable))
 
 
-def _read_vehicle(records: Records, key: int) -> _Found:
+def _read_vehicles(records: Records, wanted: VehicleId | None) -> Iterator[_Found]:
+    """Each vehicle of the log; of more than ``MAX_VEHICLES``, the ones with most positions and the wanted."""
+    counts = np.bincount(records.positions.vehicle)
+    keys = np.flatnonzero(counts)
+    if len(keys) > MAX_VEHICLES:
+        is_most = np.zeros(len(keys), np.bool_)
+        is_most[np.argsort(-counts[keys], kind="stable")[:MAX_VEHICLES]] = True
+        keys = keys[is_most if wanted is None else is_most | _is_named(keys, wanted)]
+    parts = zip(_split(records.positions, keys), _split(records.fixes, keys), strict=True)
+    for key, (positions, fixes) in zip(keys.tolist(), parts, strict=True):
+        yield _read_vehicle(key, positions, fixes, records.empty.get(key, 0))
+
+
+def _is_named(keys: Indices, wanted: VehicleId) -> Flags:
+    """Which of the keys ``wanted`` means."""
+    named = keys >> 8 == wanted.system
+    return np.asarray(named if wanted.component is None else named & (keys & 255 == wanted.component))
+
+
+def _split(columns: AnyColumns, keys: Indices) -> Iterator[AnyColumns]:
+    """The records of each of the vehicles ``keys``, each in the order of the log."""
+    if len(keys) == 1:
+        yield columns.select(columns.vehicle == keys[0])
+        return
+    order = np.argsort(columns.vehicle, kind="stable")
+    bounds = np.searchsorted(columns.vehicle[order], np.stack([keys, keys + 1]).astype(np.int64))
+    for first, end in bounds.T.tolist():
+        yield columns.select(order[first:end])
+
+
+def _read_vehicle(key: int, positions: Positions, fixes: Fixes, empty: int) -> _Found:
     """Judge the positions of the vehicle ``key`` (system id * 256 + component id)."""
-    positions = _of(records.positions, key)
     clock = read_clock(positions)
-    verdict = judge(positions, _of(records.fixes, key), clock)
+    verdict = judge(positions, fixes, clock)
     counts = np.bincount(verdict, minlength=len(Verdict))
     rejected = {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
     usable = clock.in_order(verdict == Verdict.NONE)
-    return _Found(key, positions, clock, usable, records.empty.get(key, 0), rejected)
-
-
-def _of(columns: AnyColumns, key: int) -> AnyColumns:
-    """The records of one vehicle."""
-    return columns.select(columns.vehicle == key)
+    return _Found(key, positions, clock, usable, empty, rejected)
 
 
 def _choose(name: str, found: list[_Found], wanted: VehicleId | None) -> _Found:
@@ -137,8 +161,8 @@ def _nothing_of(records: Records, head: bytes) -> str:
     return byte_source.what_it_is(head)
 
 
-def _track(records: Records, found: _Found) -> Track:
-    """A vehicle's fixes in SI units."""
+def _track(found: _Found, heartbeats: Heartbeats) -> Track:
+    """A vehicle's fixes in SI units; ``heartbeats`` are its own."""
     positions, at = found.positions, found.usable
     # The first fix keeps its vehicle's clock, and its boot is the first, whatever was before without one.
     time_s, boot = found.clock.time_s[at], found.clock.boot[at]
@@ -154,5 +178,5 @@ def _track(records: Records, found: _Found) -> Track:
         east_m_s=positions.east_cm_s[at] / 1e2,
         up_m_s=positions.down_cm_s[at] / -1e2,
         boot=boot,
-        armed=armed_at(positions.offset[at], boot, _of(records.heartbeats, found.key)),
+        armed=armed_at(positions.offset[at], boot, heartbeats),
     )

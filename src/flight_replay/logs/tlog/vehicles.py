@@ -97,5 +97,7 @@ def _forget_boots_before(
     following = np.append(told[1:], np.int8(Armed.UNKNOWN))[last]
     ends = np.append(firsts, len(armed))[last]
     old = (told[last] == Armed.YES) & (following != Armed.YES)
-    for start, end in zip(starts[old].tolist(), ends[old].tolist(), strict=True):
-        armed[start:end] = Armed.UNKNOWN
+    changes = np.zeros(len(armed) + 1, np.int64)
+    np.add.at(changes, starts[old], 1)
+    np.add.at(changes, ends[old], -1)
+    armed[np.cumsum(changes[:-1]) > 0] = Armed.UNKNOWN
