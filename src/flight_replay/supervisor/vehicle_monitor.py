@@ -231,7 +231,6 @@ class VehicleMonitor:
 
     @_process.register
     def _(self, rebooted: Rebooted) -> None:
-        self.prearm = None
         raise flight_ended.rebooted()
 
     def _reached_up_to(self, last_seq: int) -> None:
