@@ -57,7 +57,7 @@ def fit(  # noqa: PLR0913
 
     Args:
         track: fixes of one vehicle.
-        max_points: most waypoints; speed changes come on top.
+        max_points: most waypoints, of which at most ``WORK_FIXES`` are used; speed changes come on top.
         altitude_m: height above home, constant or as recorded (never below 5 m).
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
         limits: what the vehicle may do; ArduCopter's defaults if None.
@@ -71,6 +71,7 @@ def fit(  # noqa: PLR0913
     flown, notes = flown_part(track)
     timed = speed_m_s == RECORDED
     recording = local_track(flown, None if altitude_m == RECORDED else float(altitude_m))
+    max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = problem_for(recording, max_points, limits or Limits(), timed=timed)
     drafts = _drafts(problem, recording, flown, max_points)
     if speed_m_s is not None and speed_m_s != RECORDED:
