@@ -4,6 +4,8 @@ import gc
 import os
 import sys
 
+from flight_replay import signals
+
 
 def _open_closed_streams() -> None:
     """Open stdin, stdout and stderr on the null device where the program was started without (``>&-``).
@@ -17,15 +19,9 @@ def _open_closed_streams() -> None:
 
 def main() -> int:
     """Run the command line; returns the exit status."""
+    signals.exit_at_once("flight-replay: error: interrupted\n")
     _open_closed_streams()
-    try:
-        return _import_and_run()
-    except KeyboardInterrupt:
-        # The command line does not handle signals yet: nothing has been started that must be ended.
-        from flight_replay import signals
-
-        sys.stderr.write("flight-replay: error: interrupted\n")
-        return signals.INTERRUPTED_STATUS
+    return _import_and_run()
 
 
 def _import_and_run() -> int:
@@ -42,9 +38,9 @@ def _import_and_run() -> int:
     gc.freeze()
     gc.enable()
     status = main.main()
+    signals.ignore()
     if status == signals.INTERRUPTED_STATUS or _thread_is_stuck():
-        # A second Ctrl-C while the interpreter exits would change the exit status, and flushing a stream
-        # that another thread is stuck in would wait for ever.
+        # Flushing a stream that another thread is stuck in would wait for ever.
         os._exit(status)
     # Python would change the exit status if standard error is full.
     terminal.flush_or_discard(sys.stderr)

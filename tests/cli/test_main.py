@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from flight_replay import __main__ as program
 from flight_replay.cli.main import main
 from flight_replay.logs.sample import sample_log
 
@@ -145,16 +144,3 @@ def test_a_closed_pipe_is_no_error() -> None:
         errors = process.stderr.read().decode()
     assert "Error" not in errors
     assert "Exception" not in errors
-
-
-def test_an_interrupt_during_the_imports(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Ctrl-C while modules are imported shows no traceback."""
-
-    def interrupted() -> int:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("flight_replay.cli.main.main", interrupted)
-    assert program.main() == 130
-    assert capsys.readouterr().err == "flight-replay: error: interrupted\n"

@@ -6,6 +6,7 @@ which is one line on stderr, 2 wrong usage, 130 interrupted.
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 import threading
@@ -27,6 +28,7 @@ from flight_replay.output.console.console import Console, open_console
 from flight_replay.output.console.terminal import (
     PrintableFormatter,
     flush_or_discard,
+    show_cursor,
     write_error,
     write_line,
 )
@@ -61,7 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             return _run(options, arguments)
         except KeyboardInterrupt:
-            _report("interrupted")
+            _report("interrupted", interrupted=True)
             return signals.INTERRUPTED_STATUS
 
 
@@ -84,10 +86,12 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
     return 0 if problem is None else 1
 
 
-def _report(problem: str) -> None:
+def _report(problem: str, *, interrupted: bool = False) -> None:
     """Write the error line; a terminal or pipe that does not take it does not keep the program."""
-    background = Background("error line", capacity=1)
+    background = Background("error line", capacity=2)
     background.submit(lambda: write_error(sys.stderr, problem))
+    if interrupted:  # It may have kept the console from doing so.
+        background.submit(lambda: show_cursor(sys.stdout, sys.stderr))
     background.close(_ERROR_LINE_S)
 
 
@@ -138,7 +142,8 @@ def _signals_as_keyboard_interrupt() -> Iterator[None]:
     """Raise KeyboardInterrupt on SIGTERM and SIGHUP too, so that they return the vehicle as Ctrl-C does.
 
     Further signals are ignored while the program exits: they must not keep RTL from being commanded.
-    A signal that was ignored before (``nohup``) still is.
+    A signal that was ignored before (``nohup``) still is. The handlers of before are back afterwards, but
+    not after an interrupt: the program exits then, and more signals must not end it in another way.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -159,5 +164,6 @@ def _signals_as_keyboard_interrupt() -> Iterator[None]:
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        if math.isinf(interrupted_s):
+            for number, handler in before.items():
+                signal.signal(number, handler)

@@ -69,4 +69,8 @@ class BackgroundConsole:
     def __exit__(self, kind: type[BaseException] | None, error: object, trace: object) -> None:
         """Wait until all is written; after an exception, no longer than a moment."""
         self._thread.submit(lambda: self._context.__exit__(None, None, None))
-        self._thread.close(None if kind is None else _INTERRUPTED_CLOSE_S)
+        try:
+            self._thread.close(None if kind is None else _INTERRUPTED_CLOSE_S)
+        except KeyboardInterrupt:
+            self._thread.close(_INTERRUPTED_CLOSE_S)
+            raise

@@ -31,6 +31,15 @@ def write_error(stream: TextIO, message: str, environment: Mapping[str, str] = o
     write_verbatim(stream, f"flight-replay: {error} {printable(message, stream)}")
 
 
+def show_cursor(*streams: TextIO) -> None:
+    """Show the cursor, which a live display hides, on each stream that is a terminal."""
+    for stream in streams:
+        if is_capable_terminal(stream):
+            with suppress(OSError):
+                stream.write("\x1b[?25h")
+                stream.flush()
+
+
 def write_line(stream: TextIO, text: str) -> None:
     """Write a line; a stream that fails must not end a flight: ``flush_or_discard`` tells of it."""
     write_verbatim(stream, printable(text, stream))
