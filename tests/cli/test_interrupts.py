@@ -9,10 +9,12 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
 from tests.helpers.paths import SAMPLE
+from tests.output.live_map.test_server import FLOOD
 
 EXIT_TIMEOUT_S = 10.0
 OPTIONS = ["--tlog", str(SAMPLE), "--speedup", "8", "--takeoff-altitude", "10"]
@@ -90,6 +92,39 @@ def test_further_signals_do_not_prevent_rtl(scratch: Path) -> None:
     assert status == 130
     assert "The vehicle confirmed RTL" in output
     assert "Traceback" not in output
+
+
+@pytest.mark.slow
+def test_a_flood_of_the_live_map_does_not_hold_up_the_way_home(scratch: Path) -> None:
+    """RTL is confirmed and the program exits in time, while its page is requested without a pause."""
+    process = subprocess.Popen(
+        [sys.executable, "-u", "-m", "flight_replay", *OPTIONS, "--sim", "builtin", "--map"],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=scratch.parent,
+        env={**os.environ, "TMPDIR": str(scratch)},
+    )  # fmt: skip
+    assert process.stdout is not None
+    output, floods = "", []
+    with process.stdout:
+        for line in process.stdout:
+            output += line
+            if line.startswith("Live map: "):
+                url = urlsplit(line.split()[2])
+                command = [sys.executable, "-c", FLOOD, str(url.port), url.path]
+                floods.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
+            if "Distance to waypoint" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        began_s = time.monotonic()
+        output += process.stdout.read()
+    status = process.wait(30)
+    took_s = time.monotonic() - began_s
+    for flood in floods:
+        flood.kill()
+        flood.wait()
+    assert (status, len(floods)) == (130, 1)
+    assert "The vehicle confirmed RTL" in output
+    assert "Traceback" not in output
+    assert took_s < EXIT_TIMEOUT_S
 
 
 def test_an_ignored_signal_stays_ignored(scratch: Path) -> None:
