@@ -191,13 +191,13 @@ def test_an_interrupt_at_any_moment_leaves_nothing_behind(tmp_path: Path, chunk:
     """Status 130 in 10 s, the cursor shown, the terminal as before, no process, no file, no traceback."""
     chance = random.Random(1400 + chunk)
     length = length_s(tmp_path)
-    endings = []
-    for number in range(MOMENTS_PER_CHUNK):
-        moment_s = chance.uniform(0.0, IMPORTS_S if number % 5 == 0 else length)
+    endings: list[Ending] = []
+    # A run may end before its moment: so many are interrupted, nevertheless.
+    while sum(not ending.finished for ending in endings) < MOMENTS_PER_CHUNK:
+        moment_s = chance.uniform(0.0, IMPORTS_S if len(endings) % 5 == 0 else length)
         endings.append(interrupted(tmp_path, moment_s, chance.choice(INTERRUPTS)))
+        assert len(endings) < 2 * MOMENTS_PER_CHUNK
     failures = [ending for ending in endings if ending.problems]
     slowest_s = max(ending.exit_s for ending in endings)
-    in_time = [ending for ending in endings if not ending.finished]
-    sys.stdout.write(f"{len(in_time)} interrupts of runs of {length:.1f} s, slowest exit {slowest_s:.2f} s\n")
+    sys.stdout.write(f"{len(endings)} runs of {length:.1f} s, slowest exit {slowest_s:.2f} s\n")
     assert not failures, "\n".join(f"{each.moment_s:.3f} s: {', '.join(each.problems)}" for each in failures)
-    assert len(in_time) > 0.7 * MOMENTS_PER_CHUNK
