@@ -49,3 +49,31 @@ def test_axes_point_north_and_east(lat_deg: float) -> None:
     assert north == pytest.approx([math.radians(step_deg) * meridian_m, 0], abs=1e-4)
     across_m = math.radians(step_deg) * vertical_m * math.cos(math.radians(lat_deg))
     assert east == pytest.approx([0, across_m], abs=1e-4)
+
+
+def test_any_shape_of_positions_is_taken() -> None:
+    """A single position gives one row, a grid a grid of rows, in both directions and for distances."""
+    frame = LocalFrame(47.39, 8.54)
+    assert frame.to_metres(47.39, 8.54).tolist() == [0.0, 0.0]
+    assert frame.to_metres(47.3901, 8.5401).shape == (2,)
+    assert float(frame.to_degrees([0.0, 0.0])[0]) == pytest.approx(47.39, abs=1e-12)
+    grid = np.random.default_rng(3).uniform(-900, 900, (3, 4, 2))
+    lat, lon = frame.to_degrees(grid)
+    assert lat.shape == lon.shape == (3, 4)
+    assert frame.to_metres(lat, lon) == pytest.approx(grid, abs=1e-6)
+    assert distance_m(lat, lon, 47.39, 8.54) == pytest.approx(np.hypot(*np.moveaxis(grid, -1, 0)), rel=1e-6)
+    assert float(distance_m(47.39, 8.54, 47.3901, 8.54)) == pytest.approx(11.12, abs=0.01)
+
+
+@pytest.mark.parametrize("lon_deg", [45.0, 89.0])
+def test_far_positions_are_roughly_as_far(lon_deg: float) -> None:
+    """Up to a quarter around the earth, distances from the origin are within 1 % along the equator."""
+    north_m, east_m = LocalFrame(0.0, 0.0).to_metres(0.0, lon_deg)
+    assert east_m == pytest.approx(math.radians(lon_deg) * A_M, rel=0.01)
+    assert north_m == pytest.approx(0.0, abs=1.0)
+
+
+def test_beyond_a_quarter_of_the_earth_metres_are_numbers() -> None:
+    """The other side of the earth cannot be drawn in the frame, and gives no error either."""
+    assert np.isfinite(LocalFrame(10.0, 20.0).to_metres([-10.0, 0.0, 80.0], [-160.0, 110.0, 200.0])).all()
+    assert np.isfinite(LocalFrame(0.0, 0.0).to_degrees([0.0, 1.2e7])).all()

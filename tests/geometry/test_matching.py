@@ -1,5 +1,8 @@
 """Fixes matched to a path going forwards only."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,9 +10,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from flight_replay.geometry import matching
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.distances import path_errors_m
 from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.monotone_path import cheapest_monotone_path
 
 PLACES = st.floats(-20, 20, allow_nan=False, width=32)
 
@@ -77,29 +81,98 @@ def test_any_matching_is_in_order_and_no_nearer_than_the_path(fixes: Floats, pat
     assert match.distance_m.sum() <= smallest_sum(fixes, path, 0.02) + 0.01 * len(fixes)
 
 
-def test_the_two_step_search_finds_what_the_whole_search_finds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Coarse first, then within a band, gives the same matching on a path that crosses itself ten times."""
+@dataclass
+class Bands:
+    """The searches that matchings made: for each, the bounds (low, high) on the column of every row."""
+
+    searches: list[tuple[Indices, Indices]]
+
+    @property
+    def columns(self) -> int:
+        """How many pieces the path of the last search had."""
+        return int(self.searches[-1][1].max())
+
+
+@pytest.fixture
+def bands(monkeypatch: pytest.MonkeyPatch) -> Bands:
+    """What is searched, while it is."""
+    seen = Bands([])
+
+    def watched(costs_of: Callable[[slice, slice], Floats], low: Indices, high: Indices) -> Indices:
+        seen.searches.append((low, high))
+        return cheapest_monotone_path(costs_of, low, high)
+
+    monkeypatch.setattr(matching, "cheapest_monotone_path", watched)
+    return seen
+
+
+def test_a_path_that_crosses_itself_is_matched_alike_in_bands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coarse first, then within a band, gives the same matching on ten figures of eight."""
     turn = np.linspace(0, 20 * np.pi, 1200)
     eight = np.stack([50 * np.sin(turn), 25 * np.sin(2 * turn)], axis=1)
     fixes = scattered(eight, 700, 0.3)
     whole = match_in_order(fixes, eight)
     monkeypatch.setattr(matching, "MAX_PAIRS_SEARCHED_WHOLE", 1000)
-    assert np.allclose(match_in_order(fixes, eight).along_m, whole.along_m)
+    found = match_in_order(fixes, eight)
+    assert np.allclose(found.along_m, whole.along_m)
+    assert (found.segment == whole.segment).all()
 
 
-def test_a_band_too_narrow_is_widened(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 5, 7])
+def test_a_band_too_narrow_is_widened(seed: int, monkeypatch: pytest.MonkeyPatch, bands: Bands) -> None:
     """Where the answer touches the band's edge the band grows, until the answer is the whole search's."""
-    path = wander(3, 300, 2.0)
+    path = wander(seed, 300, 2.0)
     fixes = scattered(path, 200, 3.0)
-    whole = match_in_order(fixes, path)
-    for name, value in (
-        ("MAX_PAIRS_SEARCHED_WHOLE", 1000),
-        ("BAND_M", 0.5),
-        ("COARSE_FIXES", 8),
-        ("COARSE_PIECES", 12),
-    ):
+    whole = match_in_order(fixes, path).distance_m.sum()
+    narrow = {"MAX_PAIRS_SEARCHED_WHOLE": 1000, "BAND_M": 0.5, "COARSE_FIXES": 200, "COARSE_PIECES": 12}
+    for name, value in narrow.items():
         monkeypatch.setattr(matching, name, value)
-    assert match_in_order(fixes, path).distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=0.02)
+    assert match_in_order(fixes, path).distance_m.sum() == pytest.approx(whole, abs=1e-9)
+    assert len(bands.searches) > 3
+    monkeypatch.setattr(matching, "_widened_band", lambda *_: None)
+    assert match_in_order(fixes, path).distance_m.sum() > whole + 0.1
+
+
+def test_a_band_grows_only_where_the_answer_touches_it() -> None:
+    """By its own width, to either side, not beyond the path's ends, and rows stay in order."""
+    low, high = np.array([0, 4, 8]), np.array([6, 10, 12])
+    assert matching._widened_band(np.array([0, 6, 11]), low, high, 12) is None
+    grown = matching._widened_band(np.array([5, 6, 8]), low, high, 12)
+    assert grown is not None
+    assert [bound.tolist() for bound in grown] == [[0, 4, 4], [12, 12, 12]]
+    grown = matching._widened_band(np.array([3, 9, 9]), low, high, 99)
+    assert grown is not None
+    assert [bound.tolist() for bound in grown] == [[0, 4, 8], [6, 16, 16]]
+    grown = matching._widened_band(np.array([3, 4, 9]), np.array([2, 4, 8]), high, 12)
+    assert grown is not None
+    assert [bound.tolist() for bound in grown] == [[0, 0, 8], [6, 10, 12]]
+
+
+def test_a_long_path_is_searched_within_40_m_of_the_coarse_matching(bands: Bands) -> None:
+    """A thousand fixes on 20 km: each is held against 80 m of path and a coarse piece, not against all."""
+    fixes = np.column_stack([np.linspace(0.0, 20_000.0, 1000), np.ones(1000)])
+    match = match_in_order(fixes, [[0, 0], [20_000, 0]])
+    assert match.along_m == pytest.approx(fixes[:, 0])
+    assert match.distance_m == pytest.approx(np.ones(1000))
+    (_, coarse), (low, high) = bands.searches
+    assert (len(coarse), coarse.max()) == (1000, 4000)
+    inner = slice(10, -10)
+    piece_m = 20_000.0 / bands.columns
+    ahead_m = high[inner] * piece_m - fixes[inner, 0]
+    behind_m = fixes[inner, 0] - low[inner] * piece_m
+    assert (ahead_m >= 40.0).all() and (behind_m >= 40.0).all()
+    assert np.median(ahead_m + behind_m) < 80.0 + 5.0 + 2 * piece_m
+
+
+def test_many_fixes_are_matched_coarsely_by_some_of_them(bands: Bands) -> None:
+    """1500 of 9000 fixes go first; those between them may lie anywhere between."""
+    path = wander(4, 2000, 1.0)
+    fixes = scattered(path, 9000, 0.5)
+    match_in_order(fixes, path)
+    (_, coarse), (low, high), *_ = bands.searches
+    assert (len(coarse), len(low)) == (1500, 9000)
+    assert (np.diff(low) >= 0).all() and (np.diff(high) >= 0).all()
+    assert (low[1:] < high[:-1]).all()
 
 
 def test_fixes_farther_apart_than_the_band_are_matched(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,9 +184,52 @@ def test_fixes_farther_apart_than_the_band_are_matched(monkeypatch: pytest.Monke
     assert match.distance_m == pytest.approx(np.ones(len(north)))
 
 
+@pytest.mark.parametrize(
+    ("fixes", "length_m", "piece_m"),
+    [(10, 10.0, 0.01), (1000, 1000.0, 0.125), (1000, 5000.0, 0.25)],
+    ids=["centimetres", "8 million pairs", "a quarter of a metre"],
+)
+def test_pieces_are_as_short_as_time_allows(
+    fixes: int, length_m: float, piece_m: float, bands: Bands
+) -> None:
+    """Eight million pairs of fix and piece are affordable; pieces are 1 to 25 cm long."""
+    match_in_order(np.zeros((fixes, 2)), [[0.0, 0.0], [length_m, 0.0]])
+    assert bands.columns == pytest.approx(length_m / piece_m, abs=1)
+
+
+def test_longer_pieces_are_searched_when_asked_for(bands: Bands) -> None:
+    """No piece is longer than asked for, and none reaches over a corner."""
+    match_in_order([[0, 0]], [[0.0, 0.0], [10.0, 0.0], [10.0, 0.5], [10.0, 3.0]], piece_m=2.0)
+    assert bands.columns == 5 + 1 + 2
+
+
+def test_a_path_may_stand_still() -> None:
+    """Equal points make segments without length, which fixes are matched to like any other."""
+    match = match_in_order([[1, 1], [4, 0], [9, 2]], [[0, 0], [0, 0], [5, 0], [5, 0], [5, 0], [10, 0]])
+    assert match.distance_m == pytest.approx([1, 0, 2])
+    assert match.along_m == pytest.approx([1, 4, 9])
+
+
+def test_crowded_fixes_share_the_best_position() -> None:
+    """Fixes out of order on one piece stand at one position, the one with the smallest sum of distances."""
+    fixes = np.array([[2.0, 0.5], [6.0, 3.0], [5.0, 0.1], [4.0, 1.0], [9.0, 0.0]])
+    match = match_in_order(fixes, [[0, 0], [10, 0]], piece_m=10.0)
+    along = match.along_m
+    assert along[0] == pytest.approx(2.0)
+    assert along[4] == pytest.approx(9.0)
+    assert along[1] == along[2] == along[3]
+    shared = np.linspace(0, 10, 10_001)
+    sums = np.hypot(fixes[1:4, :1] - shared, fixes[1:4, 1:]).sum(axis=0)
+    assert along[2] == pytest.approx(shared[sums.argmin()], abs=0.005)
+    assert match.distance_m == pytest.approx(np.hypot(fixes[:, 0] - along, fixes[:, 1]))
+
+
 def test_one_point_is_a_path() -> None:
-    """A path of one point takes every fix; none at all is refused, and no fixes give no distances."""
-    assert path_errors_m([[3, 4], [0, 1]], [[0, 0]]) == pytest.approx([5, 1])
-    assert path_errors_m(np.zeros((0, 2)), [[0, 0]]).shape == (0,)
+    """A path of one point takes every fix; none at all is refused, and no fixes give an empty matching."""
+    match = match_in_order([[3, 4], [0, 1]], [[0, 0]])
+    assert match.distance_m == pytest.approx([5, 1])
+    assert (match.along_m.tolist(), match.segment.tolist()) == ([0, 0], [0, 0])
+    empty = match_in_order([], [[0, 0], [1, 0]])
+    assert [len(column) for column in (empty.distance_m, empty.along_m, empty.segment)] == [0, 0, 0]
     with pytest.raises(ValueError, match="at least one point"):
         match_in_order([[0, 0]], np.zeros((0, 2)))

@@ -7,16 +7,21 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pytest
 
+from flight_replay.geometry.arrays import Indices
 from flight_replay.geometry.monotone_path import cheapest_monotone_path
 
+Costs = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
-@pytest.mark.parametrize("seed", range(20))
-def test_no_other_forward_choice_costs_less(seed: int) -> None:
-    """Against every possible choice, with bands and without."""
+
+@pytest.mark.parametrize("banded_below", [False, True])
+@pytest.mark.parametrize("banded_above", [False, True])
+@pytest.mark.parametrize("seed", range(10))
+def test_no_other_monotone_choice_costs_less(seed: int, banded_below: bool, banded_above: bool) -> None:
+    """Against every possible choice, with bounds on either side and without."""
     chance = np.random.default_rng(seed)
     costs = chance.random((5, 9))
-    low = np.sort(chance.integers(0, 4, 5)) * (seed % 2)
-    high = np.maximum(np.sort(chance.integers(5, 10, 5)), 9 * ((seed + 1) % 2))
+    low = np.sort(chance.integers(0, 4, 5)) * banded_below
+    high = np.sort(chance.integers(5, 10, 5)) if banded_above else np.full(5, 9)
     chosen = cheapest_monotone_path(lambda rows, where: costs[rows, where].copy(), low, high)
     assert (np.diff(chosen) >= 0).all()
     assert ((low <= chosen) & (chosen < high)).all()
@@ -28,6 +33,30 @@ def test_no_other_forward_choice_costs_less(seed: int) -> None:
     assert costs[np.arange(5), chosen].sum() == pytest.approx(min(possible))
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_many_rows_cost_as_little_as_one_row_after_the_other(seed: int) -> None:
+    """Rows are looked at in blocks whose columns move on; the sum is that of a plain search."""
+    chance = np.random.default_rng(seed)
+    rows, columns = 150, 120
+    costs = chance.random((rows, columns)) + 0.05 * np.abs(np.arange(rows)[:, None] - np.arange(columns))
+    low = np.sort(chance.integers(0, columns - 1, rows))
+    high = np.minimum(np.maximum.accumulate(low + chance.integers(1, 30, rows)), columns)
+    high = np.maximum(high, np.append(low[1:] + 1, 0))
+    chosen = cheapest_monotone_path(lambda some, where: costs[some, where].copy(), low, high)
+    assert (np.diff(chosen) >= 0).all()
+    assert ((low <= chosen) & (chosen < high)).all()
+    assert costs[np.arange(rows), chosen].sum() == pytest.approx(smallest_sum(costs, low, high))
+
+
+def smallest_sum(costs: Costs, low: Indices, high: Indices) -> float:
+    """The sum of costs of the best choice, found row by row over all columns."""
+    column, best = np.arange(costs.shape[1]), np.zeros(costs.shape[1])
+    for row, first, end in zip(costs, low, high, strict=True):
+        allowed = (first <= column) & (column < end)
+        best = np.minimum.accumulate(best) + np.where(allowed, row, np.inf)
+    return float(best.min())
+
+
 def test_bands_that_only_touch_are_followed() -> None:
     """Rows in blocks of their own, whose bands share a single column with the next block's."""
     rows = 100
@@ -37,7 +66,7 @@ def test_bands_that_only_touch_are_followed() -> None:
     assert chosen.tolist() == (low + 2).tolist()
 
 
-def _apart(some: slice, where: slice) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def _apart(some: slice, where: slice) -> Costs:
     """Costs that are least at the third column of each row's band."""
     wanted = np.arange(100)[some] * 3 + 2
     return np.abs(np.arange(where.start, where.stop)[None, :] - wanted[:, None]).astype(float)

@@ -1,22 +1,62 @@
-"""Recorded altitudes: which are plausible, and none too low."""
+"""Altitudes to fly at: constant, or as recorded where that is plausible and not too low."""
 
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from flight_replay.planning.altitude import MIN_ALTITUDE_M, plausible_altitudes_m
-from tests.helpers.fit_tracks import (
-    along,
-)
+from flight_replay.logs.track import Track
+from flight_replay.mission.items import Home
+from flight_replay.planning.altitude import MIN_ALTITUDE_M, altitudes_m, home_of, plausible_altitudes_m
+from tests.helpers.made_tracks import straight_track
 
 
-def test_heights_before_home_was_set_are_not_believed() -> None:
-    """Heights of 580 m that come from home not being set yet are replaced by the first believable one."""
-    track = along([(0, 0), (30, 0)], 3.0)
-    heights = np.full(len(track), 12.0)
-    heights[:5] = 412.0
-    heights[-1] = -1.0
-    strange = replace(track, alt_m=heights, amsl_m=np.full(len(track), 412.0))
-    assert plausible_altitudes_m(strange)[:6].tolist() == [12.0] * 6
-    strange = replace(track, alt_m=np.full(len(track), np.nan))
-    assert (plausible_altitudes_m(strange) == MIN_ALTITUDE_M).all()
+def track_at(alt_m: list[float], home_amsl_m: float | list[float] = 400.0) -> Track:
+    """One fix a second at altitudes above a home that is so high above the sea."""
+    track = straight_track(fixes=len(alt_m), altitudes_m=alt_m)
+    return replace(track, amsl_m=track.alt_m + np.asarray(home_amsl_m, float))
+
+
+def test_home_is_the_ground_below_the_first_fix() -> None:
+    """Its altitude above the sea is what the fix is higher above the sea than above home, or 0."""
+    track = track_at([12.0, 50.0], [400.0, 300.0])
+    home = Home(float(track.lat_deg[0]), float(track.lon_deg[0]), 400.0)
+    assert home_of(track) == home
+    assert home_of(replace(track, amsl_m=np.full(2, np.nan))) == replace(home, alt_amsl_m=0.0)
+
+
+def test_a_given_altitude_is_flown_whatever_was_recorded() -> None:
+    """Even below the lowest recorded altitude that is flown."""
+    assert altitudes_m(track_at([12.0, 50.0]), 3.0).tolist() == [3.0, 3.0]
+
+
+def test_recorded_altitudes_are_flown_but_none_below_the_lowest() -> None:
+    """Whatever lies below 5 m is flown at 5 m."""
+    assert altitudes_m(track_at([-1.0, 4.9, 5.1, 70.0]), "recorded").tolist() == [5.0, 5.0, 5.1, 70.0]
+
+
+def test_altitudes_from_before_home_was_set_are_replaced() -> None:
+    """A home more than 20 m off the boot's median is implausible; the next plausible altitude is taken."""
+    track = track_at([420.0, 10.0, 11.0, 12.0, 13.0, 14.0], [0.0, 420.1, 400.0, 400.0, 419.9, 400.0])
+    assert plausible_altitudes_m(track).tolist() == [11.0, 11.0, 11.0, 12.0, 13.0, 14.0]
+
+
+def test_at_the_end_the_last_plausible_altitude_is_taken() -> None:
+    """Nothing plausible follows there."""
+    track = track_at([10.0, 11.0, 12.0, 500.0, np.nan], [400.0, 400.0, 400.0, -90.0, 400.0])
+    assert plausible_altitudes_m(track).tolist() == [10.0, 11.0, 12.0, 12.0, 12.0]
+
+
+def test_each_boot_has_its_own_home() -> None:
+    """A home that is 100 m higher after a reboot is as plausible as the first one."""
+    track = track_at([10.0, 11.0, 12.0, 13.0, 14.0], [400.0, 400.0, 500.0, 500.0, 400.0])
+    track = replace(track, boot=np.array([0, 0, 1, 1, 1], np.int32))
+    assert plausible_altitudes_m(track).tolist() == [10.0, 11.0, 12.0, 13.0, 13.0]
+
+
+@pytest.mark.parametrize("boots", [[0, 0, 0], [0, 1, 1]])
+def test_unknown_altitudes_are_the_lowest_that_is_flown(boots: list[int]) -> None:
+    """Without any altitude above home or above the sea, none is plausible."""
+    track = replace(track_at([30.0, 30.0, 30.0]), boot=np.array(boots, np.int32))
+    for unknown in (replace(track, alt_m=np.full(3, np.nan)), replace(track, amsl_m=np.full(3, np.nan))):
+        assert plausible_altitudes_m(unknown).tolist() == [MIN_ALTITUDE_M] * 3

@@ -7,11 +7,7 @@ import pytest
 
 from flight_replay.logs.track import Armed
 from flight_replay.planning.flown_part import flown_part
-from tests.helpers.fit_tracks import (
-    along,
-    hover,
-    joined,
-)
+from tests.helpers.fit_tracks import along, hover, joined
 
 
 def test_the_flown_part_leaves_out_the_ground_and_closes_the_gap() -> None:

@@ -20,6 +20,8 @@ EQUATORIAL_RADIUS_M = 6378137.0
 FLATTENING = 1 / 298.257223563
 _POLAR_RADIUS_M = EQUATORIAL_RADIUS_M * (1 - FLATTENING)
 _ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)
+_TINY = 1e-300
+"""Keeps 0 / 0 at the origin a number; what is multiplied with it is 0 there."""
 
 
 def surface_xyz_m(lat_deg: ArrayLike, lon_deg: ArrayLike) -> Floats:
@@ -63,7 +65,7 @@ class LocalFrame:
         plane = (surface_xyz_m(lat_deg, lon_deg) - origin) @ axes[:2].T
         # A sphere's tangent plane shows ground distance d as R sin(d / R).
         sine = np.minimum(np.linalg.norm(plane, axis=-1, keepdims=True) / EQUATORIAL_RADIUS_M, 1.0)
-        stretched = plane * np.where(sine > 0, np.arcsin(sine) / np.maximum(sine, 1e-300), 1.0)
+        stretched = plane * (np.arcsin(sine) / np.maximum(sine, _TINY))
         return np.asarray(stretched[..., ::-1])
 
     def to_degrees(self, north_east_m: ArrayLike) -> tuple[Floats, Floats]:
@@ -71,7 +73,7 @@ class LocalFrame:
         origin, axes = self._axes()
         stretched = np.asarray(north_east_m, float)[..., ::-1]
         angle = np.linalg.norm(stretched, axis=-1, keepdims=True) / EQUATORIAL_RADIUS_M
-        plane = stretched * np.where(angle > 0, np.sin(angle) / np.maximum(angle, 1e-300), 1.0)
+        plane = stretched * (np.sin(angle) / np.maximum(angle, _TINY))
         xyz = _drop_to_surface(origin + plane @ axes[:2], axes[2])
         flat = np.hypot(xyz[..., 0], xyz[..., 1])
         lat = np.arctan2(xyz[..., 2], flat * (1 - _ECCENTRICITY_SQUARED))

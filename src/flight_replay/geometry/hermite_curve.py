@@ -23,8 +23,8 @@ def tangent_scale(chord_m: Floats, leaving_m: Floats, arriving_m: Floats) -> Flo
         leaving_m: tangents at the origin (n, d).
         arriving_m: tangents at the destination (n, d).
     """
-    longest = MAX_TANGENTS_PER_CHORD * np.linalg.norm(chord_m, axis=-1)
-    together = np.linalg.norm(leaving_m, axis=-1) + np.linalg.norm(arriving_m, axis=-1)
+    longest = MAX_TANGENTS_PER_CHORD * np.linalg.norm(chord_m, axis=1)
+    together = np.linalg.norm(leaving_m, axis=1) + np.linalg.norm(arriving_m, axis=1)
     scale: Floats = np.divide(longest, together, out=np.ones_like(longest), where=together > longest)
     return scale
 
@@ -36,7 +36,7 @@ def curve_weights(t: Floats) -> Floats:
     """
     destination = t * t * (3.0 - 2.0 * t)
     leaving, arriving = t * (1.0 - t) ** 2, t * t * (t - 1.0)
-    return np.stack([1.0 - destination, destination, leaving, arriving], axis=-1)
+    return np.stack([1.0 - destination, destination, leaving, arriving], axis=1)
 
 
 def steps_within(chord_m: Floats, leaving_m: Floats, arriving_m: Floats, tolerance_m: float) -> Indices:
@@ -47,6 +47,6 @@ def steps_within(chord_m: Floats, leaving_m: Floats, arriving_m: Floats, toleran
     """
     at_origin = 6.0 * chord_m - 4.0 * leaving_m - 2.0 * arriving_m
     at_destination = -6.0 * chord_m + 2.0 * leaving_m + 4.0 * arriving_m
-    largest = np.maximum(np.linalg.norm(at_origin, axis=-1), np.linalg.norm(at_destination, axis=-1))
+    largest = np.maximum(np.linalg.norm(at_origin, axis=1), np.linalg.norm(at_destination, axis=1))
     steps: Indices = np.ceil(np.sqrt(largest / (8.0 * tolerance_m))).astype(np.intp)
     return np.maximum(1, steps)

@@ -59,9 +59,8 @@ def _forbid(costs: Floats, low: Indices, high: Indices) -> None:
 
 
 def _continued(minima: Floats, width: int) -> Floats:
-    """Running minima over more or fewer columns: behind the last one they stay what they are."""
-    more = max(width - len(minima), 0)
-    return np.concatenate([minima, np.full(more, minima[-1])])[:width]
+    """Running minima over more columns: behind the last one they stay what they are."""
+    return np.concatenate([minima, np.full(width - len(minima), minima[-1])])
 
 
 def _backwards(marks: list[_Marks], high: Indices) -> Indices:

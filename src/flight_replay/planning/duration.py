@@ -28,7 +28,7 @@ def duration_s(mission: Mission, path: Path) -> float:
     limits = Limits()
     if path.length_m > _LONGEST_SIMULATED_M:
         return path.length_m / limits.wp_speed_m_s
-    if all(item.command == Command.WAYPOINT for item in mission.items) and _longest_m(path) <= _SHORT_LEG_M:
+    if _is_straight(mission) and segment_lengths_m(path.north_east_m).max(initial=0.0) <= _SHORT_LEG_M:
         corners = np.column_stack([path.north_east_m, path.up_m]).tolist()
         return straight_duration_s([(north, east, up) for north, east, up in corners], limits)
     # The model of the whole vehicle takes as long to import and run as all else in a dry run.
@@ -38,6 +38,6 @@ def duration_s(mission: Mission, path: Path) -> float:
     return end_s - begin_s
 
 
-def _longest_m(path: Path) -> float:
-    """Longest segment of the path."""
-    return float(segment_lengths_m(path.north_east_m).max(initial=0.0))
+def _is_straight(mission: Mission) -> bool:
+    """Whether a mission is of straight legs alone, without holds."""
+    return all(item.command == Command.WAYPOINT and not item.hold_s for item in mission.items)

@@ -9,10 +9,7 @@ from flight_replay.planning.fit.objective import evaluate, match_to_plan
 from flight_replay.planning.fit.reference import LocalTrack, local_track
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import (
-    MIXED,
-    along,
-)
+from tests.helpers.fit_tracks import MIXED, along
 
 
 def test_the_objective_counts_space_plan_and_time() -> None:
