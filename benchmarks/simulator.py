@@ -29,6 +29,7 @@ TRUTH = Path(__file__).resolve().parents[1] / "tests" / "data" / "arducopter"
 AUTO, RTL = 3, 6
 # An event has the time of the position recorded before it, at 10 Hz: on average half a sample early.
 HALF_SAMPLE_S = 0.05
+GOAL_TIMES_REAL_TIME = 300
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,15 +114,18 @@ def show(name: str, result: Result) -> None:
 
 
 def show_cost() -> None:
-    """A mission of 100 items, 10 m apart on a spiral."""
+    """A mission of 100 items, 10 m apart on a spiral, in the best of three tries."""
     mission = spiral(100)
-    best = float("inf")
+    best_s = float("inf")
     for _ in range(3):
-        begin = time.perf_counter()
+        begin_s = time.process_time()
         flown = simulate(mission, Limits())
-        best = min(best, time.perf_counter() - begin)
-    duration = flown.auto_s[1] - flown.auto_s[0]
-    print(f"100 items: {duration:.0f} s flown in {best:.3f} s, {duration / best:.0f} times real time")
+        best_s = min(best_s, time.process_time() - begin_s)
+    duration_s = flown.auto_s[1] - flown.auto_s[0]
+    print(
+        f"100 items: {duration_s:.0f} s flown in {best_s:.3f} s of CPU time, "
+        f"{duration_s / best_s:.0f} times real time (at least {GOAL_TIMES_REAL_TIME})"
+    )
 
 
 def spiral(count: int) -> Mission:

@@ -3,9 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from flight_replay.planning.fit.line_simplification import straight_draft
-from flight_replay.planning.fit.objective import evaluate, match_to_plan
+from flight_replay.planning.fit.objective import Evaluation, evaluate, match_to_plan, objective_lower_bound_m
 from flight_replay.planning.fit.reference import LocalTrack, local_track
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
@@ -28,7 +29,42 @@ def test_the_objective_counts_space_plan_and_time() -> None:
     assert early.late_m[8:].max() == 0
 
 
-def test_on_plan_finds_fixes_on_their_legs() -> None:
+def evaluation_with(planned_m: list[float], flown_m: list[float], late_m: list[float]) -> Evaluation:
+    """Fixes so far beside the planned path, beside the flown one, and from where the vehicle is."""
+    n = len(planned_m)
+    recording = local_track(along([(0, 0), (n - 1, 0)], 1.0, rate_hz=1.0), 20.0)
+    line = straight_draft(recording, np.array([0, n - 1]))
+    whole = evaluate(simulate_draft(line, Limits(), 0.05), recording, timed=True)
+    planned, flown = (np.column_stack([np.zeros(n), off]) for off in (planned_m, flown_m))
+    return replace(whole, planned_off_m=planned, flown_off_m=flown, late_m=np.array(late_m))
+
+
+def test_the_objective_is_a_sum_with_fixed_shares() -> None:
+    """The flown path error whole, 0.7 of the planned one, 0.15 of the mean position error."""
+    assert evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]).objective_m == pytest.approx(2.0)
+    assert evaluation_with([1, 1, 1], [0, 0, 0], [0, 0, 0]).objective_m == pytest.approx(0.7)
+    assert evaluation_with([0, 0, 0], [0, 0, 0], [5, 10, 15]).objective_m == pytest.approx(1.5)
+    assert evaluation_with([1, 1, 1], [2, 2, 2], [5, 10, 15]).objective_m == pytest.approx(4.2)
+
+
+def test_one_fix_at_2_m_counts_as_sixteen_at_1_m() -> None:
+    """Path errors are power means with exponent 4."""
+    zeros = [0.0] * 32
+    far = evaluation_with([2.0, *zeros[1:]], zeros, zeros)
+    many = evaluation_with([1.0] * 16 + zeros[16:], zeros, zeros)
+    assert far.objective_m == pytest.approx(many.objective_m)
+    assert far.objective_m == pytest.approx(0.7 * 0.5**0.25)
+
+
+def test_the_planned_path_alone_bounds_the_objective_from_below() -> None:
+    """A draft 3 m beside the recording costs at least 0.7 times 3 m, however it is flown."""
+    recording = local_track(along([(0, 0), (60, 0)], 4.0), 20.0)
+    line = straight_draft(recording, np.array([0, len(recording) - 1]))
+    aside = replace(line, places_m=line.places_m + np.array([0.0, 3.0, 0.0]))
+    assert objective_lower_bound_m(aside, recording) == pytest.approx(2.1)
+
+
+def test_fixes_are_matched_to_their_legs() -> None:
     """Fixes on the planned path have no distance and lie on the leg that they were taken from."""
     path = MIXED.path(0.001)
     keep = np.arange(0, len(path.seq), 9)

@@ -6,7 +6,6 @@ import csv
 import json
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -142,19 +141,6 @@ def test_a_mission_without_home_is_flown_around_its_first_waypoint() -> None:
     flown = simulate(mission, LIMITS)
     assert flown.north_east_m[0] == pytest.approx([0.0, 0.0], abs=1e-6)
     assert list(flown.reached_s) == [1, 2, 3, 4]
-
-
-def test_simulating_is_much_faster_than_flying() -> None:
-    """A hundred items fly at least 300 times faster than real time, in the best of three tries."""
-    mission = mission_at([(10.0 * (i // 2), 10.0 * ((i + 1) // 2), 30.0) for i in range(1, 101)])
-    simulate(mission_at(SQUARE), LIMITS)
-    best = 0.0
-    for _ in range(3):
-        begin = time.process_time()
-        flown = simulate(mission, LIMITS)
-        best = max(best, flown.auto_s[1] / (time.process_time() - begin))
-    assert len(flown.reached_s) == 100
-    assert best > 300
 
 
 def test_the_example_says_how_long_a_mission_takes(tmp_path: Path) -> None:
