@@ -51,6 +51,7 @@ def rival_objectives_m(track: Track, max_points: int, *, timed: bool) -> list[fl
     ]
 
 
+@pytest.mark.slow
 def test_any_number_of_points_may_be_allowed() -> None:
     """The search takes no more than there are fixes to look at: 32,000 points took 12 GB."""
     tracemalloc.start()
