@@ -60,7 +60,7 @@ def test_a_vehicle_is_found_over_any_transport(kind: str) -> None:
 
 
 def test_connecting_is_quick() -> None:
-    """A few parameters are read, not 1,340; phases and progress are events."""
+    """A few parameters are read, some of them again, not 1,340; phases and progress are events."""
     events: list[Event] = []
     with (
         launch.run(START, speedup=20.0) as running,
@@ -68,7 +68,7 @@ def test_connecting_is_quick() -> None:
         connect(link.connection, speedup=20.0, listener=events.append, limit_s=60.0) as vehicle,
     ):
         vehicle.upload(ROUTE, events.append)
-    assert 0 < sum(message.get_type() == "PARAM_VALUE" for message in link.from_vehicle) < 50
+    assert 0 < sum(message.get_type() == "PARAM_VALUE" for message in link.from_vehicle) < 300
     assert [e.phase for e in events if isinstance(e, PhaseStarted)] == [
         Phase.CONNECT,
         Phase.UPLOAD,

@@ -97,6 +97,12 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
 
 def _flight_group(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("flight", "example: flight-replay --duration all --land")
+    _add_flight(group)
+    _add_safety(group)
+
+
+def _add_flight(group: argparse._ArgumentGroup) -> None:
+    """How long, how fast and how high to fly, and how to end."""
     group.add_argument(
         "--duration",
         dest="duration_s",
@@ -125,6 +131,10 @@ def _flight_group(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="wait until the vehicle has landed and disarmed (default: exit once RTL is confirmed)",
     )
+
+
+def _add_safety(group: argparse._ArgumentGroup) -> None:
+    """What is refused, or asked for, before anything flies."""
     group.add_argument(
         "--max-distance",
         dest="max_distance_m",

@@ -242,28 +242,38 @@ def connect(  # noqa: PLR0913
     signing = _signing(signing_key, listener)
     link = Link(open_transport(connection_string, baud), speedup=speedup, recorder=recorder, signing=signing)
     try:
-        discovery = VehicleDiscovery()
-        link.add_receiver(discovery.receive)
         link.start()
-        try:
-            vehicle = find_vehicle(discovery, connection_string, limit_s)
-        except VehicleError as error:
-            if link.ignored:
-                raise VehicleError(
-                    f"{link.ignored} messages on {connection_string} were not signed with the key in "
-                    f"{signing_key}; check the key, and that the vehicle signs"
-                ) from error
-            raise
-        if signing is None and link.received_signed:
-            listener(Notice(_KEY_WANTED, warning=True))
-        for other in discovery.vehicles[1:]:
-            listener(Notice(f"vehicle {other.system} is also on this link; it is ignored", warning=True))
+        vehicle = _find(link, connection_string, limit_s, listener)
         yield ConnectedVehicle(link, vehicle)
     finally:
         try:
             listener(PhaseStarted(Phase.CLOSE))
         finally:
             link.close()
+
+
+def _find(link: Link, connection_string: str, limit_s: float, listener: Listener) -> DiscoveredVehicle:
+    """The vehicle on a link; notices of other vehicles, and of signed messages that cannot be checked.
+
+    Raises:
+        VehicleError: No vehicle sends a heartbeat, or none that is signed with the key.
+    """
+    discovery = VehicleDiscovery()
+    link.add_receiver(discovery.receive)
+    try:
+        vehicle = find_vehicle(discovery, connection_string, limit_s)
+    except VehicleError as error:
+        if link.ignored:
+            raise VehicleError(
+                f"{link.ignored} messages on {connection_string} were not signed with the key "
+                "of --signing-key; check the key, and that the vehicle signs"
+            ) from error
+        raise
+    if link.received_signed and not link.signs:
+        listener(Notice(_KEY_WANTED, warning=True))
+    for other in discovery.vehicles[1:]:
+        listener(Notice(f"vehicle {other.system} is also on this link; it is ignored", warning=True))
+    return vehicle
 
 
 def _signing(key_file: Path | None, listener: Listener) -> Signing | None:

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from flight_replay.logs.tlog.boot_clock import Clock, read_clock
+from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
 from flight_replay.logs.tlog.columns import Positions
 
 STAMP_US = 1_700_000_000_000_000
 
 
-def clock_of(times_ms: list[int], stamps_s: list[float] | None = None) -> Clock:
+def clock_of(times_ms: list[int], stamps_s: list[float] | None = None) -> BootClock:
     """The clock of positions with those times, and log stamps in seconds where there are any."""
     n = len(times_ms)
     whole = np.zeros(n, np.int32)
@@ -38,7 +38,7 @@ def clock_of(times_ms: list[int], stamps_s: list[float] | None = None) -> Clock:
     )
 
 
-def in_order(clock: Clock) -> NDArray[np.intp]:
+def in_order(clock: BootClock) -> NDArray[np.intp]:
     """All records in the order of time."""
     return clock.in_order(np.ones(len(clock.time_s), np.bool_))
 

@@ -25,7 +25,7 @@ _LONGEST_REBOOT_US = 86_400_000_000  # beyond a day, stamps of two boots say not
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Clock:
+class BootClock:
     """Time and boot of records in the order of the log, and the ``order`` of time, all (n,).
 
     ``order`` is None where it is that of the log.
@@ -40,7 +40,7 @@ class Clock:
         return np.flatnonzero(keep) if self.order is None else self.order[keep[self.order]]
 
 
-def read_clock(positions: Positions) -> Clock:
+def read_clock(positions: Positions) -> BootClock:
     """The clock of one vehicle's records, of which there is at least one."""
     clock_ms = _unwrapped(_running_ms(positions))
     falls = np.flatnonzero(clock_ms[1:] < clock_ms[:-1]) + 1
@@ -54,7 +54,7 @@ def read_clock(positions: Positions) -> Clock:
     shift_us = np.concatenate([[0], np.cumsum(last_us[:-1] + gap_us - first_us[1:])])
     clock_ms *= 1000
     clock_ms += shift_us[boot]
-    return Clock(clock_ms / 1e6, boot, order)
+    return BootClock(clock_ms / 1e6, boot, order)
 
 
 def _running_ms(positions: Positions) -> NDArray[np.int64]:

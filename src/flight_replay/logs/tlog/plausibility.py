@@ -1,4 +1,4 @@
-"""Which positions of a vehicle can be believed, and why the others cannot.
+"""Which positions of a vehicle are plausible, and why the others are not.
 
 Rules, the first that applies: the receiver said that it had no 3D fix; within a hair of 0, 0,
 where estimators begin without one; not on the globe; a jump that neither the velocity that
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.geometry.geodesy import surface_xyz_m
-from flight_replay.logs.tlog.boot_clock import Clock
+from flight_replay.logs.tlog.boot_clock import BootClock
 from flight_replay.logs.tlog.columns import Fixes, Positions
 
 
@@ -42,7 +42,7 @@ REASONS = {
 _HAIR_E7 = 200_000  # 0.02 degrees, 2.2 km: positions without a fix were seen 0.01 degrees from 0, 0
 _QUARTER_TURN_E7 = 900_000_000
 _HALF_TURN_E7 = 1_800_000_000
-_TOLD_S = 10.0  # how long a receiver's last word of all holds
+_REPORTED_S = 10.0  # how long a receiver's last word of all holds
 _FASTEST_M_S = 60.0  # multicopters beyond this are built for records, and report their speed
 _VELOCITY_FACTOR = 1.5  # between two records a vehicle may have been faster than at either
 _SLACK_M = 20.0  # estimators correct themselves by metres at once
@@ -50,7 +50,7 @@ _SLACK_E7 = 1_200  # both ways less than that: 1e-7 degrees are 11.2 mm at most
 _LOOK_BACK = 8  # how many runs of positions before it a run may follow
 
 
-def judge(positions: Positions, fixes: Fixes, clock: Clock) -> NDArray[np.int8]:
+def judge(positions: Positions, fixes: Fixes, clock: BootClock) -> NDArray[np.int8]:
     """The verdict on each position (n,) of one vehicle, in the order of the log."""
     lat, lon = positions.lat_e7, positions.lon_e7
     verdict = np.zeros(len(positions), np.int8)
@@ -68,7 +68,7 @@ def _beyond(value: NDArray[np.int32], limit: int) -> Flags:
     return (value > limit) | (value < -limit)
 
 
-def _without_fix(positions: Positions, fixes: Fixes, clock: Clock) -> Flags:
+def _without_fix(positions: Positions, fixes: Fixes, clock: BootClock) -> Flags:
     """Where the receiver's last word before the position was less than a 3D fix.
 
     A word holds until the next one; the last of the log for a while only, counted from the
@@ -82,19 +82,19 @@ def _without_fix(positions: Positions, fixes: Fixes, clock: Clock) -> Flags:
     following = np.append(np.searchsorted(positions.offset, fixes.offset), len(positions))
     if lost[-1]:
         time_s = np.maximum.accumulate(clock.time_s)
-        told_s = np.append(time_s, np.inf)[following[-2]] + _TOLD_S
-        following[-1] = np.searchsorted(time_s, told_s, "right")
+        reported_s = np.append(time_s, np.inf)[following[-2]] + _REPORTED_S
+        following[-1] = np.searchsorted(time_s, reported_s, "right")
     changes = np.zeros(len(positions) + 1, np.int32)
     np.add.at(changes, following[begins], 1)
     np.add.at(changes, following[ends], -1)
     return np.cumsum(changes[:-1]) > 0
 
 
-def _wrong_side_of_jumps(positions: Positions, clock: Clock, left: Indices) -> Flags:
+def _wrong_side_of_jumps(positions: Positions, clock: BootClock, left: Indices) -> Flags:
     """Which of the positions ``left`` (m,), in order of time, lie on the wrong side of an impossible jump.
 
     Jumps cut each boot into runs. Of all chains of runs that can follow each other, the one with
-    most positions is believed: an outlier is left out, and so is a false start before a jump.
+    most positions is plausible: an outlier is left out, and so is a false start before a jump.
     """
     boot = clock.boot[left]
     is_far = boot[1:] == boot[:-1]
@@ -105,9 +105,9 @@ def _wrong_side_of_jumps(positions: Positions, clock: Clock, left: Indices) -> F
     wrong = np.zeros(len(left) + 1, np.int8)
     if len(runs.first):
         starts, ends = (_ends(positions, clock, left[index]) for index in (runs.first, runs.last))
-        disbelieved = ~_believed(runs, starts, ends)
-        wrong[runs.first[disbelieved]] += 1
-        wrong[runs.last[disbelieved] + 1] -= 1
+        implausible = ~_plausible_runs(runs, starts, ends)
+        wrong[runs.first[implausible]] += 1
+        wrong[runs.last[implausible] + 1] -= 1
     return np.cumsum(wrong[:-1]) > 0
 
 
@@ -152,7 +152,7 @@ class _Ends:
         return _Ends(self.xyz_m[keep], self.time_s[keep], self.fastest_m_s[keep])
 
 
-def _ends(positions: Positions, clock: Clock, index: Indices) -> _Ends:
+def _ends(positions: Positions, clock: BootClock, index: Indices) -> _Ends:
     """The positions of an index array (m,)."""
     xyz_m = surface_xyz_m(positions.lat_e7[index] / 1e7, positions.lon_e7[index] / 1e7)
     columns = positions.north_cm_s, positions.east_cm_s, positions.down_cm_s
@@ -168,7 +168,7 @@ def _possible(start: _Ends, end: _Ends) -> Flags:
     return np.asarray(apart_m <= _SLACK_M + fastest_m_s * (end.time_s - start.time_s))
 
 
-def _believed(runs: _Runs, starts: _Ends, ends: _Ends) -> Flags:
+def _plausible_runs(runs: _Runs, starts: _Ends, ends: _Ends) -> Flags:
     """Which runs (m,) are in the heaviest chain of their boot.
 
     Looks back at the last few runs and at the end of the heaviest chain so far, so that time does
@@ -201,13 +201,13 @@ def _believed(runs: _Runs, starts: _Ends, ends: _Ends) -> Flags:
 
 def _chains(before: list[int], last: list[int]) -> Flags:
     """Which runs are in the chains that end at the runs ``last``."""
-    believed = np.zeros(len(before), np.bool_)
+    plausible = np.zeros(len(before), np.bool_)
     for chain_end in last:
         run = chain_end
         while run >= 0:
-            believed[run] = True
+            plausible[run] = True
             run = before[run]
-    return believed
+    return plausible
 
 
 def _followed(runs: _Runs, starts: _Ends, ends: _Ends) -> NDArray[np.uint8]:

@@ -11,7 +11,7 @@ import numpy as np
 from flight_replay.errors import LogError
 from flight_replay.geometry.arrays import Flags, Indices
 from flight_replay.logs.tlog import byte_source
-from flight_replay.logs.tlog.boot_clock import Clock, read_clock
+from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
 from flight_replay.logs.tlog.columns import AnyColumns, Fixes, Heartbeats, Positions, Records
 from flight_replay.logs.tlog.plausibility import REASONS, Verdict, judge
 from flight_replay.logs.tlog.scan import scan
@@ -28,7 +28,7 @@ class Log:
 
     ``bytes`` counts the log's bytes, unpacked; ``vehicles`` are all that sent positions, the one
     with most usable fixes first; ``without_position`` counts the chosen vehicle's records at
-    latitude and longitude 0, ``rejected`` those that cannot be believed, by reason.
+    latitude and longitude 0, ``rejected`` the implausible ones, by reason.
     """
 
     path: str
@@ -85,7 +85,7 @@ class _Found:
 
     key: int
     positions: Positions
-    clock: Clock
+    clock: BootClock
     usable: Indices
     empty: int
     rejected: dict[str, int]

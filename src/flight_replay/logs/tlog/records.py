@@ -51,13 +51,13 @@ def _positions(right: Positions, walk: Walk) -> tuple[Positions, dict[int, int]]
         return positions, {}
     vehicle = positions.vehicle
     counts = np.bincount(vehicle[is_empty])
-    told = _are_run_ends(vehicle, np.where(is_empty, _falls(positions.time_ms), -1))
+    run_ends = _are_run_ends(vehicle, np.where(is_empty, _falls(positions.time_ms), -1))
     empty = {key: int(counts[key]) for key in np.flatnonzero(counts).tolist()}
-    return positions.select(told | ~is_empty), empty
+    return positions.select(run_ends | ~is_empty), empty
 
 
 def _run_ends_found(states: States, walk: Walk) -> States:
-    """The records at which a vehicle's state begins or ends to be told.
+    """The records at which a vehicle's state begins or ends to be reported.
 
     Only these are checked, and where one is no record, all that tell the same: whether other
     frames within a run are records makes no difference.

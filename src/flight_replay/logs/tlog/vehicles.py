@@ -69,17 +69,17 @@ def armed_at(offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Hea
     Fixes are in the order of time; one that came late into the log is placed with those that follow it.
     """
     heartbeats = _of_autopilot(heartbeats)
-    told = np.append(np.int8(Armed.UNKNOWN), heartbeats.armed.astype(np.int8))
+    reported = np.append(np.int8(Armed.UNKNOWN), heartbeats.armed.astype(np.int8))
     timely = np.minimum.accumulate(offset[::-1])[::-1]
     firsts = np.searchsorted(timely, heartbeats.offset)  # far fewer than fixes, so this way round
-    armed = np.repeat(told, np.diff(firsts, prepend=0, append=len(offset)))
-    _forget_boots_before(armed, boot, told, firsts)
+    armed = np.repeat(reported, np.diff(firsts, prepend=0, append=len(offset)))
+    _forget_boots_before(armed, boot, reported, firsts)
     armed[1:] = np.where(boot[1:] == boot[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
     return np.asarray(armed)
 
 
 def _forget_boots_before(
-    armed: NDArray[np.int8], boot: NDArray[np.int32], told: NDArray[np.int8], firsts: Indices
+    armed: NDArray[np.int8], boot: NDArray[np.int32], reported: NDArray[np.int8], firsts: Indices
 ) -> None:
     """Take back the word "armed" of the boot before from the fixes (n,) ahead of a boot's own first word.
 
@@ -87,16 +87,16 @@ def _forget_boots_before(
     where the next one is "armed" too, nobody can tell that there was none in between.
 
     Args:
-        armed: What is told at each fix (n,), changed in place.
+        armed: What is reported at each fix (n,), changed in place.
         boot: The boot of each fix (n,).
-        told: "unknown" and the words (m + 1,).
+        reported: "unknown" and the words (m + 1,).
         firsts: The first fix after each word (m,).
     """
     starts = np.flatnonzero(np.diff(boot)) + 1
     last = np.searchsorted(firsts, starts, "right")
-    following = np.append(told[1:], np.int8(Armed.UNKNOWN))[last]
+    following = np.append(reported[1:], np.int8(Armed.UNKNOWN))[last]
     ends = np.append(firsts, len(armed))[last]
-    old = (told[last] == Armed.YES) & (following != Armed.YES)
+    old = (reported[last] == Armed.YES) & (following != Armed.YES)
     changes = np.zeros(len(armed) + 1, np.int64)
     np.add.at(changes, starts[old], 1)
     np.add.at(changes, ends[old], -1)

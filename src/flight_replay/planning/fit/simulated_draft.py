@@ -68,15 +68,10 @@ def simulate_draft(
     rows = _positions_m(copter, run)
     if choose is not None:
         chosen[1:][chosen[1:] == np.append(np.nan, chosen[1:-1])] = np.nan
-    passed = np.array([_reached_s(run.reached, seq) for seq in seqs])
-    begin = round(passed[0] / step_s)
-    place = np.array(rows[begin:])
-    return SimulatedDraft(
-        replace(draft, speed_m_s=chosen),
-        step_s * np.arange(len(place), dtype=float),
-        place,
-        passed - passed[0],
-    )
+    passed_s = np.array([_reached_s(run.reached, seq) for seq in seqs])
+    place_m = np.array(rows[round(passed_s[0] / step_s) :])
+    times_s = step_s * np.arange(len(place_m), dtype=float)
+    return SimulatedDraft(replace(draft, speed_m_s=chosen), times_s, place_m, passed_s - passed_s[0])
 
 
 def _positions_m(copter: Copter, run: MissionRun) -> list[tuple[float, float, float]]:

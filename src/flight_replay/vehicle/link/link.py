@@ -80,6 +80,11 @@ class Link:
         """Call ``receiver`` no longer."""
         self._receivers = [other for other in self._receivers if other != receiver]
 
+    @property
+    def signs(self) -> bool:
+        """Whether frames are signed, and only frames that are signed with the same key are received."""
+        return self._signing is not None
+
     def follow(self, system: int, component: int) -> None:
         """Send to where this vehicle's messages come from, and to nobody else."""
         self._vehicle = (system, component)
