@@ -27,7 +27,7 @@ class MavProxy:
              "--aircraft", "test", "--default-modules", "arm,cmdlong,mode,wp,param",
              "--cmd", "set flushlogs 1"],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            cwd=folder, env={**os.environ, "HOME": str(folder), "TERM": "dumb"},
+            cwd=folder, env={**os.environ, "HOME": str(folder), "TERM": "dumb", "PYTHONUNBUFFERED": "1"},
         )  # fmt: skip
         self._lines: list[str] = []
         self._reader = threading.Thread(target=self._read)

@@ -28,7 +28,7 @@ def texts(path: Path, monkeypatch: pytest.MonkeyPatch, *, flown: bool) -> list[s
     """Every text in an SVG of the replay; matplotlib leaves each as a comment beside its outlines."""
     route, record, outcome = made_replay()
     save_plot(path, route, *((record, outcome) if flown else ()))
-    return [text.strip() for text in re.findall(r"<!--(.*?)-->", path.read_text(), re.DOTALL)]
+    return [text.strip() for text in re.findall(r"<!--(.*?)-->", path.read_text(encoding="utf-8"), re.DOTALL)]
 
 
 def test_lines_axes_and_panels_are_labelled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

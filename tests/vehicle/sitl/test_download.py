@@ -375,7 +375,7 @@ def test_a_user_without_a_home_folder_is_told(monkeypatch: pytest.MonkeyPatch) -
     def nobody(uid: int) -> None:
         raise KeyError(uid)
 
-    monkeypatch.delenv("HOME")
+    monkeypatch.delenv("HOME", raising=False)
     monkeypatch.setattr(pwd, "getpwuid", nobody)
     with pytest.raises(SimulatorError, match="set HOME, or name a binary with --sitl"):
         dronekit_sitl_source()
