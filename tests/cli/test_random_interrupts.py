@@ -24,7 +24,9 @@ from tests.helpers.paths import SAMPLE
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked for in /proc")
 
-CHUNKS, MOMENTS_PER_CHUNK = 12, 25
+CHUNKS = 6
+MOMENTS_PER_CHUNK = int(os.environ.get("FLIGHT_REPLAY_MOMENTS", "10"))
+"""50 make three hundred moments, a quarter of an hour."""
 EXIT_WITHIN_S, ORPHANS_END_WITHIN_S = 10.0, 5.0
 IMPORTS_S = 0.06
 OPTIONS = [
