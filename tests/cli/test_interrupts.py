@@ -157,6 +157,39 @@ def test_ctrl_c_leaves_no_simulator(moment: str, armed: bool, scratch: Path) -> 
     assert processes_with(str(scratch)) == []
 
 
+def shadowed(folder: Path, module: str, code: str, *options: str) -> subprocess.CompletedProcess[str]:
+    """The outcome of a run that imports ``code`` in the place of a module."""
+    (folder / f"{module}.py").write_text(code)
+    before = os.environ.get("PYTHONPATH", "")
+    return subprocess.run(
+        [sys.executable, "-m", "flight_replay", *options], capture_output=True, text=True, check=False,
+        timeout=60, env={**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{before}"},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("module", ["argparse", "numpy"])
+def test_a_signal_during_the_imports_is_one_line(tmp_path: Path, module: str, number: str) -> None:
+    """Status 130, and no traceback of what was being imported."""
+    code = f"import os, signal, time\nos.kill(os.getpid(), signal.{number})\ntime.sleep(20)\n"
+    done = shadowed(tmp_path, module, code, "--dry-run")
+    assert (done.returncode, done.stderr) == (130, "flight-replay: error: interrupted\n")
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_signal_while_the_interpreter_exits_changes_nothing(tmp_path: Path, number: str) -> None:
+    """All is done by then, and stays a success."""
+    code = f"""
+import os, signal, sys
+class AtExit:
+    def __del__(self, kill=os.kill, me=os.getpid(), number=signal.{number}):
+        kill(me, number)
+sys.at_exit = AtExit()
+"""
+    done = shadowed(tmp_path, "sitecustomize", code, "--version")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 @pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"], ids=["stdout", "all"])
 def test_a_program_without_standard_streams_works(closed: str, scratch: Path) -> None:
     """A daemon may start it with them closed; the mission is saved."""
