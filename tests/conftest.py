@@ -4,5 +4,7 @@ import signal
 
 
 def pytest_configure() -> None:
-    """Ctrl-C works: started in the background of a shell, tests and their programs would ignore it."""
+    """Signals work: in the background of a shell or under nohup, tests and programs would ignore them."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    if hasattr(signal, "SIGHUP"):
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
