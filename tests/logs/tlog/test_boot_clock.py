@@ -62,7 +62,7 @@ def test_a_falling_clock_is_a_reboot_that_takes_no_time() -> None:
     ("gap_s", "bridged_s"), [(18.79, 18.79), (-523.0, 0.0), (90_000.0, 0.0), (86_400.0, 86_400.0)]
 )
 def test_stamps_bridge_a_reboot_where_they_can_be_right(gap_s: float, bridged_s: float) -> None:
-    """A gap that is negative or longer than a day is not believed."""
+    """A gap that is negative or longer than a day is left out."""
     clock = clock_of([279_320, 18_925, 19_325], [0, gap_s, gap_s + 0.4])
     assert clock.boot.tolist() == [0, 1, 1]
     assert clock.time_s.tolist() == pytest.approx([279.32, 279.32 + bridged_s, 279.72 + bridged_s])

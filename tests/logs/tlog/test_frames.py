@@ -14,8 +14,9 @@ from pymavlink.dialects.v10 import all as mavlink1
 from pymavlink.dialects.v20 import all as mavlink2
 
 from flight_replay.logs.tlog import blocks, byte_source, message_table
-from flight_replay.logs.tlog.columns import Columns, Records
-from flight_replay.logs.tlog.crc import has_right_crc, have_right_crc
+from flight_replay.logs.tlog.byte_rows import true_indices
+from flight_replay.logs.tlog.columns import MessageColumns, Records
+from flight_replay.logs.tlog.crc import are_crcs_valid, is_crc_valid
 from flight_replay.logs.tlog.scan import scan
 from tests.helpers import slow_reader
 from tests.helpers.log_writer import (
@@ -41,9 +42,9 @@ POSITION = position_payload(123_456, 47.4, 8.5)
 def read(data: bytes, block_length: int, path: Path | None = None) -> Records:
     """The records of bytes read in blocks of that length, out of a file where a path is given."""
     if path is None:
-        return scan(byte_source.Source("made", _Bytes(data)), None, block_length)[0]
+        return scan(byte_source.OpenLog("made", _Bytes(data)), None, block_length)[0]
     path.write_bytes(data)
-    with byte_source.opened(path) as opened:
+    with byte_source.open_log(path) as opened:
         return scan(opened, None, block_length)[0]
 
 
@@ -53,12 +54,14 @@ class _Bytes:
     def __init__(self, data: bytes) -> None:
         self._data = data
 
-    def read(self, size: int) -> bytes:
-        given, self._data = self._data[: min(size, 700)], self._data[min(size, 700) :]
-        return given
+    def readinto(self, buffer: memoryview, /) -> int:
+        given, self._data = self._data[:700], self._data[700:]
+        fits = min(len(given), len(buffer))
+        buffer[:fits], self._data = given[:fits], given[fits:] + self._data
+        return fits
 
 
-def last_word(columns: Columns, said: NDArray[np.bool_], each: slow_reader.Position) -> bool | None:
+def last_word(columns: MessageColumns, said: NDArray[np.bool_], each: slow_reader.Position) -> bool | None:
     """What the last record of a position's vehicle before it says."""
     before = np.flatnonzero((columns.vehicle == each.key) & (columns.offset < each.offset))
     return bool(said[before[-1]]) if len(before) else None
@@ -80,7 +83,7 @@ def assert_equal_to_slow(records: Records, data: bytes) -> None:
     beats = records.heartbeats.select(records.heartbeats.autopilot != 8)
     for each in expected[:: max(len(expected) // 200, 1)]:
         assert last_word(beats, beats.armed, each) == each.armed
-        assert last_word(records.fixes, records.fixes.is_3d, each) == each.is_3d
+        assert last_word(records.gps, records.gps.has_3d_fix, each) == each.is_3d
 
 
 _COLUMNS = [
@@ -100,7 +103,7 @@ _COLUMNS = [
 def test_real_logs_are_read_as_by_a_walk_over_every_byte(path: Path) -> None:
     """On real logs the fast reader and the plain one agree on every fix, read whole or in small blocks."""
     data = path.read_bytes()
-    with byte_source.opened(path) as opened:
+    with byte_source.open_log(path) as opened:
         assert_equal_to_slow(scan(opened)[0], data)
     assert_equal_to_slow(read(data, 50_000), data)
 
@@ -216,6 +219,22 @@ def test_blocks_that_begin_inside_a_frame_are_entered_where_the_walk_comes_out()
         assert_equal_to_slow(read(data, block_length), data)
 
 
+def test_thousands_of_positions_side_by_side_are_told_from_nested_ones() -> None:
+    """However many frames are looked back from at a time, those in another frame are no records."""
+    inner = frame(GLOBAL_POSITION_INT, POSITION, 1)
+    outer = frame(ENCAPSULATED_DATA, (b"\1\1" + inner * 6).ljust(255, b"\7"), 1)
+    data = inner * 2_100 + outer + inner * 2_100 + outer * 2 + inner
+    assert_equal_to_slow(read(data, 1 << 20), data)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.1, 1.0])
+def test_true_indices_are_those_of_flatnonzero(share: float) -> None:
+    """Few or many, at the ends of words or not."""
+    flags = np.random.default_rng(2).random(64 * 50) < share
+    flags[[0, 7, 8, 63, 64, -1]] ^= True
+    assert np.array_equal(true_indices(flags), np.flatnonzero(flags))
+
+
 def test_the_message_facts_are_pymavlinks() -> None:
     """CRC extras and lengths are those of the installed pymavlink, for every message of both."""
     lengths = message_table.MAVLINK1_SHAPES.reshape(256, 256)
@@ -240,8 +259,8 @@ def test_both_checksums_are_the_plain_one(length: int) -> None:
     sent = [part + slow_reader.crc(part + b"\x68").to_bytes(2, "little") for part in checked]
     sent[7] = sent[7][:-1] + bytes([sent[7][-1] ^ 128])
     frames = np.frombuffer(b"".join(b"\xfe" + each for each in sent), np.uint8).reshape(20, -1)
-    assert np.flatnonzero(~have_right_crc(frames, 0x68)).tolist() == [7]
-    assert [has_right_crc(each, 0x68) for each in sent] == [index != 7 for index in range(20)]
+    assert np.flatnonzero(~are_crcs_valid(frames, 0x68)).tolist() == [7]
+    assert [is_crc_valid(each, 0x68) for each in sent] == [index != 7 for index in range(20)]
 
 
 @pytest.mark.parametrize("message", [STATUSTEXT, 999])

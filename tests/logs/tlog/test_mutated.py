@@ -10,7 +10,7 @@ import pytest
 
 from flight_replay.errors import LogError
 from flight_replay.logs.tlog import read_log
-from flight_replay.logs.tlog.byte_source import Source
+from flight_replay.logs.tlog.byte_source import OpenLog
 from flight_replay.logs.tlog.scan import scan
 from tests.helpers import slow_reader
 from tests.helpers.log_writer import LogWriter, frame
@@ -84,7 +84,7 @@ def places(data: bytes) -> set[Place]:
 
 def assert_as_slow(data: bytes, block_length: int) -> set[Place]:
     """Hold the records against the plain reader, and give their positions."""
-    records, _ = scan(Source("mutated", io.BytesIO(data)), None, block_length)
+    records, _ = scan(OpenLog("mutated", io.BytesIO(data)), None, block_length)
     positions = records.positions.select(~records.positions.is_empty)
     slow = [each for each in slow_reader.positions(data) if not each.is_empty]
     assert positions.offset.tolist() == [each.offset for each in slow]

@@ -1,95 +1,124 @@
-"""The bytes of a log in blocks, each with what it holds of the bytes around it."""
+"""The bytes of a log in blocks, with what may be frames in them."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.logs.tlog import message_table
+from flight_replay.geometry.arrays import Bytes
+from flight_replay.logs.tlog.byte_rows import rows_at
 from flight_replay.logs.tlog.byte_source import Stream
-from flight_replay.logs.tlog.columns import Records
-from flight_replay.logs.tlog.decode import decode
-from flight_replay.logs.tlog.frame_walk import Walk
-from flight_replay.logs.tlog.frames import SLICE_LENGTH, STAMP_LENGTH, Span, Window, mark
-from flight_replay.logs.tlog.records import read_records
+from flight_replay.logs.tlog.frame_search import FrameSearch
+from flight_replay.logs.tlog.frames import ROW_LENGTH, STAMP_LENGTH, Candidates, frame_lengths
+from flight_replay.logs.tlog.message_table import GLOBAL_POSITION_INT, GPS_RAW_INT, HEARTBEAT, LONGEST_FRAME
+from flight_replay.logs.tlog.nested_frames import LOOK_BACK, Enclosures, joined, possible_enclosures
 
-_WANTED = message_table.GLOBAL_POSITION_INT, message_table.HEARTBEAT, message_table.GPS_RAW_INT
-_LEAD = STAMP_LENGTH  # the stamp of a record that begins a block
-_MARGIN = message_table.LONGEST_FRAME + 16  # what headers and frames may need behind a block
+SLICE_LENGTH = 1 << 20  # bytes searched at a time: these, and all that is made of them, stay in the cache
+_MESSAGES = GLOBAL_POSITION_INT, HEARTBEAT, GPS_RAW_INT
+_LEAD = STAMP_LENGTH + LOOK_BACK  # bytes before a block that are looked at with it
+_MARGIN = LONGEST_FRAME + ROW_LENGTH  # bytes behind a block that its frames may need
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Block:
-    """Bytes ``offset`` to ``stop`` of a log, in a window that the next block will use again."""
+    """A part of a log, up to ``stop``, in bytes that reach to ``end`` and that the next block uses again.
 
+    Indices count from the beginning of ``data``, which is at ``offset`` in the log. The candidates
+    are those of GLOBAL_POSITION_INT, HEARTBEAT and GPS_RAW_INT; ``enclosures`` are what may be frames
+    around the first.
+    """
+
+    data: Bytes
     offset: int
     stop: int
-    _window: Window
-    _slices: Iterable[Span]
-
-    def read(self, enter: int) -> tuple[Records, int]:
-        """The records that a walk finds which comes to ``enter``, and where it goes on, places in the log."""
-        base = self.offset - _LEAD
-        marked = mark(self._window, self._slices, _WANTED)
-        walk = Walk(marked, enter - base, self.stop - base)
-        return read_records(decode(marked), walk, base), walk.leave + base
+    end: int
+    positions: Candidates
+    heartbeats: Candidates
+    gps: Candidates
+    enclosures: Enclosures
 
 
-def blocks_of_file(descriptor: int, begin: int, end: int, block_length: int) -> Iterator[Block]:
-    """The blocks of a plain file's bytes ``begin`` to ``end``."""
-    window = Window(_LEAD + min(block_length, end - begin) + _MARGIN)
-    for offset in range(begin, end, block_length):
-        stop = min(offset + block_length, end)
-        yield Block(offset, stop, window, _read_slices(window, descriptor, offset, stop))
-
-
-def _read_slices(window: Window, descriptor: int, offset: int, stop: int) -> Iterator[Span]:
-    """Read a block with its surroundings, and yield each slice as soon as it is there and in the cache.
-
-    Before the log's beginning and behind its end there are zeros.
-    """
-    held = max(_LEAD - offset, 0)
-    window.data[:held] = 0
-    block_stop = stop - offset + _LEAD
-    for start in range(_LEAD, block_stop, SLICE_LENGTH):
-        slice_stop = min(start + SLICE_LENGTH, block_stop)
-        behind = slice_stop + _MARGIN
-        while held < behind and (
-            got := os.preadv(descriptor, [window.data[held:behind].data], offset - _LEAD + held)
-        ):
-            held += got
-        window.data[held:behind] = 0
-        yield Span(start, max(min(slice_stop, held), start), held)
-
-
-def blocks_of_stream(stream: Stream, block_length: int) -> Iterator[Block]:
-    """The blocks of bytes that come in order, each keeping what the next one needs."""
-    window = Window(_LEAD + block_length + _MARGIN)
-    held, offset, ended = _LEAD, 0, False
+def read_blocks(stream: Stream, block_length: int) -> Iterator[Block]:
+    """The blocks of a stream, of which there is one at least."""
+    window = _Window(stream, block_length)
+    search = FrameSearch(_MESSAGES, min(SLICE_LENGTH, block_length))
     while True:
-        if not ended:
-            held, ended = _fill(window, stream, held)
-        window.data[held : held + _MARGIN] = 0
-        stop = min(held, _LEAD + block_length)
-        starts = range(_LEAD, stop, SLICE_LENGTH)
-        slices = [Span(start, min(start + SLICE_LENGTH, stop), held) for start in starts]
-        yield Block(offset, offset + stop - _LEAD, window, slices)
-        if ended and stop == held:
+        yield _searched(window, search)
+        if window.is_last:
             return
-        window.data[: held - block_length] = window.data[block_length:held].copy()
-        held -= block_length
-        offset += block_length
+        window.advance()
 
 
-def _fill(window: Window, stream: Stream, held: int) -> tuple[int, bool]:
-    """Read behind the ``held`` bytes until the window is full or the stream ends."""
-    while held < len(window.data):
-        data = stream.read(len(window.data) - held)
-        if not data:
-            return held, True
-        window.data[held : held + len(data)] = np.frombuffer(data, np.uint8)
-        held += len(data)
-    return held, False
+def _searched(window: _Window, search: FrameSearch) -> Block:
+    """The block in a window. What is needed of its bytes is copied slice by slice, out of the cache."""
+    data = window.data
+    found: list[list[Candidates]] = [[] for _ in _MESSAGES]
+    enclosures = []
+    for start, stop in window.slices():
+        starts = search.find(data, start, stop)
+        for candidates, its in zip(found, starts, strict=True):
+            candidates.append(Candidates(its, rows_at(data, its - STAMP_LENGTH, ROW_LENGTH)))
+        enclosures.append(possible_enclosures(data, starts[0]))
+    positions, heartbeats, gps = (_whole(candidates, window.end) for candidates in found)
+    all_enclosures = joined(enclosures)
+    return Block(data, window.offset, window.stop, window.end, positions, heartbeats, gps, all_enclosures)
+
+
+def _whole(parts: list[Candidates], end: int) -> Candidates:
+    """The candidates of all parts, but for those that reach over the end of the log."""
+    start = np.concatenate([part.start for part in parts])
+    candidates = Candidates(start, np.concatenate([part.rows for part in parts]))
+    near_end = np.arange(np.searchsorted(start, end - LONGEST_FRAME), len(start))
+    stop = start[near_end] + frame_lengths(candidates.rows[near_end, STAMP_LENGTH:])
+    if (stop <= end).all():
+        return candidates
+    return candidates.take(np.delete(np.arange(len(start)), near_end[stop > end]))
+
+
+class _Window:
+    """Bytes of a stream: a block and what is around it, with zeros before and behind the log.
+
+    The block is between ``_LEAD`` and ``stop``; the bytes of the log end at ``end``; the first byte is
+    that at ``offset`` in the log.
+    """
+
+    def __init__(self, stream: Stream, block_length: int) -> None:
+        self._stream = stream
+        self._ended = False
+        self._full = _LEAD + block_length
+        self.data: Bytes = np.zeros(self._full + _MARGIN, np.uint8)
+        self.end = _LEAD
+        self.offset = -_LEAD
+
+    @property
+    def stop(self) -> int:
+        return min(self.end, self._full)
+
+    @property
+    def is_last(self) -> bool:
+        return self._ended and self.end <= self._full
+
+    def slices(self) -> Iterator[tuple[int, int]]:
+        """Start and stop of each slice of the block, of which there is one at least, read just before."""
+        for start in range(_LEAD, self._full, SLICE_LENGTH):
+            stop = min(start + SLICE_LENGTH, self._full)
+            self._read(stop + _MARGIN)
+            yield start, max(min(stop, self.end), start)
+            if self.end < stop:
+                return
+
+    def advance(self) -> None:
+        """Go on to the next block."""
+        kept = self.data[self._full - _LEAD : self.end].copy()
+        self.data[: len(kept)] = kept
+        self.end = len(kept)
+        self.offset += self._full - _LEAD
+
+    def _read(self, until: int) -> None:
+        while not self._ended and self.end < until:
+            got = self._stream.readinto(self.data[self.end : until].data)
+            self.end += got
+            self._ended = got == 0
+        self.data[self.end : until] = 0

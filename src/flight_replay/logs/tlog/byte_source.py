@@ -9,70 +9,76 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, cast
 
 from flight_replay.errors import LogError
 
 STANDARD_INPUT = "-"
-_GZIP_MARK = b"\x1f\x8b\x08"
+_GZIP_MAGIC = b"\x1f\x8b\x08"
 _HEAD_LENGTH = 512
 _PACKED_STEP = 1 << 16
 
 
 class Stream(Protocol):
-    """Bytes in order; ``read`` returns at most ``size`` of them, and none at the end only."""
+    """Bytes in order."""
 
-    def read(self, size: int) -> bytes:
-        """The next bytes."""
+    def readinto(self, buffer: memoryview, /) -> int:
+        """Fill a buffer, or its beginning, with the next bytes; returns how many, 0 at the end only."""
         ...
 
 
-class Source:
+class OpenLog:
     """An open log, plain or packed with gzip.
 
     ``size`` is the number of stored bytes, 0 where that is not known beforehand; ``position``
-    tells how many of them were taken from the stream; ``head`` is what the log begins with.
+    tells how many of them were taken from the stream; ``head`` is what the log begins with;
+    ``stream`` gives its bytes, unpacked.
     """
 
-    def __init__(self, name: str, stored: Stream, size: int = 0, descriptor: int | None = None) -> None:
+    def __init__(self, name: str, stored: Stream, size: int = 0) -> None:
         self.name = name
         self.size = size
         self.position = 0
-        self.head = b""
-        while len(self.head) < _HEAD_LENGTH and (more := stored.read(_HEAD_LENGTH - len(self.head))):
-            self.head += more
+        head, length = bytearray(_HEAD_LENGTH), 0
+        while length < _HEAD_LENGTH and (got := stored.readinto(memoryview(head)[length:])):
+            length += got
+        self.head = bytes(head[:length])
         self._stored = stored
-        self._held = self.head
-        is_packed = self.head.startswith(_GZIP_MARK)
-        self.stream: Stream = _Unpacked(self) if is_packed else self
-        self.descriptor = None if is_packed else descriptor
+        self._unread_head = self.head
+        self.stream: Stream = _GzipStream(self) if self.head.startswith(_GZIP_MAGIC) else self
 
-    def read(self, size: int) -> bytes:
+    def readinto(self, buffer: memoryview, /) -> int:
         """The next stored bytes."""
-        data, self._held = self._held[:size], self._held[size:]
-        data = data or self._stored.read(size)
-        self.position += len(data)
-        return data
+        if self._unread_head:
+            got = min(len(buffer), len(self._unread_head))
+            buffer[:got], self._unread_head = self._unread_head[:got], self._unread_head[got:]
+        else:
+            got = self._stored.readinto(buffer)
+        self.position += got
+        return got
 
 
-class _Unpacked:
+class _GzipStream:
     """The contents of gzip members one after another, up to the first fault."""
 
     def __init__(self, packed: Stream) -> None:
         self._packed = packed
         self._inflate = zlib.decompressobj(wbits=31)
+        self._buffer = bytearray(_PACKED_STEP)
         self._pending = b""
         self._step = _PACKED_STEP  # bytes to unpack at once, halved before a fault until none are left
 
-    def read(self, size: int) -> bytes:
+    def readinto(self, buffer: memoryview, /) -> int:
         """The next decompressed bytes; a torn or damaged end reads like an end."""
         while self._step:
-            self._pending = self._pending or self._packed.read(_PACKED_STEP)
+            if not self._pending:
+                self._pending = bytes(self._buffer[: self._packed.readinto(memoryview(self._buffer))])
             is_last = not self._pending
-            data = self._unpack(size)
+            data = self._unpack(len(buffer))
             if data or is_last:
-                return data
-        return b""
+                buffer[: len(data)] = data
+                return len(data)
+        return 0
 
     def _unpack(self, size: int) -> bytes:
         """What the next step of pending bytes holds; nothing if there is a fault in it."""
@@ -93,7 +99,7 @@ class _Unpacked:
 
 
 @contextmanager
-def opened(path: Path | str) -> Iterator[Source]:
+def open_log(path: Path | str) -> Iterator[OpenLog]:
     """The log at a path, or on standard input for ``-``.
 
     Raises:
@@ -101,14 +107,12 @@ def opened(path: Path | str) -> Iterator[Source]:
     """
     try:
         if str(path) == STANDARD_INPUT:
-            yield Source("standard input", _standard_input())
+            yield OpenLog("standard input", _standard_input())
             return
         path = Path(path)
         with path.open("rb", buffering=0) as file:
             status = os.fstat(file.fileno())
-            size = status.st_size if stat.S_ISREG(status.st_mode) else 0
-            at_offsets = size > 0 and hasattr(os, "preadv")  # not on every system
-            yield Source(str(path), file, size, file.fileno() if at_offsets else None)
+            yield OpenLog(str(path), file, status.st_size if stat.S_ISREG(status.st_mode) else 0)
     except IsADirectoryError:
         raise LogError(f"{path} is a directory; name a log file in it") from None
     except FileNotFoundError:
@@ -124,15 +128,15 @@ def _standard_input() -> Stream:
         raise LogError("standard input is closed; send a log to it, or name one with --tlog")
     with suppress(OSError, AttributeError):  # not every stand-in has a descriptor, nor every system the call
         os.set_blocking(sys.stdin.fileno(), True)  # or a sender's pause may look like the end
-    return sys.stdin.buffer
+    return cast(Stream, sys.stdin.buffer)
 
 
-def what_it_is(head: bytes) -> str:
-    """What a file without any record looks like, by its first bytes."""
+def describe(head: bytes) -> str:
+    """What a file without any record is, by its first bytes."""
     if not head:
         return "is empty"
-    for mark, kind in _KINDS:
-        if head.startswith(mark):
+    for magic, kind in _KINDS:
+        if head.startswith(magic):
             return kind
     if _is_text(head, "utf-8-sig"):
         return "is text, not a MAVLink log"
@@ -157,5 +161,5 @@ _KINDS = (
     (b"\xa3\x95", "is a DataFlash log, not a telemetry log"),
     (b"ULog\x01\x12\x35", "is a PX4 ULog, not a telemetry log"),
     (b"PK\x03\x04", "is a ZIP archive (unpack it first)"),
-    (_GZIP_MARK, "is gzip data that holds no MAVLink position, heartbeat or GPS record"),
+    (_GZIP_MAGIC, "is gzip data that holds no MAVLink position, heartbeat or GPS record"),
 )

@@ -1,4 +1,4 @@
-"""Records of the three messages that positions are read from, as columns of equal length."""
+"""Records of the three messages that are read, as columns of equal length."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Indices
 
-AnyColumns = TypeVar("AnyColumns", bound="Columns")
+AnyMessage = TypeVar("AnyMessage", bound="MessageColumns")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Columns:
-    """Records in the order of the log, every column of shape (n,).
+class MessageColumns:
+    """Records of a message in the order of the log, every column of shape (n,).
 
     ``offset`` is the record's place in the log, ``vehicle`` its system id * 256 + component id.
     """
@@ -27,7 +27,7 @@ class Columns:
     def __len__(self) -> int:
         return len(self.offset)
 
-    def select(self: AnyColumns, keep: Flags | Indices) -> AnyColumns:
+    def select(self: AnyMessage, keep: Flags | Indices) -> AnyMessage:
         """The records that a mask or an index array picks."""
         if keep.dtype == np.bool_ and keep.all():
             return self
@@ -35,7 +35,7 @@ class Columns:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Positions(Columns):
+class Positions(MessageColumns):
     """GLOBAL_POSITION_INT in its own units; ``stamp_us`` is what the eight bytes before the record say."""
 
     stamp_us: NDArray[np.int64]
@@ -55,7 +55,7 @@ class Positions(Columns):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Heartbeats(Columns):
+class Heartbeats(MessageColumns):
     """HEARTBEAT: who sent it (MAV_AUTOPILOT, MAV_TYPE), and whether the motors were armed."""
 
     autopilot: NDArray[np.uint8]
@@ -64,10 +64,10 @@ class Heartbeats(Columns):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fixes(Columns):
+class GpsStatus(MessageColumns):
     """GPS_RAW_INT: whether the receiver had a 3D fix or better."""
 
-    is_3d: Flags
+    has_3d_fix: Flags
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,49 +76,49 @@ class Records:
 
     positions: Positions
     heartbeats: Heartbeats
-    fixes: Fixes
+    gps: GpsStatus
     empty: dict[int, int]
 
 
-class Gathered:
-    """Records of one part of a log after the other."""
+class RecordBuffer:
+    """Puts the records of consecutive parts of a log together."""
 
     def __init__(self) -> None:
-        self._positions = _Growing(Positions)
-        self._heartbeats = _Growing(Heartbeats)
-        self._fixes = _Growing(Fixes)
+        self._positions = _ColumnBuffer(Positions)
+        self._heartbeats = _ColumnBuffer(Heartbeats)
+        self._gps = _ColumnBuffer(GpsStatus)
         self._empty: Counter[int] = Counter()
 
     def add(self, part: Records) -> None:
         """Append a part's records."""
         self._positions.add(part.positions)
         self._heartbeats.add(part.heartbeats)
-        self._fixes.add(part.fixes)
+        self._gps.add(part.gps)
         self._empty.update(part.empty)
 
     @property
     def records(self) -> Records:
         """All records so far."""
-        columns = self._positions.columns, self._heartbeats.columns, self._fixes.columns
+        columns = self._positions.columns, self._heartbeats.columns, self._gps.columns
         return Records(*columns, dict(self._empty))
 
 
-class _Growing(Generic[AnyColumns]):
+class _ColumnBuffer(Generic[AnyMessage]):
     """Columns in byte arrays, which grow in place: no record is ever held twice."""
 
-    def __init__(self, kind: type[AnyColumns]) -> None:
+    def __init__(self, kind: type[AnyMessage]) -> None:
         self._kind = kind
         self._bytes = {each.name: bytearray() for each in fields(kind)}
         self._dtypes: dict[str, np.dtype[Any]] = {}
 
-    def add(self, part: AnyColumns) -> None:
+    def add(self, part: AnyMessage) -> None:
         for name in self._bytes:
             column: NDArray[Any] = getattr(part, name)
             self._dtypes[name] = column.dtype
             self._bytes[name] += np.ascontiguousarray(column).view(np.uint8).data
 
     @property
-    def columns(self) -> AnyColumns:
+    def columns(self) -> AnyMessage:
         columns = {}
         for name, grown in self._bytes.items():
             dtype = self._dtypes[name]

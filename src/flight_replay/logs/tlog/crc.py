@@ -1,6 +1,6 @@
 """MAVLink's checksum: CRC-16/MCRF4XX, which is X.25 without the last inversion.
 
-Defined at mavlink.io, "Packet Serialization": over everything between the start mark and the
+Defined at mavlink.io, "Packet Serialization": over everything between the start byte and the
 checksum, then over the message's CRC extra. The checksum is sent low byte first.
 """
 
@@ -9,9 +9,8 @@ from __future__ import annotations
 import binascii
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Bytes, Flags, Indices, Words
+from flight_replay.geometry.arrays import Bytes, Flags, Words
 
 _REVERSED_POLYNOMIAL = 0x8408  # x^16 + x^12 + x^5 + 1, lowest bit first
 _INITIAL = 0xFFFF
@@ -38,14 +37,14 @@ _OF_PAIR = _pair_table()
 _BITS_REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 
 
-def have_right_crc(frames: Bytes, extra: int) -> Flags:
+def are_crcs_valid(frames: Bytes, extra: int) -> Flags:
     """Whether the checksums of many frames fit, shape (n,): two bytes of all of them at a time.
 
     Args:
-        frames: Whole ones of equal length without signature, start mark to checksum, shape (n, length).
+        frames: Whole ones of equal length without signature, start byte to checksum, shape (n, length).
         extra: CRC extra of the message that all of them hold.
     """
-    pad = 1 - frames.shape[1] % 2  # an even row begins with the start mark, which is then blanked
+    pad = 1 - frames.shape[1] % 2  # an even row begins with the start byte, which is then blanked
     words = frames[:, 1 - pad :].view("<u2").T.copy()
     words[0] ^= _INITIAL
     if pad:
@@ -58,14 +57,8 @@ def have_right_crc(frames: Bytes, extra: int) -> Flags:
     return np.asarray(crc == words[-1])
 
 
-def rows_at(block: Bytes, places: Indices, length: int) -> Bytes:
-    """The ``length`` bytes at each of the places, shape (n, length)."""
-    anywhere: NDArray[np.void] = np.ndarray((len(block) - length + 1,), f"V{length}", block, strides=(1,))
-    return anywhere[places].view(np.uint8).reshape(-1, length)
-
-
-def has_right_crc(checked: bytes, extra: int) -> bool:
-    """Whether the last two of the bytes behind a start mark are the checksum of the others.
+def is_crc_valid(checked: bytes, extra: int) -> bool:
+    """Whether the last two of the bytes behind a start byte are the checksum of the others.
 
     Python's own CRC of this polynomial takes the highest bit first, so it is given bytes
     reversed bit by bit, and compared with the checksum reversed.

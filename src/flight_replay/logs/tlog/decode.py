@@ -1,4 +1,4 @@
-"""Bytes of frames to columns.
+"""Valid frames to columns.
 
 Layouts are those of mavlink.io (common.xml, minimal.xml), little endian; MAVLink 2 leaves
 zeros off a payload's end, and they are put back here.
@@ -6,107 +6,26 @@ zeros off a payload's end, and they are put back here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Bytes, Indices
-from flight_replay.logs.tlog import message_table
-from flight_replay.logs.tlog.columns import Positions
-from flight_replay.logs.tlog.frame_walk import are_right
-from flight_replay.logs.tlog.frames import STAMP_LENGTH, Candidates, Marked
+from flight_replay.geometry.arrays import Bytes
+from flight_replay.logs.tlog.columns import GpsStatus, Heartbeats, Positions
+from flight_replay.logs.tlog.frames import STAMP_LENGTH, Candidates
+from flight_replay.logs.tlog.message_table import MAVLINK1_STX
 
 _ARMED_FLAG = 128  # MAV_MODE_FLAG_SAFETY_ARMED
 _FIX_TYPE_3D = 3  # GPS_FIX_TYPE_3D_FIX
+_PAYLOAD_AT = STAMP_LENGTH + 6, STAMP_LENGTH + 10  # in a row, for MAVLink 1 and 2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class States:
-    """What the candidates of a message tell of their vehicles' states, every column of shape (n,)."""
-
-    message: int
-    candidates: Candidates
-    vehicle: NDArray[np.uint16]
-    state: NDArray[np.int32]
-
-    def take(self, index: Indices) -> States:
-        """Those of an index array."""
-        candidates = self.candidates.take(index)
-        return States(self.message, candidates, self.vehicle.take(index), self.state.take(index))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Decoded:
-    """All that marked bytes may say: right positions, ``offset`` being where in the bytes, and states."""
-
-    positions: Positions
-    heartbeats: States
-    fixes: States
-
-
-def decode(marked: Marked) -> Decoded:
-    """What the candidates of the three messages say."""
-    return Decoded(
-        _positions(marked.data, marked.wanted[message_table.GLOBAL_POSITION_INT]),
-        _heartbeats(marked.wanted[message_table.HEARTBEAT]),
-        _fixes(marked.wanted[message_table.GPS_RAW_INT]),
-    )
-
-
-class _Fields:
-    """What the bytes of candidates (n,) say; MAVLink 2 has two bytes of flags before its sequence number."""
-
-    def __init__(self, rows: Bytes) -> None:
-        self._rows = rows
-        self._is_mavlink1 = rows[:, STAMP_LENGTH] == message_table.MAVLINK1_MARK
-        self._sent = rows[:, STAMP_LENGTH + 1]  # bytes of payload
-        self._is_all_mavlink1 = bool(self._is_mavlink1.all())
-
-    def _byte(self, mavlink1: int, mavlink2: int) -> NDArray[np.uint8]:
-        """The byte at that place in a frame of either version, shape (n,)."""
-        first, second = self._rows[:, STAMP_LENGTH + mavlink1], self._rows[:, STAMP_LENGTH + mavlink2]
-        return first if self._is_all_mavlink1 else np.where(self._is_mavlink1, first, second)
-
-    @property
-    def vehicle(self) -> NDArray[np.uint16]:
-        """System id * 256 + component id, shape (n,)."""
-        system, component = self._byte(3, 5), self._byte(4, 6)
-        return np.asarray(system.astype(np.uint16) << 8 | component, np.uint16)
-
-    @property
-    def stamp_us(self) -> NDArray[np.int64]:
-        """The stamps before the frames, shape (n,)."""
-        return self._rows[:, :STAMP_LENGTH].view(">i8")[:, 0].astype(np.int64)
-
-    def payload_byte(self, at: int) -> NDArray[np.int32]:
-        """A byte of each payload, 0 where it was left off, shape (n,)."""
-        byte = self._byte(6 + at, 10 + at).astype(np.int32)
-        byte *= self._sent > at
-        return byte
-
-    def payload(self, length: int) -> Bytes:
-        """The first bytes of each payload, zeros where they were left off, shape (n, length)."""
-        mavlink1, mavlink2 = STAMP_LENGTH + 6, STAMP_LENGTH + 10
-        if self._is_all_mavlink1:
-            return self._rows[:, mavlink1 : mavlink1 + length]
-        some: Bytes = self._rows[:, mavlink2 : mavlink2 + length].copy()
-        some[self._is_mavlink1] = self._rows[self._is_mavlink1, mavlink1 : mavlink1 + length]
-        for short in np.flatnonzero(np.bincount(self._sent)[:length]).tolist():
-            some[self._sent == short, short:] = 0
-        return some
-
-
-def _positions(data: Bytes, candidates: Candidates) -> Positions:
+def decode_positions(frames: Candidates) -> Positions:
     """Decode GLOBAL_POSITION_INT: seven columns of four bytes, the last two of two numbers each."""
-    right = are_right(data, candidates, message_table.GLOBAL_POSITION_INT)
-    if not right.all():
-        candidates = candidates.take(np.flatnonzero(right))
-    fields = _Fields(candidates.rows)
+    fields = _Fields(frames.rows)
     payload = fields.payload(28)
     number, half = payload.view("<i4"), payload.view("<i2")
     return Positions(
-        offset=candidates.start,
+        offset=frames.start,
         vehicle=fields.vehicle,
         stamp_us=fields.stamp_us,
         time_ms=number[:, 0].view("<u4").copy(),
@@ -120,16 +39,57 @@ def _positions(data: Bytes, candidates: Candidates) -> Positions:
     )
 
 
-def _heartbeats(candidates: Candidates) -> States:
+def decode_heartbeats(frames: Candidates) -> Heartbeats:
     """Decode HEARTBEAT: behind four bytes of mode follow type, autopilot and flags."""
-    fields = _Fields(candidates.rows)
+    fields = _Fields(frames.rows)
     kind, autopilot, flags = (fields.payload_byte(at) for at in (4, 5, 6))
-    state = kind << 16 | autopilot << 8 | flags & _ARMED_FLAG
-    return States(message_table.HEARTBEAT, candidates, fields.vehicle, state)
+    return Heartbeats(frames.start, fields.vehicle, autopilot, kind, (flags & _ARMED_FLAG) != 0)
 
 
-def _fixes(candidates: Candidates) -> States:
+def decode_gps_status(frames: Candidates) -> GpsStatus:
     """Decode GPS_RAW_INT, of whose own position nothing is read: cold receivers make them up."""
-    fields = _Fields(candidates.rows)
-    is_3d = fields.payload_byte(28) >= _FIX_TYPE_3D
-    return States(message_table.GPS_RAW_INT, candidates, fields.vehicle, is_3d.astype(np.int32))
+    fields = _Fields(frames.rows)
+    return GpsStatus(frames.start, fields.vehicle, fields.payload_byte(28) >= _FIX_TYPE_3D)
+
+
+class _Fields:
+    """What the bytes of frames (n,) say; MAVLink 2 has two bytes of flags before its sequence number."""
+
+    def __init__(self, rows: Bytes) -> None:
+        self._rows = rows
+        self._is_mavlink1 = rows[:, STAMP_LENGTH] == MAVLINK1_STX
+        self._sent = rows[:, STAMP_LENGTH + 1]  # bytes of payload
+        self._is_all_mavlink1 = bool(self._is_mavlink1.all())
+
+    def _byte(self, mavlink1: int, mavlink2: int) -> NDArray[np.uint8]:
+        """The byte at that place in a row of either version, shape (n,)."""
+        first, second = self._rows[:, mavlink1], self._rows[:, mavlink2]
+        return first if self._is_all_mavlink1 else np.where(self._is_mavlink1, first, second)
+
+    @property
+    def vehicle(self) -> NDArray[np.uint16]:
+        """System id * 256 + component id, shape (n,)."""
+        system = self._byte(STAMP_LENGTH + 3, STAMP_LENGTH + 5)
+        component = self._byte(STAMP_LENGTH + 4, STAMP_LENGTH + 6)
+        return np.asarray(system.astype(np.uint16) << 8 | component, np.uint16)
+
+    @property
+    def stamp_us(self) -> NDArray[np.int64]:
+        """The stamps before the frames, shape (n,)."""
+        return self._rows[:, :STAMP_LENGTH].view(">i8")[:, 0].astype(np.int64)
+
+    def payload_byte(self, at: int) -> NDArray[np.uint8]:
+        """A byte of each payload, 0 where it was left off, shape (n,)."""
+        mavlink1, mavlink2 = _PAYLOAD_AT
+        return np.asarray(self._byte(mavlink1 + at, mavlink2 + at) * (self._sent > at), np.uint8)
+
+    def payload(self, length: int) -> Bytes:
+        """The first bytes of each payload, zeros where they were left off, shape (n, length)."""
+        mavlink1, mavlink2 = _PAYLOAD_AT
+        if self._is_all_mavlink1:
+            return self._rows[:, mavlink1 : mavlink1 + length]
+        some: Bytes = self._rows[:, mavlink2 : mavlink2 + length].copy()
+        some[self._is_mavlink1] = self._rows[self._is_mavlink1, mavlink1 : mavlink1 + length]
+        for short in np.flatnonzero(np.bincount(self._sent)[:length]).tolist():
+            some[self._sent == short, short:] = 0
+        return some

@@ -1,60 +1,30 @@
-"""What may be MAVLink frames in bytes: all start marks at once, and what their headers say.
-
-The walk over every byte offset (``walk.py``) needs only two things of them: the frames of the
-few messages that are read, and those frames that another one may begin in.
-"""
+"""MAVLink frames in bytes: their length by their header, and whether their CRC is valid."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Bytes, Indices
+from flight_replay.geometry.arrays import Bytes, Flags, Indices
 from flight_replay.logs.tlog import message_table
-from flight_replay.logs.tlog.crc import rows_at
+from flight_replay.logs.tlog.byte_rows import rows_at
+from flight_replay.logs.tlog.crc import are_crcs_valid, is_crc_valid
+from flight_replay.logs.tlog.message_table import MAVLINK1_STX, MAVLINK2_STX
 
-SLICE_LENGTH = 1 << 20  # bytes of which all that is made stays in a core's cache
 STAMP_LENGTH = 8
-ROW_LENGTH = STAMP_LENGTH + 40  # a stamp, either version's header, and 28 bytes of payload or more
-_NO_MESSAGE = 255  # an id that nobody wants
-_NOWHERE: Indices = np.zeros(0, np.intp)
-_NO_ROWS: Bytes = np.zeros((0, ROW_LENGTH), np.uint8)
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """Bytes from ``start`` to ``stop``; the data ends at ``end``, what is behind are no bytes of the log."""
-
-    start: int
-    stop: int
-    end: int
-
-
-class Window:
-    """Bytes of a log being looked at, with room to mark some of them; used again for the next bytes."""
-
-    def __init__(self, length: int) -> None:
-        self.data: Bytes = np.zeros(length, np.uint8)
-        self._marks: Bytes = np.empty(SLICE_LENGTH, np.uint8)
-
-    def marks(self, start: int, stop: int) -> Indices:
-        """Where the start marks in [start, stop) are, counted from ``start``; of no more than a slice."""
-        marks = self._marks[: stop - start]
-        # The two marks are neighbours, so one subtraction and one comparison in place find both.
-        np.subtract(self.data[start:stop], message_table.MAVLINK2_MARK, out=marks)
-        others = message_table.MAVLINK1_MARK - message_table.MAVLINK2_MARK
-        return np.flatnonzero(np.less_equal(marks, others, out=marks.view(np.bool_)))
+HEADER_LENGTH = 10  # that of MAVLink 2, start byte included; MAVLink 1 has 6
+ROW_LENGTH = STAMP_LENGTH + HEADER_LENGTH + 30  # a stamp, a header, and the payload bytes that are read
+ID_AT = {MAVLINK1_STX: 5, MAVLINK2_STX: 7}  # where in a frame the (lowest byte of the) message id is
+_FEW = 16  # frames of one length for which arrays are slower than a loop
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """What may be frames of one message, in ascending order.
+    """What may be frames of one message, by their headers, in ascending order.
 
-    ``start`` is where, shape (n,); ``rows`` are the bytes from the stamp before it on, shape
-    (n, ROW_LENGTH), kept because looking them up again would take longest of all.
+    ``start`` is the index of each frame's first byte, shape (n,); ``rows`` are the bytes from the
+    stamp before it on, shape (n, ROW_LENGTH).
     """
 
     start: Indices
@@ -65,118 +35,61 @@ class Candidates:
         return Candidates(self.start.take(index), self.rows.take(index, axis=0))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Reaching:
-    """Frames, right or not, that reach over where others begin: where they do and end, (n,), ascending."""
-
-    start: Indices
-    end: Indices
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Marked:
-    """Bytes, what may be frames of each wanted message in them, and all frames ``reaching`` over others."""
-
-    data: Bytes
-    wanted: Mapping[int, Candidates]
-    reaching: Reaching
-
-
-def mark(window: Window, slices: Iterable[Span], wanted: Sequence[int]) -> Marked:
-    """Find all that may be frames of the ``wanted`` messages, by id, and all that may hide one.
-
-    ``slices`` follow each other, each of ``SLICE_LENGTH`` at most.
-    """
-    candidates: dict[int, list[Candidates]] = {message: [] for message in wanted}
-    reaching = []
-    for span in slices:
-        headers = _headers(window, span)
-        for message, found in headers.candidates(window.data, wanted):
-            candidates[message].append(found)
-        reaching.append(headers.reaching(span.stop))
-    joined = {message: _joined_candidates(found) for message, found in candidates.items()}
-    return Marked(window.data, joined, _joined_reaching(reaching))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Headers:
-    """Start marks of a slice, counted from its ``base``, and what the headers there say, shape (n,).
-
-    ``message`` is an id of one byte, ``length`` that of the whole frame, 0 where there can be none.
-    """
-
-    base: int
-    start: Indices
-    message: NDArray[np.uint8]
-    length: NDArray[np.int16]
-
-    def candidates(self, data: Bytes, wanted: Sequence[int]) -> Iterator[tuple[int, Candidates]]:
-        """What may be frames of each wanted message."""
-        is_wanted = self.message == wanted[0]
-        for message in wanted[1:]:
-            is_wanted |= self.message == message
-        is_wanted &= self.length > 0
-        index = np.flatnonzero(is_wanted)
-        start, messages_of = self.start.take(index) + self.base, self.message.take(index)
-        for message in wanted:
-            its = start.take(np.flatnonzero(messages_of == message))
-            yield message, Candidates(its, rows_at(data, its - STAMP_LENGTH, ROW_LENGTH))
-
-    def reaching(self, stop: int) -> Reaching:
-        """What reaches over the start of another frame, or of two marks of any kind, or over ``stop``."""
-        start = self.start.astype(np.int32)
-        end = start + self.length
-        over = end > stop - self.base
-        over[:-1] |= (end[:-1] > start[1:]) & (self.length[1:] > 0)
-        over[:-2] |= end[:-2] > start[2:]
-        index = np.flatnonzero(over)
-        return Reaching(self.start.take(index) + self.base, end.take(index) + np.intp(self.base))
-
-
-def _headers(window: Window, span: Span) -> _Headers:
-    """All start marks of a slice."""
-    data = window.data[span.start :]
-    start = window.marks(span.start, span.stop)
-    message = data[5:].take(start)
-    payload = data[1:].take(start)
-    shape = message.astype(np.uint16)
-    shape <<= 8
-    shape |= payload
-    length = payload.astype(np.int16)
-    length += message_table.MAVLINK1_OVERHEAD
-    length *= message_table.MAVLINK1_SHAPES.take(shape)
-    mavlink2 = np.flatnonzero(data.take(start) == message_table.MAVLINK2_MARK)
-    length[mavlink2] = 0
-    places = start.take(mavlink2)
-    readable = np.flatnonzero(data[2:].take(places) <= message_table.SIGNED)
-    mavlink2 = mavlink2.take(readable)
-    length[mavlink2], message[mavlink2] = _mavlink2_headers(data, places.take(readable))
-    if span.stop + message_table.LONGEST_FRAME > span.end:
-        length[start + length > span.end - span.start] = 0
-    return _Headers(span.start, start, message, length)
-
-
-def _mavlink2_headers(data: Bytes, places: Indices) -> tuple[NDArray[np.int16], NDArray[np.uint8]]:
-    """Frame lengths (n,), 0 where there can be no frame, and message ids where they fit one byte.
+def frame_lengths(headers: Bytes) -> Indices:
+    """Lengths of whole frames (n,) by their first ``HEADER_LENGTH`` bytes or more (n, ...); 0 for no frame.
 
     Incompatibility flags are those of a signature at most: a frame that has others must not be
     read (mavlink.io, "Incompatibility Flags").
     """
-    payload, flags, low, mid, high = (data[at:].take(places) for at in (1, 2, 7, 8, 9))
-    possible = (message_table.EXTRAS.take(mid.astype(np.uint16) << 8 | low) >= 0) & (high == 0)
-    length = (
-        flags * np.int16(message_table.SIGNATURE_LENGTH) + payload + np.int16(message_table.MAVLINK2_OVERHEAD)
-    )
-    return length * possible, np.where(mid > 0, np.uint8(_NO_MESSAGE), low)
+    payload = headers[:, 1].astype(np.intp)
+    message = headers[:, ID_AT[MAVLINK1_STX]].astype(np.intp)
+    length = payload + message_table.MAVLINK1_OVERHEAD
+    length *= message_table.MAVLINK1_SHAPES.take(message << 8 | payload)
+    others = (headers[:, 0] != MAVLINK1_STX).nonzero()[0]
+    if len(others):
+        headers, payload = headers.take(others, axis=0), payload.take(others)
+        flags, low, middle, high = headers[:, 2], headers[:, 7], headers[:, 8].astype(np.intp), headers[:, 9]
+        is_frame = message_table.EXTRAS.take(middle << 8 | low) >= 0
+        is_frame &= (headers[:, 0] == MAVLINK2_STX) & (flags <= message_table.SIGNED) & (high == 0)
+        payload += message_table.MAVLINK2_OVERHEAD + flags * np.intp(message_table.SIGNATURE_LENGTH)
+        length[others] = payload * is_frame
+    return length
 
 
-def _joined_candidates(parts: list[Candidates]) -> Candidates:
-    """The candidates of consecutive slices."""
-    start = np.concatenate([_NOWHERE, *(part.start for part in parts)])
-    return Candidates(start, np.concatenate([_NO_ROWS, *(part.rows for part in parts)]))
+def valid_frames(data: Bytes, candidates: Candidates, message: int) -> Flags:
+    """Whether the CRC of each candidate of a message (n,) is valid.
+
+    Frames of the same version and length are checked together, unless there are few of them, which
+    are most likely none.
+    """
+    start, rows = candidates.start, candidates.rows
+    extra = int(message_table.EXTRAS[message])
+    valid = np.zeros(len(start), np.bool_)
+    shape = rows[:, STAMP_LENGTH + 1].astype(np.intp)
+    shape[rows[:, STAMP_LENGTH] == MAVLINK1_STX] += 256
+    counts = np.bincount(shape, minlength=1)
+    few = (counts <= _FEW).take(shape).nonzero()[0]
+    valid[few] = [is_valid_frame(data, at) for at in start.take(few).tolist()]
+    for common in (counts > _FEW).nonzero()[0].tolist():
+        alike = (shape == common).nonzero()[0] if counts[common] < len(start) else slice(None)
+        length = _length_to_crc(common >= 256, common % 256)
+        if STAMP_LENGTH + length <= ROW_LENGTH:
+            frames = rows[alike, STAMP_LENGTH : STAMP_LENGTH + length]
+        else:
+            frames = rows_at(data, start[alike], length)
+        valid[alike] = are_crcs_valid(frames, extra)
+    return valid
 
 
-def _joined_reaching(parts: list[Reaching]) -> Reaching:
-    """What reaches over others in consecutive slices."""
-    start = np.concatenate([_NOWHERE, *(part.start for part in parts)])
-    return Reaching(start, np.concatenate([_NOWHERE, *(part.end for part in parts)]))
+def is_valid_frame(data: Bytes, start: int) -> bool:
+    """Whether the CRC of the frame that begins there is valid, whichever message it is."""
+    frame = data[start : start + message_table.LONGEST_FRAME].tobytes()
+    is_mavlink1 = frame[0] == MAVLINK1_STX
+    message = frame[5] if is_mavlink1 else frame[7] | frame[8] << 8
+    checked = frame[1 : _length_to_crc(is_mavlink1, frame[1])]
+    return is_crc_valid(checked, int(message_table.EXTRAS[message]))
+
+
+def _length_to_crc(is_mavlink1: bool, payload: int) -> int:
+    """The length of a frame from its start byte to its CRC, both included; a signature comes behind."""
+    return payload + (message_table.MAVLINK1_OVERHEAD if is_mavlink1 else message_table.MAVLINK2_OVERHEAD)

@@ -83,7 +83,7 @@ def _mavlink1_shapes() -> NDArray[np.bool_]:
     return shapes.ravel()
 
 
-MAVLINK1_MARK, MAVLINK2_MARK = 0xFE, 0xFD
+MAVLINK1_STX, MAVLINK2_STX = 0xFE, 0xFD  # the byte that a frame begins with
 SIGNED = 1  # the one incompatibility flag that there is
 MAVLINK1_OVERHEAD = 8
 MAVLINK2_OVERHEAD = 12

@@ -1,25 +1,27 @@
-"""Reads a log: which vehicles it holds, and the usable fixes of one of them."""
+"""Reads a telemetry log: which vehicles it holds, and the usable fixes of one of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flight_replay.errors import LogError
-from flight_replay.geometry.arrays import Flags, Indices
-from flight_replay.logs.tlog import byte_source
+from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
+from flight_replay.logs.tlog.arming import armed_at
 from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
-from flight_replay.logs.tlog.columns import AnyColumns, Fixes, Heartbeats, Positions, Records
-from flight_replay.logs.tlog.plausibility import REASONS, Verdict, judge
+from flight_replay.logs.tlog.byte_source import describe, open_log
+from flight_replay.logs.tlog.columns import AnyMessage, Positions, Records
+from flight_replay.logs.tlog.gps_status import lacks_3d_fix
 from flight_replay.logs.tlog.scan import scan
-from flight_replay.logs.tlog.vehicles import VehicleCount, VehicleId, armed_at
+from flight_replay.logs.tlog.vehicles import VehicleCount, VehicleId
 from flight_replay.logs.track import Track
 
-MAX_VEHICLES = 1000
-"""More in one log are noise or forged: judging each of the 65,025 that are possible would take minutes."""
+_VEHICLES_NAMED = 10  # in an error message
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +30,7 @@ class Log:
 
     ``bytes`` counts the log's bytes, unpacked; ``vehicles`` are all that sent positions, the one
     with most usable fixes first; ``without_position`` counts the chosen vehicle's records at
-    latitude and longitude 0, ``rejected`` the implausible ones, by reason.
+    latitude and longitude 0, ``rejected`` its implausible positions, by reason.
     """
 
     path: str
@@ -41,7 +43,7 @@ class Log:
 
     @property
     def rejected_total(self) -> int:
-        """How many positions were not believable."""
+        """How many positions were implausible."""
         return sum(self.rejected.values())
 
 
@@ -61,122 +63,139 @@ def read_log(
     Raises:
         LogError: There is no such log, or nothing usable in it.
     """
-    with byte_source.opened(path) as opened:
-        records, length = scan(opened, progress)
-        name, head = opened.name, opened.head
-    found = sorted(_read_vehicles(records, vehicle), key=lambda each: -each.count.fixes)
-    if not found:
-        raise LogError(f"{name} {_nothing_of(records, head)}; name a telemetry log with --tlog")
-    chosen = _choose(name, found, vehicle)
+    with open_log(path) as log:
+        records, length = scan(log, progress)
+    if not len(records.positions):
+        raise LogError(f"{log.name} {_why_no_position(records, log.head)}; name a telemetry log with --tlog")
+    read = _judged(records)
+    vehicles = read.vehicles()
+    chosen = _choose(log.name, read, vehicles, vehicle)
     return Log(
-        path=name,
+        path=log.name,
         bytes=length,
-        vehicles=tuple(each.count for each in found),
-        vehicle=chosen.count,
-        track=_track(chosen, records.heartbeats.select(records.heartbeats.vehicle == chosen.key)),
-        without_position=chosen.empty,
-        rejected=chosen.rejected,
+        vehicles=vehicles,
+        vehicle=chosen,
+        track=read.track(chosen),
+        without_position=read.without_position(chosen),
+        rejected=read.rejected(chosen),
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Found:
-    """One vehicle's positions with their clock, and the indices of the ``usable`` ones in order of time."""
+class _Judged:
+    """All that was read, one vehicle's after the other's, with the positions' clock and ``Rejection``."""
 
-    key: int
-    positions: Positions
+    records: Records
     clock: BootClock
-    usable: Indices
-    empty: int
-    rejected: dict[str, int]
+    rejection: NDArray[np.int8]
 
-    @property
-    def count(self) -> VehicleCount:
-        return VehicleCount(self.key >> 8, self.key & 255, len(self.usable))
+    def vehicles(self) -> tuple[VehicleCount, ...]:
+        """All that sent positions, the one with most usable fixes first."""
+        keys, index = np.unique(self.records.positions.vehicle, return_inverse=True)
+        fixes = np.bincount(index[self.rejection == Rejection.NONE], minlength=len(keys))
+        counts = [
+            VehicleCount(key >> 8, key & 255, n) for key, n in zip(keys.tolist(), fixes.tolist(), strict=True)
+        ]
+        return tuple(sorted(counts, key=lambda each: -each.fixes))
+
+    def without_position(self, vehicle: VehicleCount) -> int:
+        """How many of a vehicle's records are empty."""
+        return self.records.empty.get(_key(vehicle), 0)
+
+    def rejected(self, vehicle: VehicleCount) -> dict[str, int]:
+        """How many of a vehicle's positions are implausible, by reason."""
+        counts = np.bincount(self.rejection[self._is_of(vehicle)], minlength=len(Rejection))
+        return {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
+
+    def track(self, vehicle: VehicleCount) -> Track:
+        """A vehicle's fixes in SI units."""
+        positions = self.records.positions
+        at = self.clock.in_order(self._is_of(vehicle) & (self.rejection == Rejection.NONE))
+        # The first fix keeps its vehicle's clock, and its boot is the first, whatever was before without one.
+        time_s, boot = self.clock.time_s[at], self.clock.boot[at]
+        time_s += positions.time_ms[at[0]] / 1e3 - time_s[0]
+        boot -= boot[0]
+        heartbeats = self.records.heartbeats
+        return Track(
+            time_s=time_s,
+            lat_deg=positions.lat_e7[at] / 1e7,
+            lon_deg=positions.lon_e7[at] / 1e7,
+            alt_m=positions.alt_mm[at] / 1e3,
+            amsl_m=positions.amsl_mm[at] / 1e3,
+            north_m_s=positions.north_cm_s[at] / 1e2,
+            east_m_s=positions.east_cm_s[at] / 1e2,
+            up_m_s=positions.down_cm_s[at] / -1e2,
+            boot=boot,
+            armed=armed_at(
+                positions.offset[at], boot, heartbeats.select(heartbeats.vehicle == _key(vehicle))
+            ),
+        )
+
+    def _is_of(self, vehicle: VehicleCount) -> Flags:
+        """Which positions (n,) a vehicle sent."""
+        return np.asarray(self.records.positions.vehicle == _key(vehicle))
 
 
-def _read_vehicles(records: Records, wanted: VehicleId | None) -> Iterator[_Found]:
-    """Each vehicle of the log; of more than ``MAX_VEHICLES``, the ones with most positions and the wanted."""
-    counts = np.bincount(records.positions.vehicle)
-    keys = np.flatnonzero(counts)
-    if len(keys) > MAX_VEHICLES:
-        is_most = np.zeros(len(keys), np.bool_)
-        is_most[np.argsort(-counts[keys], kind="stable")[:MAX_VEHICLES]] = True
-        keys = keys[is_most if wanted is None else is_most | _is_named(keys, wanted)]
-    parts = zip(_split(records.positions, keys), _split(records.fixes, keys), strict=True)
-    for key, (positions, fixes) in zip(keys.tolist(), parts, strict=True):
-        yield _read_vehicle(key, positions, fixes, records.empty.get(key, 0))
+def _key(vehicle: VehicleCount) -> int:
+    """The vehicle's ids as one number."""
+    return vehicle.system << 8 | vehicle.component
 
 
-def _is_named(keys: Indices, wanted: VehicleId) -> Flags:
-    """Which of the keys ``wanted`` means."""
-    named = keys >> 8 == wanted.system
-    return np.asarray(named if wanted.component is None else named & (keys & 255 == wanted.component))
-
-
-def _split(columns: AnyColumns, keys: Indices) -> Iterator[AnyColumns]:
-    """The records of each of the vehicles ``keys``, each in the order of the log."""
-    if len(keys) == 1:
-        yield columns.select(columns.vehicle == keys[0])
-        return
-    order = np.argsort(columns.vehicle, kind="stable")
-    bounds = np.searchsorted(columns.vehicle[order], np.stack([keys, keys + 1]).astype(np.int64))
-    for first, end in bounds.T.tolist():
-        yield columns.select(order[first:end])
-
-
-def _read_vehicle(key: int, positions: Positions, fixes: Fixes, empty: int) -> _Found:
-    """Judge the positions of the vehicle ``key`` (system id * 256 + component id)."""
+def _judged(records: Records) -> _Judged:
+    """The records, of which there is one position at least, sorted by vehicle and judged."""
+    positions, gps = _by_vehicle(records.positions), _by_vehicle(records.gps)
     clock = read_clock(positions)
-    verdict = judge(positions, fixes, clock)
-    counts = np.bincount(verdict, minlength=len(Verdict))
-    rejected = {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
-    usable = clock.in_order(verdict == Verdict.NONE)
-    return _Found(key, positions, clock, usable, empty, rejected)
-
-
-def _choose(name: str, found: list[_Found], wanted: VehicleId | None) -> _Found:
-    """The vehicle wanted, or the first one."""
-    named = [each for each in found if wanted is None or each.count.is_named(wanted)]
-    if named and named[0].count.fixes:
-        return named[0]
-    others = ", ".join(f"{each.count.id} ({each.count.fixes} fixes)" for each in found if each.count.fixes)
-    step = f"choose with --vehicle from {others}" if others else "name another log with --tlog"
-    lack = _nothing_usable(named[0]) if named else f"has no positions of vehicle {wanted}"
-    raise LogError(f"{name} {lack}; {step}")
-
-
-def _nothing_usable(found: _Found) -> str:
-    """Why a vehicle has no fix."""
-    why = [f"{count} rejected ({reason})" for reason, count in found.rejected.items()]
-    if found.empty:
-        why.insert(0, f"{found.empty} records are empty")
-    return f"has no usable position of vehicle {found.count.id}: {', '.join(why)}"
-
-
-def _nothing_of(records: Records, head: bytes) -> str:
-    """Why a log has no position at all."""
-    if len(records.heartbeats) or len(records.fixes):
-        return "is a MAVLink log without any GLOBAL_POSITION_INT record"
-    return byte_source.what_it_is(head)
-
-
-def _track(found: _Found, heartbeats: Heartbeats) -> Track:
-    """A vehicle's fixes in SI units; ``heartbeats`` are its own."""
-    positions, at = found.positions, found.usable
-    # The first fix keeps its vehicle's clock, and its boot is the first, whatever was before without one.
-    time_s, boot = found.clock.time_s[at], found.clock.boot[at]
-    time_s += positions.time_ms[at[0]] / 1e3 - time_s[0]
-    boot -= boot[0]
-    return Track(
-        time_s=time_s,
-        lat_deg=positions.lat_e7[at] / 1e7,
-        lon_deg=positions.lon_e7[at] / 1e7,
-        alt_m=positions.alt_mm[at] / 1e3,
-        amsl_m=positions.amsl_mm[at] / 1e3,
-        north_m_s=positions.north_cm_s[at] / 1e2,
-        east_m_s=positions.east_cm_s[at] / 1e2,
-        up_m_s=positions.down_cm_s[at] / -1e2,
-        boot=boot,
-        armed=armed_at(positions.offset[at], boot, heartbeats),
+    recorded = RecordedPositions(
+        time_s=clock.time_s,
+        lat_deg=positions.lat_e7 / 1e7,
+        lon_deg=positions.lon_e7 / 1e7,
+        speed_m_s=_speed_m_s(positions),
+        boot=clock.boot,
+        lacks_3d_fix=lacks_3d_fix(positions, gps, clock.time_s),
     )
+    sorted_records = Records(positions, records.heartbeats, gps, records.empty)
+    return _Judged(sorted_records, clock, find_implausible(recorded, clock.order))
+
+
+def _by_vehicle(columns: AnyMessage) -> AnyMessage:
+    """The records, those of each vehicle together, in the order of the log."""
+    vehicle = columns.vehicle
+    return (
+        columns if (vehicle[1:] >= vehicle[:-1]).all() else columns.select(np.argsort(vehicle, kind="stable"))
+    )
+
+
+def _speed_m_s(positions: Positions) -> Floats:
+    """Length of the reported velocity, shape (n,)."""
+    columns = positions.north_cm_s, positions.east_cm_s, positions.down_cm_s
+    return np.asarray(np.sqrt(sum(column.astype(float) ** 2 for column in columns)) / 100)
+
+
+def _choose(
+    name: str, read: _Judged, vehicles: Sequence[VehicleCount], wanted: VehicleId | None
+) -> VehicleCount:
+    """The vehicle wanted, or the first one."""
+    named = [each for each in vehicles if wanted is None or each.is_named(wanted)]
+    if named and named[0].fixes:
+        return named[0]
+    others = [f"{each.id} ({each.fixes} fixes)" for each in vehicles if each.fixes]
+    if len(others) > _VEHICLES_NAMED:
+        others[_VEHICLES_NAMED:] = [f"{len(others) - _VEHICLES_NAMED} more"]
+    step = f"choose with --vehicle from {', '.join(others)}" if others else "name another log with --tlog"
+    why = _why_no_fix(read, named[0]) if named else f"has no positions of vehicle {wanted}"
+    raise LogError(f"{name} {why}; {step}")
+
+
+def _why_no_fix(read: _Judged, vehicle: VehicleCount) -> str:
+    """Why a vehicle has no fix."""
+    why = [f"{count} rejected ({reason})" for reason, count in read.rejected(vehicle).items()]
+    if empty := read.without_position(vehicle):
+        why.insert(0, f"{empty} records are empty")
+    return f"has no usable position of vehicle {vehicle.id}: {', '.join(why)}"
+
+
+def _why_no_position(records: Records, head: bytes) -> str:
+    """Why a log has no position at all."""
+    if len(records.heartbeats) or len(records.gps):
+        return "is a MAVLink log without any GLOBAL_POSITION_INT record"
+    return describe(head)

@@ -1,7 +1,7 @@
-"""Records out of what marked bytes may say, once it is known where the walk enters them.
+"""The records in a block, once it is known where the walk comes into it.
 
-Of what says nothing new, only the ends of each run are kept, so that memory stays constant
-for logs that hold no position but many of the other records.
+Of what repeats, only the ends of each run are kept, so that memory stays constant for logs that
+hold no position but many of the other records.
 """
 
 from __future__ import annotations
@@ -13,75 +13,69 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Indices
-from flight_replay.logs.tlog.columns import Fixes, Heartbeats, Positions, Records
-from flight_replay.logs.tlog.decode import Decoded, States
+from flight_replay.logs.tlog.blocks import Block
+from flight_replay.logs.tlog.columns import AnyMessage, Positions, Records
+from flight_replay.logs.tlog.decode import decode_gps_status, decode_heartbeats, decode_positions
 from flight_replay.logs.tlog.frame_walk import Walk
+from flight_replay.logs.tlog.frames import Candidates, valid_frames
+from flight_replay.logs.tlog.message_table import GLOBAL_POSITION_INT, GPS_RAW_INT, HEARTBEAT
 
 
-def read_records(decoded: Decoded, walk: Walk, base: int) -> Records:
-    """Columns of the records that a walk finds in bytes which begin ``base`` bytes into the log."""
-    positions, empty = _positions(decoded.positions, walk)
-    heartbeats = _run_ends_found(decoded.heartbeats, walk)
-    fixes = _run_ends_found(decoded.fixes, walk)
-    state = heartbeats.state
-    return Records(
-        replace(positions, offset=positions.offset + base),
-        Heartbeats(
-            offset=heartbeats.candidates.start + base,
-            vehicle=heartbeats.vehicle,
-            autopilot=(state >> 8).astype(np.uint8),
-            type=(state >> 16).astype(np.uint8),
-            armed=(state & 255) != 0,
-        ),
-        Fixes(fixes.candidates.start + base, fixes.vehicle, fixes.state != 0),
+def read_records(block: Block, enter: int) -> tuple[Records, int]:
+    """The records in a block that the walk comes into at ``enter``, and where it goes on.
+
+    Both are offsets in the log.
+    """
+    walk = Walk(block.data, enter - block.offset, block.stop, block.end)
+    positions, empty = _positions(block, walk)
+    heartbeats = decode_heartbeats(_valid(block, block.heartbeats, HEARTBEAT, walk))
+    status = heartbeats.type.astype(np.int32) << 16 | heartbeats.autopilot.astype(np.int32) << 8
+    heartbeats = _run_ends(heartbeats, status | heartbeats.armed, walk)
+    gps = decode_gps_status(_valid(block, block.gps, GPS_RAW_INT, walk))
+    gps = _run_ends(gps, gps.has_3d_fix, walk)
+    records = Records(
+        replace(positions, offset=positions.offset + block.offset),
+        replace(heartbeats, offset=heartbeats.offset + block.offset),
+        replace(gps, offset=gps.offset + block.offset),
         empty,
     )
+    return records, walk.leave + block.offset
 
 
-def _positions(right: Positions, walk: Walk) -> tuple[Positions, dict[int, int]]:
-    """The positions that a walk comes to, but for the inner ones of runs of empty ones.
+def _valid(block: Block, candidates: Candidates, message: int, walk: Walk) -> Candidates:
+    """The valid frames of a message from where the walk enters."""
+    valid = valid_frames(block.data, candidates, message) & (candidates.start >= walk.enter)
+    return candidates if valid.all() else candidates.take(np.flatnonzero(valid))
+
+
+def _positions(block: Block, walk: Walk) -> tuple[Positions, dict[int, int]]:
+    """The positions that the walk comes to, but for the inner ones of runs of empty ones.
 
     Also counts the empty ones by vehicle.
     """
-    entered = right.offset >= walk.enter
-    positions = right.select(entered)
-    positions = positions.select(walk.visits(positions.offset))
+    positions = decode_positions(_valid(block, block.positions, GLOBAL_POSITION_INT, walk))
+    positions = positions.select(walk.visits(positions.offset, block.enclosures))
     is_empty = positions.is_empty
     if not is_empty.any():
         return positions, {}
     vehicle = positions.vehicle
     counts = np.bincount(vehicle[is_empty])
-    run_ends = _are_run_ends(vehicle, np.where(is_empty, _falls(positions.time_ms), -1))
+    kept = _are_run_ends(vehicle, np.where(is_empty, _falls(positions.time_ms), -1))
     empty = {key: int(counts[key]) for key in np.flatnonzero(counts).tolist()}
-    return positions.select(run_ends | ~is_empty), empty
+    return positions.select(kept | ~is_empty), empty
 
 
-def _run_ends_found(states: States, walk: Walk) -> States:
-    """The records at which a vehicle's state begins or ends to be reported.
+def _run_ends(columns: AnyMessage, status: NDArray[Any], walk: Walk) -> AnyMessage:
+    """The first and last records of each run in which a vehicle's status (n,) stays the same.
 
-    Only these are checked, and where one is no record, all that tell the same: whether other
-    frames within a run are records makes no difference.
+    Whether the walk comes to them is asked of these only: within a run it makes no difference.
     """
-
-    def are_records(index: Indices) -> Flags:
-        checked[index] = True
-        return walk.finds(states.candidates.take(index), states.message)
-
-    said = states.vehicle.astype(np.int64) << 32 | states.state
-    checked = np.zeros(len(said), np.bool_)
-    is_left = states.candidates.start >= walk.enter
-    while True:
-        left = np.flatnonzero(is_left)
-        ends = left[_are_run_ends(states.vehicle[left], states.state[left])]
-        fresh = ends[~checked[ends]]
-        right = are_records(fresh)
-        if right.all():
-            return states.take(ends)
-        is_left[fresh] = right
-        unsaid = np.sort(said[fresh[~right]])
-        alike = unsaid.take(np.searchsorted(unsaid, said), mode="clip") == said
-        alike_left = np.flatnonzero(alike & is_left & ~checked)
-        is_left[alike_left] = are_records(alike_left)
+    ends = _are_run_ends(columns.vehicle, status)
+    if not walk.visits(columns.offset[ends]).all():
+        visited = walk.visits(columns.offset)
+        columns, status = columns.select(visited), status[visited]
+        ends = _are_run_ends(columns.vehicle, status)
+    return columns.select(ends)
 
 
 def _falls(time_ms: NDArray[np.uint32]) -> Indices:

@@ -2,62 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
-from flight_replay.logs.tlog.blocks import Block, blocks_of_file, blocks_of_stream
-from flight_replay.logs.tlog.byte_source import Source
-from flight_replay.logs.tlog.columns import Gathered, Records
-from flight_replay.logs.tlog.parallel import Part, read_parts
-
-Progress = Callable[[int, int], None]
+from flight_replay.logs.tlog.blocks import read_blocks
+from flight_replay.logs.tlog.byte_source import OpenLog
+from flight_replay.logs.tlog.columns import RecordBuffer, Records
+from flight_replay.logs.tlog.records import read_records
 
 BLOCK_LENGTH = 16 << 20
-_APPROACH = 1 << 16  # bytes before a part that tell, all but surely, where the walk comes into it
 
 
 def scan(
-    source: Source, progress: Progress | None = None, block_length: int = BLOCK_LENGTH
+    log: OpenLog, progress: Callable[[int, int], None] | None = None, block_length: int = BLOCK_LENGTH
 ) -> tuple[Records, int]:
-    """All records of a log, and its length in bytes, unpacked."""
-    tell = progress or (lambda done, size: None)
-    if source.descriptor is None:
-        blocks = blocks_of_stream(source.stream, block_length)
-        part = _read(blocks, 0, lambda stop: tell(source.position, source.size))
-        return part.records, part.stop
-    return _scan_file(source.descriptor, source.size, tell, block_length), source.size
+    """All records of a log, and its length in bytes, unpacked.
 
-
-def _scan_file(descriptor: int, size: int, tell: Progress, block_length: int) -> Records:
-    """All records of a plain file.
-
-    A part is read without knowing those before it by taking it that the walk comes in where a short
-    walk up to it does.
+    Args:
+        log: The log.
+        progress: Told the stored bytes read so far, and their number (0 where unknown).
+        block_length: Bytes that are held at a time.
     """
-
-    def blocks(begin: int, end: int) -> Iterable[Block]:
-        return blocks_of_file(descriptor, begin, end, block_length)
-
-    def read(begin: int, end: int, enter: int | None) -> Part:
-        if enter is None:
-            approach = max(begin - _APPROACH, 0)
-            enter = _read(blocks(approach, begin), approach).leave
-        if begin > 0:  # most likely in another process, where nobody is to be told
-            return _read(blocks(begin, end), enter)
-        # All parts are read at the same speed, so the share of the first stands for the file's.
-        return _read(blocks(0, end), enter, lambda stop: tell(stop * size // end, size))
-
-    gathered = Gathered()
-    for part in read_parts(size, read):
-        gathered.add(part.records)
-    return gathered.records
-
-
-def _read(blocks: Iterable[Block], enter: int, tell: Callable[[int], None] = lambda stop: None) -> Part:
-    """The records of consecutive blocks."""
-    gathered, leave, stop = Gathered(), enter, 0
-    for block in blocks:
-        records, leave = block.read(leave)
-        gathered.add(records)
-        stop = block.stop
-        tell(stop)
-    return Part(enter, leave, stop, gathered.records)
+    buffer, enter, length = RecordBuffer(), 0, 0
+    for block in read_blocks(log.stream, block_length):
+        records, enter = read_records(block, enter)
+        buffer.add(records)
+        length = block.offset + block.stop
+        if progress:
+            progress(log.position, log.size)
+    return buffer.records, length

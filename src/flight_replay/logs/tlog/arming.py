@@ -1,0 +1,75 @@
+"""Whether a vehicle was armed, by its autopilot's heartbeats."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.arrays import Indices
+from flight_replay.logs.tlog.columns import Heartbeats
+from flight_replay.logs.track import Armed
+
+_NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: ground stations, radios, gimbals and other components
+_AUTOPILOTS = 3, 12  # MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
+# MAV_TYPE of what may share a vehicle's ids without being one: ground station, onboard controller,
+# gimbal, ADS-B, camera to Open Drone ID, battery to winch, illuminator, gripper, radio.
+_NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
+
+
+def armed_at(offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Heartbeats) -> NDArray[np.int8]:
+    """Whether the motors were armed at any time since the fix before, shape (n,), as ``Armed``.
+
+    So a flight lasts from the first fix after they were reported armed to the first after disarmed.
+    Fixes are in the order of time; one that came late into the log is placed with those that follow it.
+
+    Args:
+        offset: Where in the log the fixes are, shape (n,).
+        boot: The boot of each fix (n,).
+        heartbeats: All that came under the vehicle's ids.
+    """
+    heartbeats = _of_autopilot(heartbeats)
+    status = np.append(np.int8(Armed.UNKNOWN), heartbeats.armed.astype(np.int8))
+    in_log_order = np.minimum.accumulate(offset[::-1])[::-1]
+    firsts = np.searchsorted(in_log_order, heartbeats.offset)  # far fewer than fixes, so this way round
+    armed = np.repeat(status, np.diff(firsts, prepend=0, append=len(offset)))
+    _forget_earlier_boots(armed, boot, status, firsts)
+    armed[1:] = np.where(boot[1:] == boot[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
+    return np.asarray(armed)
+
+
+def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:
+    """The heartbeats that an autopilot sent: of the first kind in ``_AUTOPILOTS`` that there is, else all.
+
+    Scripts that send heartbeats under the vehicle's ids name no autopilot, or the generic one.
+    """
+    is_vehicle = ~np.isin(heartbeats.type, _NO_VEHICLE_TYPES)
+    kept = heartbeats.select((heartbeats.autopilot != _NO_AUTOPILOT) & is_vehicle)
+    for autopilot in _AUTOPILOTS:
+        own = kept.autopilot == autopilot
+        if own.any():
+            return kept.select(own)
+    return kept
+
+
+def _forget_earlier_boots(
+    armed: NDArray[np.int8], boot: NDArray[np.int32], status: NDArray[np.int8], firsts: Indices
+) -> None:
+    """Take back the status "armed" of an earlier boot from fixes ahead of a boot's first heartbeat.
+
+    A vehicle that boots is disarmed. Of equal heartbeats in a row only the first and last are known, so
+    where the next one is "armed" too, nobody can tell that there was none in between.
+
+    Args:
+        armed: The status at each fix (n,), changed in place.
+        boot: The boot of each fix (n,).
+        status: "Unknown" and those of the heartbeats (m + 1,).
+        firsts: The first fix after each heartbeat (m,).
+    """
+    starts = np.flatnonzero(np.diff(boot)) + 1
+    last = np.searchsorted(firsts, starts, "right")
+    following = np.append(status[1:], np.int8(Armed.UNKNOWN))[last]
+    ends = np.append(firsts, len(armed))[last]
+    old = (status[last] == Armed.YES) & (following != Armed.YES)
+    n = len(armed)
+    begun, ended = (np.bincount(at[old], minlength=n + 1)[:n] for at in (starts, ends))
+    armed[np.cumsum(begun - ended) > 0] = Armed.UNKNOWN

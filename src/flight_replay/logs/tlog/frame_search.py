@@ -1,0 +1,67 @@
+"""Searches bytes for what may be frames of a few messages, by their headers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import reduce
+from operator import or_
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.arrays import Bytes, Indices
+from flight_replay.logs.tlog.byte_rows import FLAGS_AT_ONCE, true_indices
+from flight_replay.logs.tlog.frames import ID_AT
+from flight_replay.logs.tlog.message_table import MAVLINK1_SHAPES, MAVLINK1_STX, MAVLINK2_STX, SIGNED
+
+
+class FrameSearch:
+    """Searches up to ``length`` bytes at a time for frames of some messages, whose ids are below 256."""
+
+    def __init__(self, messages: Sequence[int], length: int) -> None:
+        self._numbers = range(1, len(messages) + 1)  # by which the messages are called here; 0 is none
+        self._other_bits = ~reduce(or_, messages) & 255
+        self._ids, self._found, self._found2 = np.zeros((3, length + FLAGS_AT_ONCE), np.uint8)
+        self._number_by_id = np.zeros(256, np.uint8)
+        self._number_by_id[list(messages)] = self._numbers
+        by_shape = MAVLINK1_SHAPES.reshape(256, 256) * self._number_by_id[:, None]
+        self._number_by_shape = by_shape.ravel()
+
+    def find(self, data: Bytes, start: int, stop: int) -> list[Indices]:
+        """Where frames of each message may begin, from ``start`` to ``stop``: ascending arrays (n,)."""
+        starts = self._possible_starts(data, start, stop)
+        number = self._message_numbers(data[start:], starts)
+        starts += start
+        return [starts.take((number == each).nonzero()[0]) for each in self._numbers]
+
+    def _possible_starts(self, data: Bytes, start: int, stop: int) -> Indices:
+        """Where a start byte comes before what may be the id of a message, counted from ``start``, (n,).
+
+        An id that has a bit which those of no message have is another's. So few others pass this test
+        that it pays to look at those alone, and it takes a handful of passes over the bytes.
+        """
+        length = stop - start
+        padded = length + -length % FLAGS_AT_ONCE
+        ids, found, found2 = self._ids[: length + 2], self._found[:padded], self._found2[:length]
+        found[length:] = 1
+        np.bitwise_and(data[start + 5 : stop + 7], self._other_bits, out=ids)
+        for stx, buffer in (MAVLINK1_STX, found[:length]), (MAVLINK2_STX, found2):
+            np.bitwise_xor(data[start:stop], stx, out=buffer)
+            np.bitwise_or(buffer, ids[ID_AT[stx] - 5 :][:length], out=buffer)  # 0 where both fit
+        np.minimum(found[:length], found2, out=found[:length])
+        return true_indices(np.equal(found, 0, out=found.view(np.bool_)))
+
+    def _message_numbers(self, data: Bytes, starts: Indices) -> NDArray[np.uint8]:
+        """Which of the messages frames at start bytes (n,) may hold by their headers, shape (n,)."""
+        shape = data[5:].take(starts).astype(np.uint16)
+        shape <<= 8
+        shape |= data[1:].take(starts)
+        number = self._number_by_shape.take(shape)
+        mavlink2 = (data.take(starts) == MAVLINK2_STX).nonzero()[0]
+        starts = starts.take(mavlink2)
+        number2 = self._number_by_id.take(data[7:].take(starts))
+        number2 *= data[2:].take(starts) <= SIGNED
+        number2 *= data[8:].take(starts) == 0
+        number2 *= data[9:].take(starts) == 0
+        number[mavlink2] = number2
+        return number

@@ -1,0 +1,40 @@
+"""Which positions a vehicle sent while its GPS receiver had no 3D fix."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.logs.tlog.columns import GpsStatus, MessageColumns, Positions
+
+_LAST_STATUS_HOLDS_S = 10.0  # some logs tell of the receiver just once, before it has a fix
+
+
+def lacks_3d_fix(positions: Positions, gps: GpsStatus, time_s: Floats) -> Flags:
+    """Whether the last GPS_RAW_INT of the same vehicle before a position said "no 3D fix", shape (n,).
+
+    A status holds until the next one; a vehicle's last one for a while only, counted from the
+    position that follows it.
+
+    Args:
+        positions: Positions, one vehicle's after the other's.
+        gps: GPS status, likewise.
+        time_s: The vehicles' clocks (n,).
+    """
+    begin = np.searchsorted(_vehicle_and_offset(positions), _vehicle_and_offset(gps))
+    end = np.append(begin[1:], 0)
+    last = np.flatnonzero(np.diff(gps.vehicle.astype(np.int64), append=-1))
+    end[last] = np.searchsorted(positions.vehicle, gps.vehicle[last], "right")
+    lost = ~gps.has_3d_fix
+    for at in last[lost[last] & (begin[last] < end[last])].tolist():
+        following_s = np.maximum.accumulate(time_s[begin[at] : end[at]])
+        end[at] = begin[at] + np.searchsorted(following_s, following_s[0] + _LAST_STATUS_HOLDS_S, "right")
+    n = len(positions)
+    begun, ended = (np.bincount(at[lost], minlength=n + 1)[:n] for at in (begin, end))
+    return np.asarray(np.cumsum(begun - ended) > 0)
+
+
+def _vehicle_and_offset(columns: MessageColumns) -> NDArray[np.int64]:
+    """One ascending number for each record (n,)."""
+    return columns.vehicle.astype(np.int64) << 47 | columns.offset

@@ -1,0 +1,101 @@
+"""Positions without a 3D fix, and implausible positions in telemetry logs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flight_replay.logs.tlog import Log, read_log
+from tests.helpers.log_writer import LogWriter
+from tests.helpers.paths import other_log
+
+
+class Flight:
+    """A log of positions 5 m apart, 4 Hz."""
+
+    def __init__(self, system: int = 1, time_ms: int = 20_000) -> None:
+        self.log = LogWriter(system=system)
+        self.time_ms = time_ms
+        self.fixes = 0
+
+    def along(self, fixes: int) -> Flight:
+        """Append positions."""
+        for _ in range(fixes):
+            self.log.position(self.time_ms, 47.4 + 4.5e-5 * self.fixes, 8.5)
+            self.time_ms += 250
+            self.fixes += 1
+        return self
+
+    def gps(self, fix_type: int) -> Flight:
+        """Append what the receiver says of its fix."""
+        self.log.gps(fix_type)
+        return self
+
+    def read(self, tmp_path: Path) -> Log:
+        """The log, read back."""
+        path = tmp_path / "made.tlog"
+        path.write_bytes(self.log.data)
+        return read_log(path)
+
+
+@pytest.mark.parametrize("fix_type", [0, 1, 2])
+def test_positions_without_a_3d_fix_are_rejected(tmp_path: Path, fix_type: int) -> None:
+    """What the vehicle sends between a receiver's status "no fix" and the next good one does not count."""
+    flight = Flight().gps(3).along(5).gps(fix_type).along(4).gps(fix_type).along(3).gps(4).along(6)
+    log = flight.read(tmp_path)
+    assert log.rejected == {"no 3D fix": 7}
+    assert log.track.time_s[[4, 5]].tolist() == [21.0, 23.0]
+    assert len(log.track) == 11
+
+
+def test_a_status_holds_until_the_next_one(tmp_path: Path) -> None:
+    """A lost fix stays lost until the receiver says otherwise, however long that takes."""
+    log = Flight().gps(0).along(100).gps(3).along(20).read(tmp_path)
+    assert log.rejected == {"no 3D fix": 100}
+    assert len(log.track) == 20
+
+
+def test_the_last_status_holds_for_a_while_only(tmp_path: Path) -> None:
+    """A log that tells of the receiver just once, before it had a fix, keeps what follows 10 s later."""
+    log = Flight().gps(1).along(100).read(tmp_path)
+    assert log.rejected == {"no 3D fix": 41}
+    assert len(log.track) == 59
+    assert Flight().gps(3).along(100).gps(1).read(tmp_path).rejected == {}
+
+
+def test_a_late_record_does_not_make_the_last_status_hold_for_longer(tmp_path: Path) -> None:
+    """The 10 s end at the first record behind them, whatever an older one says that follows."""
+    flight = Flight().along(2).gps(1).along(60)
+    flight.log.position(25_000, 47.4, 8.5).position(35_000, 47.4, 8.5)
+    assert flight.read(tmp_path).rejected == {"no 3D fix": 41}
+
+
+def test_each_vehicle_has_its_own_receiver(tmp_path: Path) -> None:
+    """The fix of a vehicle is not that of others, whose ids are lower or higher."""
+    first, second, third = Flight(1).gps(3).along(30), Flight(2).gps(0).along(90), Flight(3).along(50)
+    log = Flight(1)
+    log.log.data += LogWriter(system=4).gps(0).data + third.log.data + second.log.data + first.log.data
+    read = log.read(tmp_path)
+    assert [(each.system, each.fixes) for each in read.vehicles] == [(3, 50), (2, 49), (1, 30)]
+
+
+def test_implausible_places_are_rejected_with_their_reason(tmp_path: Path) -> None:
+    """Each position is judged by its own vehicle's clock, velocity and boot."""
+    flight = Flight().along(20)
+    flight.log.position(25_000, 47.41, 8.5).position(25_250, 0.001, 0.001).position(25_500, 91.0, 8.5)
+    flight.log.position(25_750, 47.402, 8.5, velocity=(100.0, 0.0, 0.0)).position(4_000, 47.6, 8.5)
+    log = flight.read(tmp_path)
+    assert log.rejected == {"impossible jump": 1, "near 0,0": 1, "outside the globe": 1}
+    assert len(log.track) == 22
+
+
+def test_false_positions_of_real_logs_are_rejected() -> None:
+    """Of two real logs the false starts go: near 0, 0 without a fix, and adrift before a jump."""
+    teleport = read_log(other_log("wild/near-zero-then-teleport.tlog"))
+    assert sum(teleport.rejected.values()) >= 24
+    assert (teleport.track.north_east_m().max(axis=0) < 2_000).all()
+    boots = read_log(other_log("wild/three-boots.tlog"))
+    steps_m = np.linalg.norm(np.diff(boots.track.north_east_m(), axis=0), axis=1)
+    assert steps_m[np.diff(boots.track.boot) == 0].max() < 15
