@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flight_replay.errors import LogError
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
-from flight_replay.logs.tlog.arming import armed_at
+from flight_replay.logs.tlog.armed_state import armed_at
 from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
 from flight_replay.logs.tlog.byte_source import describe, open_log
 from flight_replay.logs.tlog.columns import AnyMessage, Positions, Records
