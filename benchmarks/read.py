@@ -23,7 +23,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 SAMPLE = Path(__file__).resolve().parents[1] / "data" / "flight.tlog"
-BYTES_A_FIX = 64
+BYTES_A_FIX = 72
 C_SOURCE = """
 #include <stdio.h>
 #include "ardupilotmega/mavlink.h"

@@ -55,6 +55,7 @@ class FakeVehicle:
     reports_reached: bool = True
     silent: bool = False
     reports_clock: bool = True
+    heading_deg: float | None = None
     schedule: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -123,7 +124,7 @@ class FakeVehicle:
                     8.0,
                     self.altitude_m,
                     (0, 0, 0),
-                    None,
+                    self.heading_deg,
                     self.mode,
                     self.armed,
                 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from flight_replay import events
@@ -172,3 +173,11 @@ def test_a_landing_that_does_not_end_is_a_problem() -> None:
     record = flight.fly()
     assert (record.rtl_confirmed, record.landed) == (True, False)
     assert "did not land and disarm" in (record.problem or "")
+
+
+def test_the_flown_track_has_the_headings_that_the_vehicle_told() -> None:
+    """A heading is kept with its position; one that the vehicle does not know is not a number."""
+    record = fake_flight(FakeVehicle(FakeClock(), heading_deg=271.5)).fly()
+    assert len(record.flown) > 10
+    assert set(record.flown.heading_deg) == {271.5}
+    assert np.isnan(fake_flight().fly().flown.heading_deg).all()

@@ -26,8 +26,9 @@ class Track:
 
     ``time_s`` is the vehicle's own clock (``time_boot_ms``; log stamps where that stands still),
     carried on over reboots, so that it never falls within a track; ``alt_m`` is height above home,
-    ``amsl_m`` above mean sea level; velocities are m/s; ``boot`` numbers the boots from 0;
-    ``armed`` holds ``Armed`` values.
+    ``amsl_m`` above mean sea level; velocities are m/s; ``heading_deg`` is where the nose points,
+    clockwise from north, not a number where unknown; ``boot`` numbers the boots from 0; ``armed``
+    holds ``Armed`` values.
     """
 
     time_s: Floats
@@ -38,6 +39,7 @@ class Track:
     north_m_s: Floats
     east_m_s: Floats
     up_m_s: Floats
+    heading_deg: Floats
     boot: NDArray[np.int32]
     armed: NDArray[np.int8]
 
@@ -77,10 +79,23 @@ def track_from_columns(  # noqa: PLR0913
     *,
     amsl_m: Floats | None = None,
     velocity_m_s: Floats | None = None,
+    heading_deg: Floats | None = None,
     boot: NDArray[np.int32] | None = None,
     armed: NDArray[np.int8] | None = None,
 ) -> Track:
-    """A track from what is known: missing heights are ``alt_m``, missing velocities (n, 3) not a number."""
+    """A track from what is known: missing heights are ``alt_m``, what else is missing is not a number.
+
+    Args:
+        time_s: Times (n,); ``Track`` has the units of all columns.
+        lat_deg: Latitudes (n,).
+        lon_deg: Longitudes (n,).
+        alt_m: Heights above home (n,).
+        amsl_m: Heights above mean sea level (n,).
+        velocity_m_s: Velocities north, east and up (n, 3).
+        heading_deg: Headings (n,).
+        boot: Numbers of the boots (n,), by default one boot.
+        armed: ``Armed`` values (n,), by default unknown.
+    """
     n = len(time_s)
     velocity = np.full((n, 3), np.nan) if velocity_m_s is None else velocity_m_s
     return Track(
@@ -92,6 +107,7 @@ def track_from_columns(  # noqa: PLR0913
         north_m_s=velocity[:, 0],
         east_m_s=velocity[:, 1],
         up_m_s=velocity[:, 2],
+        heading_deg=np.full(n, np.nan) if heading_deg is None else np.asarray(heading_deg, float),
         boot=np.zeros(n, np.int32) if boot is None else boot,
         armed=np.full(n, Armed.UNKNOWN, np.int8) if armed is None else armed,
     )

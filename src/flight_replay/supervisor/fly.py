@@ -138,7 +138,10 @@ def _return(monitor: VehicleMonitor) -> tuple[bool, str | None]:
 
 def _track(states: tuple[VehicleState, ...]) -> Track:
     """The positions of ``states`` as a track."""
-    rows = np.array(
-        [(s.time_s, s.lat_deg, s.lon_deg, s.alt_m, *s.velocity_m_s) for s in states], float
-    ).reshape(-1, 7)
-    return track_from_columns(rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3], velocity_m_s=rows[:, 4:])
+    rows = np.array(  # ``float`` makes an unknown heading, which is None, not a number.
+        [(s.time_s, s.lat_deg, s.lon_deg, s.alt_m, s.heading_deg, *s.velocity_m_s) for s in states], float
+    ).reshape(-1, 8)
+    time_s, lat_deg, lon_deg, alt_m, heading_deg = rows[:, :5].T
+    return track_from_columns(
+        time_s, lat_deg, lon_deg, alt_m, velocity_m_s=rows[:, 5:], heading_deg=heading_deg
+    )

@@ -34,6 +34,7 @@ def clock_of(times_ms: list[int], stamps_s: list[float] | None = None) -> BootCl
             north_cm_s=whole.astype(np.int16),
             east_cm_s=whole.astype(np.int16),
             down_cm_s=whole.astype(np.int16),
+            heading_cdeg=whole.astype(np.uint16),
         )
     )
 

@@ -100,6 +100,16 @@ def test_trimmed_payloads_are_filled_up(tmp_path: Path) -> None:
     assert (track.lat_deg[0], track.alt_m[0], track.north_m_s[0]) == (47.0, 1.0, 0.0)
 
 
+@pytest.mark.parametrize("version", [1, 2])
+def test_headings_are_degrees_or_unknown(tmp_path: Path, version: int) -> None:
+    """A heading counts from 0 to below 360; 65535, for none, is not a number and costs no fix."""
+    log = LogWriter(version=version)
+    for at, heading_deg in enumerate((0.0, 123.45, 359.99, 360.0, 655.35, 400.0)):
+        log.add(33, position_payload(1000 + 250 * at, heading_deg=heading_deg))
+    headings = read_log(write(tmp_path, log)).track.heading_deg
+    assert headings.tolist() == pytest.approx([0.0, 123.45, 359.99, 0.0, np.nan, np.nan], nan_ok=True)
+
+
 def test_vehicles_are_not_mixed_and_the_fullest_is_chosen(tmp_path: Path) -> None:
     """Each system and component id is a vehicle of its own, listed by usable fixes."""
     log = flight(LogWriter(), 5)

@@ -47,6 +47,7 @@ class Positions(MessageColumns):
     north_cm_s: NDArray[np.int16]
     east_cm_s: NDArray[np.int16]
     down_cm_s: NDArray[np.int16]
+    heading_cdeg: NDArray[np.uint16]
 
     @property
     def is_empty(self) -> Flags:

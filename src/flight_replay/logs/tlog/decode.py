@@ -36,6 +36,7 @@ def decode_positions(frames: Candidates) -> Positions:
         north_cm_s=half[:, 10].copy(),
         east_cm_s=half[:, 11].copy(),
         down_cm_s=half[:, 12].copy(),
+        heading_cdeg=half[:, 13].view("<u2").copy(),
     )
 
 

@@ -22,6 +22,7 @@ from flight_replay.logs.tlog.vehicles import VehicleCount, VehicleId
 from flight_replay.logs.track import Track
 
 _VEHICLES_NAMED = 10  # in an error message
+_FULL_TURN_CDEG = np.uint16(36_000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +126,7 @@ class _Judged:
             north_m_s=positions.north_cm_s[at] / 1e2,
             east_m_s=positions.east_cm_s[at] / 1e2,
             up_m_s=positions.down_cm_s[at] / -1e2,
+            heading_deg=_heading_deg(positions.heading_cdeg[at]),
             boot=boot,
             armed=armed_at(
                 positions.offset[at], boot, heartbeats.select(heartbeats.vehicle == _key(vehicle))
@@ -169,6 +171,11 @@ def _speed_m_s(positions: Positions) -> Floats:
     """Length of the reported velocity, shape (n,)."""
     columns = positions.north_cm_s, positions.east_cm_s, positions.down_cm_s
     return np.asarray(np.sqrt(sum(column.astype(float) ** 2 for column in columns)) / 100)
+
+
+def _heading_deg(heading_cdeg: NDArray[np.uint16]) -> Floats:
+    """Headings (n,) from 0 to below 360; not a number where it says 65535: unknown."""
+    return np.where(heading_cdeg <= _FULL_TURN_CDEG, heading_cdeg % _FULL_TURN_CDEG / 1e2, np.nan)
 
 
 def _choose(
