@@ -112,10 +112,12 @@ def test_it_can_be_a_plane() -> None:
 
 
 def test_an_old_copter_knows_less() -> None:
-    """ArduCopter 3.3: modes by SET_MODE only, arming that takes its time, and again from each repeat."""
+    """ArduCopter 3.3: no TIMESYNC, modes by SET_MODE only, slow arming that each repeat starts again."""
     autopilot, station = sim(old_copter())
     assert autopilot.parameters["FS_GCS_ENABLE"] == 1
     station.run(READY_S)
+    station.send(dialect.MAVLink_timesync_message(0, 123))
+    assert station.of("TIMESYNC") == []
     assert station.command(SET_MODE, 1, GUIDED) == 3
     assert station.command(512, 30) == 3
     station.send(dialect.MAVLink_set_mode_message(1, 1, GUIDED))

@@ -177,14 +177,6 @@ def test_the_work_for_an_item_does_not_grow_with_the_mission() -> None:
     assert spent_s[16000] < 50 * spent_s[1000]
 
 
-class WithoutTimesync(VirtualLink):
-    """A link to a vehicle that does not reply to TIMESYNC, like ArduCopter 3.3."""
-
-    def send(self, message: Any) -> None:
-        if message.get_type() != "TIMESYNC":
-            super().send(message)
-
-
 @pytest.mark.parametrize(
     ("conditions", "known_s", "messages"),
     [
@@ -198,7 +190,7 @@ def test_a_slow_link_is_not_flooded(conditions: LinkConditions, known_s: float, 
 
     Without either of the two, 100 items take some 3,000 to 12,000 messages instead of 1,600 and 800.
     """
-    link = WithoutTimesync(conditions, faults=old_copter())
+    link = VirtualLink(conditions, faults=old_copter())
     for _ in range(20):
         link.round_trip.measured(known_s)
     MissionStorage(link, as_int=False).upload(MISSION, lambda taken: None)

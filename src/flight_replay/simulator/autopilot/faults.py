@@ -73,6 +73,8 @@ class Firmware:
     """Whether it knows MAVLink 1 only."""
     unknown_commands: frozenset[int] = frozenset()
     """MAV_CMDs of the built-in copter that this firmware lacks."""
+    unknown_messages: frozenset[str] = frozenset()
+    """Messages, by name, that this firmware does not answer."""
     acks_set_mode: bool = False
     """Whether SET_MODE, a message, is answered with a COMMAND_ACK of its message number."""
     auto_needs_takeoff: bool = True
@@ -101,6 +103,7 @@ COPTER_3_3 = Firmware(
     version=(3, 3, 0),
     mavlink1=True,
     unknown_commands=frozenset({176, 510, 511, 512, 401, 224, 42428}),
+    unknown_messages=frozenset({"TIMESYNC"}),
     acks_set_mode=True,
     auto_needs_takeoff=False,
     arming_delay_s=2.5,
@@ -201,5 +204,5 @@ class Faults:
 
 
 def old_copter() -> Faults:
-    """ArduCopter 3.3: MAVLink 1, no MISSION_ITEM_INT, modes by SET_MODE only, arming that takes 2.5 s."""
+    """ArduCopter 3.3: MAVLink 1, no MISSION_ITEM_INT, no TIMESYNC, modes by SET_MODE only, slow arming."""
     return Faults(firmware=COPTER_3_3, mission=MissionFaults(supports_item_int=False))

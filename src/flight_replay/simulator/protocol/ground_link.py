@@ -60,10 +60,13 @@ class GroundLink:
 
     def handle(self, message: Message, sender: Sender) -> None:
         """Act on a message addressed to this vehicle, or to everybody."""
-        handler = HANDLERS.get(message.get_type())
+        name = message.get_type()
+        if name in self.autopilot.faults.firmware.unknown_messages:
+            return
+        handler = HANDLERS.get(name)
         if handler is not None and handler(self.autopilot, message, sender):
             return
-        answer = self._missions.handlers.get(message.get_type())
+        answer = self._missions.handlers.get(name)
         if answer is not None:
             answer(message, sender)
 
