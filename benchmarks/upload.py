@@ -2,8 +2,8 @@
 
     python benchmarks/upload.py [RUNS]
 
-All three talk to the same built-in copter through the same link (``tests/fault_link.py``) of frames that
-get lost or are late, at speed 1. Ours ends when the mission was read back and compared; the others'
+All three talk to the same built-in copter through the same link (``tests/helpers/fault_link.py``) of frames
+that get lost or are late, at speed 1. Ours ends when the mission was read back and compared; the others'
 as soon as the copter says that it has received it, for they read nothing back. MAVProxy is left out
 where it is not installed.
 """
