@@ -109,6 +109,15 @@ def test_late_records_are_put_in_order_and_are_no_reboot() -> None:
     assert (np.diff(both.time_s[in_order(both)]) >= 0).all()
 
 
+@pytest.mark.parametrize(("late", "boots"), [(1, 1), (16, 1), (17, 2)])
+def test_as_many_as_16_records_in_a_row_may_come_late(late: int, boots: int) -> None:
+    """Where more of them come, the vehicle booted: its clock was set right later."""
+    before, after = [100_000, 100_250], [100_500, 100_750]
+    clock = clock_of([*before, *range(50_000, 50_000 + 100 * late, 100), *after])
+    assert clock.boot[-1] == boots - 1
+    assert (clock.order is None) == (boots == 2)
+
+
 def test_a_short_boot_that_runs_past_the_one_before_is_still_a_reboot() -> None:
     """A clock that climbs back step by step was reset."""
     first = list(range(5_000, 7_000, 250))
