@@ -15,6 +15,7 @@ DEADLINE_S = 120.0
 ARMED_ON_GROUND = {"DISARM_DELAY": 0.0}
 """A copter in quick motion waits for a slow station: ten vehicle seconds may be half a second."""
 _SAY_AGAIN_S = 3.0
+"""Doubled each time: a command that takes long, such as an upload, starts over when it is typed again."""
 
 
 class MavProxy:
@@ -55,14 +56,15 @@ class MavProxy:
         self._process.stdin.flush()
 
     def command(self, line: str, answer: str) -> None:
-        """Type a line, again every few seconds, until a new line answers it: the vehicle may not be ready."""
+        """Type a line, again and again, until a line answers it: the vehicle may not be ready."""
         since, deadline = len(self._lines), time.monotonic() + DEADLINE_S
-        say_again = 0.0
+        say_again, wait_s = 0.0, _SAY_AGAIN_S
         while not self._said(answer, since):
             assert time.monotonic() < deadline, f"{line!r} had no {answer!r} in {self._lines}"
             if time.monotonic() >= say_again:
                 self.say(line)
-                say_again = time.monotonic() + _SAY_AGAIN_S
+                say_again = time.monotonic() + wait_s
+                wait_s *= 2
             time.sleep(0.02)
 
     def close(self) -> None:
