@@ -1,15 +1,13 @@
 """What else the machine that runs the tests is doing."""
 
-import os
+import time
+
+_MEASURED_S = 0.1
 
 
-def slowdown() -> float:
-    """How many times as long work takes that processes hand on to each other; 1 on an idle machine.
-
-    Each of two processes waits for a core as long as the programs per core say.
-    """
-    try:
-        load, _, _ = os.getloadavg()
-    except (AttributeError, OSError):  # Windows
-        return 1.0
-    return max(1.0, load / (os.cpu_count() or 1)) ** 2
+def cpu_share() -> float:
+    """The share of a core that a program which only computes gets now; 1 on an idle machine."""
+    began_s, began_cpu_s = time.monotonic(), time.thread_time()
+    while time.thread_time() - began_cpu_s < _MEASURED_S:
+        pass
+    return _MEASURED_S / (time.monotonic() - began_s)

@@ -22,7 +22,7 @@ from flight_replay.events import (
 )
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.live_map.server import LiveMap
-from tests.helpers.machine import slowdown
+from tests.helpers.machine import cpu_share
 from tests.helpers.made_replays import FRAME, made_replay, vehicle_at
 
 pytestmark = pytest.mark.browser
@@ -39,7 +39,11 @@ FLAGS = (
     "disable-sync",
 )
 MAX_DELAY_S = 0.5
+MAX_FRAME_GAP_S = 0.25
 SPEEDUP = 20
+ATTEMPTS = 3
+LEAST_CPU_SHARE = 0.7
+"""A machine that gives a program less is too busy to measure how late its pages are."""
 
 
 @pytest.fixture(scope="module")
@@ -98,9 +102,8 @@ WATCH = """
 """
 
 
-@pytest.mark.usefixtures("no_tiles")
-def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(browser: Any) -> None:
-    """Four positions a second, twenty times faster, for four seconds; measured until they are drawn."""
+def lateness(browser: Any) -> tuple[float, float]:
+    """How late the page draws 95 % of positions sent 80 times a second, and how often it draws (s)."""
     with LiveMap(made_replay()[0]) as live:
         show(browser, live.url)
         browser.execute_script(WATCH)
@@ -117,8 +120,22 @@ def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(brow
         seen = browser.execute_script("return window.seen")
     late_s = np.array([at_s - sent[round(east * 10)] for east, at_s in seen])
     assert len(seen) > 20
-    assert np.median(np.diff([at_s for _, at_s in seen])) < 0.25 * slowdown()
-    assert np.percentile(late_s, 95) <= MAX_DELAY_S * slowdown()
+    return float(np.percentile(late_s, 95)), float(np.median(np.diff([at_s for _, at_s in seen])))
+
+
+@pytest.mark.usefixtures("no_tiles")
+def test_positions_on_the_page_are_at_most_half_a_second_late_at_speedup_20(browser: Any) -> None:
+    """In one of three attempts at least: a machine that is busy for some seconds delays any page."""
+    shares, measured = [], []
+    for _ in range(ATTEMPTS):
+        shares.append(cpu_share())
+        measured.append(lateness(browser))
+        late_s, gap_s = measured[-1]
+        if late_s <= MAX_DELAY_S and gap_s < MAX_FRAME_GAP_S:
+            return
+    if min(shares) < LEAST_CPU_SHARE:
+        pytest.skip(f"too busy to measure: a program gets {min(shares):.0%} of a core")
+    pytest.fail(f"95 % of positions within {measured} s (late, between drawings)")
 
 
 @pytest.mark.usefixtures("no_tiles")
