@@ -17,6 +17,10 @@ for flight in find_flights(log.track):
 
 route = spaced_route(log.track, altitude_m=20.0)
 print(f"{len(route.mission.waypoints)} waypoints, {route.path.length_m:.0f} m")
-print(f"planned path error: mean {route.planned_error.mean:.2f} m, max {route.planned_error.max:.2f} m")
+for way, errors in (
+    ("recorded to planned", route.planned_error.recorded_to_path),
+    ("planned to recorded", route.planned_error.path_to_recorded),
+):
+    print(f"path error, {way}: mean {errors.error.mean():.2f} m, max {errors.error.max():.2f} m")
 
 formats.save(sys.argv[2] if len(sys.argv) > 2 else "mission.waypoints", route.mission, route.covered)

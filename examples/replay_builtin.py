@@ -38,5 +38,9 @@ with (
 
 outcome = compare_flight(route, record)
 print(f"{record.waypoints_reached} waypoints in {record.auto_s:.0f} s of AUTO, ended by: {record.ended}")
-if outcome.path_error is not None:
-    print(f"path error: mean {outcome.path_error.mean:.2f} m, max {outcome.path_error.max:.2f} m")
+for way, errors in (
+    ("recorded to flown", outcome.errors.path_m.recorded_to_path),
+    ("flown to recorded", outcome.errors.path_m.path_to_recorded),
+):
+    if len(errors):
+        print(f"path error, {way}: mean {errors.error.mean():.2f} m, max {errors.error.max():.2f} m")

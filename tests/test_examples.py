@@ -35,9 +35,17 @@ def test_replay_builtin_flies(tmp_path: Path) -> None:
     output = run("replay_builtin.py", tmp_path)
     assert "waypoint 5 at" in output
     assert "ended by: duration" in output
-    found = re.search(r"path error: mean ([\d.]+) m", output)
-    assert found is not None
-    assert float(found[1]) < 1
+    for way in ("recorded to flown", "flown to recorded"):
+        found = re.search(rf"path error, {way}: mean ([\d.]+) m", output)
+        assert found is not None
+        assert float(found[1]) < 1
+
+
+def test_draw_measures_draws(tmp_path: Path) -> None:
+    """A picture of the size that docs shows."""
+    pytest.importorskip("matplotlib")
+    assert "wrote measures.png" in run("draw_measures.py", tmp_path)
+    assert (tmp_path / "measures.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_compare_flights_measures_half_a_metre(tmp_path: Path) -> None:

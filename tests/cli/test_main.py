@@ -18,8 +18,10 @@ ROUTE_KEYS = {
     "fixes_covered",
     "length_m",
     "planned_error_m",
+    "predicted",
     "predicted_duration_s",
 }
+ERROR_KEYS = {"path_error_m", "position_error_m", "height_error_m", "heading_error_deg"}
 
 
 @pytest.fixture(autouse=True)
@@ -69,7 +71,11 @@ def test_json_is_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
     assert summary["route"]["points"] == len(summary["route"]["items"]) == 100
     first = summary["route"]["items"][0]
     assert (first["seq"], first["command"], first["frame"]) == (1, 16, 3)
-    assert set(summary["route"]["planned_error_m"]) == {"mean", "p95", "max"}
+    both_ways = summary["route"]["planned_error_m"]
+    assert set(both_ways) == {"recorded_to_planned", "planned_to_recorded"}
+    assert all(set(error) == {"mean", "p95", "max"} for error in both_ways.values())
+    assert set(summary["route"]["predicted"]) == ERROR_KEYS
+    assert set(summary["route"]["predicted"]["path_error_m"]) == {"recorded_to_flown", "flown_to_recorded"}
 
 
 @pytest.mark.parametrize(
@@ -106,7 +112,15 @@ def test_sample_flies_on_the_built_in_copter(capsys: pytest.CaptureFixture[str])
     assert flight["rtl_confirmed"]
     assert flight["ended"] == "duration"
     assert 20 <= flight["waypoints_reached"] <= 24
-    assert flight["distance_in_space_m"]["mean"] < 0.3
+    assert flight.keys() >= ERROR_KEYS
+    assert flight["path_error_m"]["recorded_to_flown"]["mean"] < 0.3
+    assert flight["path_error_m"]["flown_to_recorded"]["mean"] < 0.3
+    assert flight["height_error_m"]["max"] < 0.5
+    assert flight["heading_error_deg"]["max"] <= 180
+    assert flight["not_measured"] == {}
+    coverage = flight["coverage"]
+    assert coverage["to_fly_all"] == ["--route fit", "--duration all"]
+    assert 30 < coverage["recorded_s"] < 60 < coverage["of_recorded_s"]
 
 
 def test_plain_lines_keep_the_example_s_wording(capsys: pytest.CaptureFixture[str]) -> None:

@@ -26,7 +26,10 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
     assert len(route.mission.waypoints) <= 20
     assert route.mission.home is not None
     assert route.predicted is not None
-    assert route.predicted.path_error.mean < 2
+    path = route.predicted.path_m
+    assert path.recorded_to_path.error.mean() < 2
+    assert path.path_to_recorded.error.mean() < 2
+    assert route.objective_m is not None
     assert any(isinstance(event, Progress) and event.what == "fit" for event in events)
     assert any(isinstance(event, Notice) and "left out" in event.text for event in events)
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from flight_replay.output.json_summary import flight_summary, route_summary
+from flight_replay.output.outcome import compare_flight
 from tests.helpers.made_replays import made_replay
 
 
@@ -16,14 +17,41 @@ def test_items_are_numbered_from_1_without_home() -> None:
 
 
 def test_errors_that_do_not_exist_are_null() -> None:
-    """A flight that reached no waypoint has no position error; its keys stay."""
-    _, record, outcome = made_replay()
-    nothing = replace(outcome, position_error=None)
-    summary = flight_summary("ArduCopter V4.6.0", True, record, nothing)
-    assert summary["distance_in_time_m"] == {"mean": None, "p95": None, "max": None}
-    assert summary["distance_in_space_m"]["max"] > 0
+    """A flight that reached no waypoint has no error; its keys stay, and the reason is there."""
+    route, record, _ = made_replay()
+    record = replace(record, reached=())
+    summary = flight_summary("ArduCopter V4.6.0", True, record, compare_flight(route, record))
+    nothing = {"mean": None, "p95": None, "max": None}
+    assert summary["position_error_m"] == summary["height_error_m"] == nothing
+    assert summary["path_error_m"] == {"recorded_to_flown": nothing, "flown_to_recorded": nothing}
+    assert summary["heading_error_deg"] is None
+    assert summary["alignment"]["flown_s"] is None
+    assert set(summary["not_measured"].values()) == {"the first waypoint was not reached"}
+    assert summary["coverage"]["fixes"] == 0
     assert (summary["vehicle"], summary["simulated"], summary["ended"]) == (
         "ArduCopter V4.6.0",
         True,
         "duration",
     )
+
+
+def test_the_alignment_and_the_coverage_are_told() -> None:
+    """What was put on what, how many fixes were compared, and how much of the recording was flown."""
+    route, record, outcome = made_replay()
+    summary = flight_summary("ArduCopter V4.6.0", True, record, outcome)
+    assert summary["alignment"]["flown_s"] == 1002.0
+    assert summary["alignment"]["recorded_s"] == 0.0
+    assert summary["alignment"]["fixes"] == len(outcome.errors.position_m)
+    assert summary["alignment"]["headings"] == 0
+    assert summary["not_measured"] == {"heading_error_deg": "one of both flights has no heading"}
+    coverage = summary["coverage"]
+    assert 0 < coverage["fixes"] < coverage["of_fixes"] == len(route.recording)
+    assert coverage["to_fly_all"] == ["--duration all"]
+
+
+def test_a_route_that_cannot_be_predicted_says_so() -> None:
+    """No prediction is null; a fit has its objective."""
+    route, _, _ = made_replay()
+    assert route_summary(route)["predicted"] is None
+    assert "objective_m" not in route_summary(route)
+    assert route_summary(replace(route, objective_m=1.25))["objective_m"] == 1.25

@@ -1,8 +1,12 @@
 """outcome.py: path error and position error of a flight."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.flight_errors import Errors
 from flight_replay.logs.track import track_from_columns
 from flight_replay.output.outcome import compare_flight
 from flight_replay.planning.route import Route
@@ -29,36 +33,123 @@ def flight(route: Route, waypoints: int, aside_m: float = 0.0, late_s: float = 0
     )
 
 
+def statistics(errors: Errors) -> ErrorStatistics:
+    """Of errors that exist."""
+    found = errors.statistics
+    assert found is not None
+    return found
+
+
 def test_a_perfect_replay_has_no_error() -> None:
-    """The same path at the same times has a path error and a position error of 0."""
-    route = spaced_route(straight_track())
+    """The same path at the same times has no path error, either way, and no position error."""
+    route = spaced_route(straight_track(), altitude_m=0.0)
     outcome = compare_flight(route, flight(route, 51))
-    assert outcome.path_error is not None and outcome.path_error.max < 0.01
-    assert outcome.position_error is not None and outcome.position_error.max < 0.01
-    assert len(outcome.path_errors_m) == len(outcome.position_errors_m) == 51
+    errors = outcome.errors
+    assert statistics(errors.path_m.recorded_to_path).max < 0.01
+    assert statistics(errors.path_m.path_to_recorded).max < 0.01
+    assert statistics(errors.position_m).max < 0.01
+    assert statistics(errors.height_m).max < 0.01
+    assert len(errors.path_m.recorded_to_path) == len(errors.position_m) == 51
+    assert outcome.coverage.fly_all == ()
+
+
+def test_heights_are_compared_with_the_commanded_ones() -> None:
+    """A flight on the ground that was to fly at 30 m is 30 m too low."""
+    route = spaced_route(straight_track(), altitude_m=30.0)
+    assert statistics(compare_flight(route, flight(route, 51)).errors.height_m).mean == pytest.approx(30.0)
 
 
 def test_a_late_flight_has_a_position_error_only() -> None:
     """3 m beside the path is a path error of 3 m; 2 s late at 4 m/s is a position error of 8 m."""
     route = spaced_route(straight_track())
-    beside = compare_flight(route, flight(route, 51, aside_m=3.0))
-    assert beside.path_error is not None and beside.path_error.mean == pytest.approx(3.0, abs=0.01)
-    late = compare_flight(route, flight(route, 51, late_s=2.0))
-    assert late.path_error is not None and late.path_error.max < 0.01
-    assert late.position_error is not None and late.position_error.mean == pytest.approx(8.0, abs=0.01)
+    beside = compare_flight(route, flight(route, 51, aside_m=3.0)).errors.path_m
+    assert statistics(beside.recorded_to_path).mean == pytest.approx(3.0, abs=0.01)
+    assert statistics(beside.path_to_recorded).mean == pytest.approx(3.0, abs=0.01)
+    late = compare_flight(route, flight(route, 51, late_s=2.0)).errors
+    assert statistics(late.path_m.recorded_to_path).max < 0.01
+    assert statistics(late.position_m).mean == pytest.approx(8.0, abs=0.01)
+
+
+def test_headings_are_compared_where_both_are_known() -> None:
+    """350 and 20 degrees are 30 apart; a recording without headings says why there is no error."""
+    route = spaced_route(straight_track())
+    record = flight(route, 51)
+    flown = replace(record.flown, heading_deg=np.full(len(record.flown), 20.0))
+    headed = replace(straight_track(), heading_deg=np.full(51, 350.0))
+    outcome = compare_flight(spaced_route(headed), replace(record, flown=flown))
+    assert statistics(outcome.errors.heading_deg).max == pytest.approx(30.0)
+    assert outcome.not_measured == {}
+    unknown = compare_flight(route, replace(record, flown=flown))
+    assert unknown.not_measured == {"heading_error_deg": "one of both flights has no heading"}
 
 
 def test_a_short_flight_is_compared_up_to_its_last_waypoint() -> None:
-    """Fixes after the last waypoint reached do not count."""
+    """Fixes after the last waypoint reached do not count; what flies all of it is told."""
     route = spaced_route(straight_track())
     outcome = compare_flight(route, flight(route, 11))
-    assert len(outcome.path_errors_m) == 11
-    assert outcome.path_error is not None and outcome.path_error.max < 0.01
+    assert len(outcome.errors.path_m.recorded_to_path) == 11
+    assert statistics(outcome.errors.path_m.recorded_to_path).max < 0.01
+    assert outcome.errors.path_m.place_m[-1] == pytest.approx([40.0, 0.0], abs=0.5)
+    coverage = outcome.coverage
+    assert (coverage.fixes, coverage.of_fixes, coverage.recorded_s, coverage.of_recorded_s) == (
+        11,
+        51,
+        10,
+        50,
+    )
+    assert coverage.fly_all == ("--duration all",)
 
 
-def test_a_flight_that_reached_no_waypoint_has_no_position_error() -> None:
-    """There is no time to compare from."""
+def test_a_route_that_covers_a_part_needs_another_route() -> None:
+    """Ten waypoints of 51: flying all of them is not flying all of the recording."""
+    route = spaced_route(straight_track(), max_points=10)
+    coverage = compare_flight(route, flight(route, 10)).coverage
+    assert (coverage.fixes, coverage.fly_all) == (10, ("--route fit", "--duration all"))
+
+
+def test_an_overshoot_shows_in_one_way_only() -> None:
+    """A detour of 5 m between two waypoints passes every fix, but is far from the recording."""
     route = spaced_route(straight_track())
-    record = flight(route, 0)
+    record = flight(route, 51)
+    north_east_m = record.flown.north_east_m(FRAME)
+    detour = np.array([[100.0, 0.0], [102.0, 5.0], [104.0, 0.0]])
+    at = int(np.searchsorted(north_east_m[:, 0], 101.0))
+    lat, lon = FRAME.to_degrees(np.insert(north_east_m, at, detour, axis=0))
+    time_s = np.insert(record.flown.time_s, at, np.full(3, record.flown.time_s[at]))
+    flown = track_from_columns(time_s, lat, lon, np.zeros(len(lat)))
+    path = compare_flight(route, replace(record, flown=flown)).errors.path_m
+    assert statistics(path.recorded_to_path).max < 0.01
+    assert statistics(path.path_to_recorded).max == pytest.approx(5.0, abs=0.15)
+
+
+@pytest.mark.parametrize("positions", [0, 1, 400])
+def test_a_flight_that_reached_no_waypoint_has_no_error(positions: int) -> None:
+    """There is no time to compare from, and no part of the path that was flown."""
+    route = spaced_route(straight_track())
+    record = flight(route, 0) if positions > 1 else flight(route, 51)
+    record = replace(record, reached=(), flown=record.flown.select(slice(positions)))
     outcome = compare_flight(route, record)
-    assert outcome.position_error is None
+    assert outcome.errors.position_m.statistics is None
+    assert outcome.errors.path_m.recorded_to_path.statistics is None
+    assert outcome.errors.path_m.path_to_recorded.statistics is None
+    assert len(outcome.not_measured) == 4
+    assert outcome.coverage.recorded_s == 0.0
+
+
+def test_a_recording_of_one_fix_is_compared() -> None:
+    """A hover of one fix has errors like any other."""
+    route = spaced_route(straight_track(fixes=1))
+    record = replace(flight(route, 11), reached=((1, 105.0),))
+    outcome = compare_flight(route, record)
+    assert statistics(outcome.errors.path_m.recorded_to_path).max < 0.01
+    assert len(outcome.errors.position_m) == 1
+    assert outcome.coverage.fly_all == ()
+
+
+def test_a_flight_without_positions_is_compared() -> None:
+    """Waypoints can be reported reached though no position was received."""
+    route = spaced_route(straight_track())
+    record = flight(route, 11)
+    outcome = compare_flight(route, replace(record, flown=record.flown.select(slice(0))))
+    assert outcome.errors.position_m.statistics is None
+    assert "path_error_m" in outcome.not_measured

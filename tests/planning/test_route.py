@@ -1,8 +1,11 @@
 """A mission as a route: its path, its planned error, and how long it takes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from flight_replay.logs.track import Armed
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.planning.route import route_of
 from tests.helpers.made_tracks import FRAME, straight_track
@@ -17,9 +20,26 @@ def mission_through(north_east_m: list[tuple[float, float]]) -> Mission:
 def test_the_planned_error_is_that_of_the_fixes_from_the_path() -> None:
     """A path that runs from 0 to 5 m beside a recording of 200 m errs by 2.5 m on average, 5 m at most."""
     route = route_of("by hand", mission_through([(0.0, 0.0), (200.0, 5.0)]), straight_track(fixes=51))
-    assert route.planned_error.mean == pytest.approx(2.5, abs=0.01)
-    assert route.planned_error.p95 == pytest.approx(4.75, abs=0.02)
-    assert route.planned_error.max == pytest.approx(5.0, abs=0.01)
+    for errors in (route.planned_error.recorded_to_path, route.planned_error.path_to_recorded):
+        assert errors.statistics is not None
+        assert errors.statistics.mean == pytest.approx(2.5, abs=0.01)
+        assert errors.statistics.p95 == pytest.approx(4.75, abs=0.02)
+        assert errors.statistics.max == pytest.approx(5.0, abs=0.01)
+
+
+def test_standing_on_the_ground_is_not_measured() -> None:
+    """What a replay is measured with is flown, its clock begins there, its heights are as commanded."""
+    armed = np.full(51, Armed.NO, np.int8)
+    armed[20:40] = Armed.YES
+    track = replace(straight_track(fixes=51), armed=armed)
+    mission = mission_through([(0.0, 0.0), (200.0, 0.0)])
+    route = route_of("by hand", mission, track, heights_m=np.full(51, 30.0))
+    assert (len(route.covered), len(route.recorded), len(route.wanted)) == (51, 20, 20)
+    assert (route.wanted.time_s[0], route.wanted.time_s[-1]) == (0.0, 19.0)
+    assert route.wanted.north_east_m[0] == pytest.approx([80.0, 0.0], abs=0.01)
+    assert set(route.wanted.up_m) == {30.0}
+    assert set(route.recorded.alt_m) == {0.0}
+    assert len(route.planned_error.recorded_to_path) == 20
 
 
 def test_a_route_holds_what_it_is_made_of() -> None:

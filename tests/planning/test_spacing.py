@@ -83,7 +83,7 @@ def test_waypoints_lie_on_kept_fixes_30_m_up() -> None:
     route = spaced_route(straight_track(altitudes_m=3.0))
     assert len(route.mission.items) == 51
     assert {item.alt_m for item in route.mission.items} == {30.0}
-    assert route.planned_error.max < 1e-3
+    assert route.planned_error.recorded_to_path.error.max() < 1e-3
     assert len(route.covered) == 51
 
 

@@ -16,11 +16,11 @@ from flight_replay.logs.sample import default_log
 from flight_replay.output.console.console import Console
 from flight_replay.output.console.terminal import write_verbatim
 from flight_replay.output.json_summary import flight_summary, log_summary, route_summary
+from flight_replay.output.result_text import flight_lines, route_lines
 from flight_replay.writing.output_files import check_suffix
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
-    from flight_replay.geometry.distances import ErrorStatistics
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
     from flight_replay.output.event_log import LoggedEvent
@@ -163,29 +163,7 @@ def json_object(result: ReplayResult) -> dict[str, Any]:
 
 def result_lines(result: ReplayResult) -> list[str]:
     """The result as lines of text that fit a terminal of 80 columns."""
-    route = result.route
-    lines = [
-        f" Route: {route.path.length_m:.0f} m, covers {len(route.covered)} of {len(result.log.track)} fixes",
-        f" Planned path error: {_statistics(route.planned_error)}",
-    ]
-    if route.predicted:
-        lines += [
-            f" Predicted duration: {route.predicted_duration_s:.0f} s",
-            f" Predicted path error: {_statistics(route.predicted.path_error)}",
-            f" Predicted position error: {_statistics(route.predicted.position_error)}",
-        ]
+    lines = route_lines(result.route, len(result.log.track))
     if result.flight:
-        record, outcome = result.flight.record, result.flight.outcome
-        lines += [
-            f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
-            f"in {record.auto_s:.1f} s of AUTO",
-            f" Path error: {_statistics(outcome.path_error)}",
-            f" Position error: {_statistics(outcome.position_error)}",
-        ]
+        lines += flight_lines(result.route, result.flight.record, result.flight.outcome)
     return lines
-
-
-def _statistics(error: ErrorStatistics | None) -> str:
-    if error is None:
-        return "nothing to compare"
-    return f"mean {error.mean:.2f} m, p95 {error.p95:.2f} m, max {error.max:.2f} m"

@@ -10,8 +10,9 @@ from flight_replay.logs.flights import Flight, find_flights, select
 from flight_replay.logs.sample import default_log
 from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
-from flight_replay.mission.path import planned_path
-from flight_replay.planning.route import PredictedErrors, Route
+from flight_replay.planning.altitude import altitudes_m
+from flight_replay.planning.prediction import with_prediction
+from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -42,14 +43,15 @@ def plan_route(options: Options, track: Track, listener: Listener) -> Route:
         MissionError: The track cannot be flown as the options ask.
     """
     required_limits = _required_limits(track) if options.limits == "recorded" else {}
+    limits = Limits(**required_limits)
     if options.route == "fit":
-        route = _fitted_route(options, track, Limits(**required_limits), listener)
+        route = _fitted_route(options, track, limits, listener)
     else:
         route = _spaced_route(options, track)
     listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from tlog"))
     for note in route.notes:
         listener(Notice(f" {note}"))
-    return replace(route, required_limits=required_limits)
+    return replace(with_prediction(route, limits), required_limits=required_limits)
 
 
 def _required_limits(track: Track) -> dict[str, float]:
@@ -79,13 +81,12 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         limits=limits,
         progress=lambda done, total: listener(Progress("fit", done, total, "simulations")),
     )
-    return Route(
-        method="fit",
-        mission=result.mission,
-        covered=result.flown,
-        path=planned_path(result.mission, result.frame),
-        planned_error=result.planned_error,
+    route = route_of(
+        "fit",
+        result.mission,
+        result.flown,
+        heights_m=altitudes_m(result.flown, options.altitude_m),
+        recording=track,
         predicted_duration_s=result.predicted_duration_s,
-        predicted=PredictedErrors(result.path_error, result.position_error),
-        notes=result.notes,
     )
+    return replace(route, objective_m=result.objective_m, notes=result.notes)

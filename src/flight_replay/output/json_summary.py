@@ -9,10 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flight_replay.mission.items import FIRST_SEQ, MissionItem
 
 if TYPE_CHECKING:
     from flight_replay.geometry.distances import ErrorStatistics
+    from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
     from flight_replay.output.outcome import Outcome
@@ -48,13 +51,16 @@ def log_summary(log: Log, flights: Sequence[Flight]) -> Json:
 
 def route_summary(route: Route) -> Json:
     """The "route" object; its items do not include home."""
+    objective = {} if route.objective_m is None else {"objective_m": round(route.objective_m, 4)}
     return {
         "method": route.method,
         "points": len(route.mission.waypoints),
         "items": [_item(seq, item) for seq, item in enumerate(route.mission.items, FIRST_SEQ)],
         "fixes_covered": len(route.covered),
         "length_m": round(route.path.length_m, 3),
-        "planned_error_m": _statistics(route.planned_error),
+        "planned_error_m": _both_ways(route.planned_error, "planned"),
+        **objective,
+        "predicted": None if route.predicted is None else _errors(route.predicted),
         "predicted_duration_s": round(route.predicted_duration_s, 3),
     }
 
@@ -68,8 +74,58 @@ def flight_summary(vehicle: str, simulated: bool, record: FlightRecord, outcome:
         "ended": record.ended,
         "auto_s": round(record.auto_s, 3),
         "rtl_confirmed": record.rtl_confirmed,
-        "distance_in_space_m": _statistics(outcome.path_error),
-        "distance_in_time_m": _statistics(outcome.position_error),
+        "coverage": _coverage(outcome),
+        **_errors(outcome.errors),
+        "alignment": _alignment(outcome),
+        "not_measured": dict(outcome.not_measured),
+    }
+
+
+def _coverage(outcome: Outcome) -> Json:
+    """Which part of the recorded flight was flown again, and the options that fly all of it."""
+    coverage = outcome.coverage
+    return {
+        "fixes": coverage.fixes,
+        "of_fixes": coverage.of_fixes,
+        "recorded_s": round(coverage.recorded_s, 3),
+        "of_recorded_s": round(coverage.of_recorded_s, 3),
+        "to_fly_all": list(coverage.fly_all),
+    }
+
+
+def _alignment(outcome: Outcome) -> Json:
+    """What the errors at equal times put on what, and for how many fixes there are such errors.
+
+    ``flown_s`` of the vehicle's clock is put on ``recorded_s`` seconds since the first flown fix.
+    """
+    errors = outcome.errors
+    first_s = outcome.first_waypoint_s
+    return {
+        "recorded_s": 0.0,
+        "flown_s": None if first_s is None else round(first_s, 3),
+        "seconds": round(float(np.ptp(errors.position_m.time_s)), 3) if len(errors.position_m) else 0.0,
+        "fixes": len(errors.position_m),
+        "heights": len(errors.height_m),
+        "headings": len(errors.heading_deg),
+    }
+
+
+def _errors(errors: FlightErrors) -> Json:
+    """All errors of a flight, flown or predicted; the heading's null where none is known."""
+    heading = errors.heading_deg.statistics
+    return {
+        "path_error_m": _both_ways(errors.path_m, "flown"),
+        "position_error_m": _statistics(errors.position_m.statistics),
+        "height_error_m": _statistics(errors.height_m.statistics),
+        "heading_error_deg": None if heading is None else _statistics(heading),
+    }
+
+
+def _both_ways(errors: PathErrors, path: str) -> Json:
+    """The path error from the recording to a path, and from that path to the recording."""
+    return {
+        f"recorded_to_{path}": _statistics(errors.recorded_to_path.statistics),
+        f"{path}_to_recorded": _statistics(errors.path_to_recorded.statistics),
     }
 
 

@@ -1,64 +1,123 @@
-"""The errors of a replay: the flown track against the recorded fixes that it had to follow."""
+"""How a flight went: how much of the recording it covered, and its errors against that."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import (
-    ErrorStatistics,
-    error_statistics,
-    path_errors_m,
-    position_errors_m,
-)
+from flight_replay.geometry.flight_errors import FlightErrors, flight_errors
 from flight_replay.geometry.matching import match_in_order
-from flight_replay.logs.track import Track
 from flight_replay.mission.path import Path
-from flight_replay.planning.route import Route
+from flight_replay.planning.route import Route, movement_of
 
 if TYPE_CHECKING:
     from flight_replay.supervisor.flight_plan import FlightRecord
 
 _TOLERANCE_M = 0.001
+_BEYOND_M = 5.0
+"""So much recorded line beyond the last waypoint is measured from: vehicles report a waypoint behind it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """Which part of the recorded flight was flown again: fixes and seconds, and how many there are.
+
+    ``recorded_s`` runs to the last fix that was reached; ``fly_all`` are the options with which all of
+    it is flown, none where all of it was.
+    """
+
+    fixes: int
+    of_fixes: int
+    recorded_s: float
+    of_recorded_s: float
+    fly_all: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """The errors of one replay, in metres.
+    """A flight beside the recording.
 
-    ``path_errors_m`` and ``position_errors_m`` have an error for each of the first fixes of the
-    route's covered track: as many as the flight reached, and as many as both clocks cover.
-    ``path_error`` and ``position_error`` summarise them, None where there is nothing to compare.
+    ``first_waypoint_s`` is when, by the vehicle's clock, it reached the first waypoint, which the
+    recording's first fix is put on for errors at equal times; None if it never did.
     """
 
-    path_error: ErrorStatistics | None
-    position_error: ErrorStatistics | None
-    path_errors_m: Floats
-    position_errors_m: Floats
+    errors: FlightErrors
+    coverage: Coverage
+    first_waypoint_s: float | None
+
+    @property
+    def not_measured(self) -> Mapping[str, str]:
+        """Why there is no error of a kind: the kind's name in ``--json``, and the reason."""
+        errors, never = self.errors, "the first waypoint was not reached"
+        reasons = {
+            "path_error_m": (errors.path_m.recorded_to_path, "no position was received in AUTO"),
+            "position_error_m": (errors.position_m, "there is no time that both flights have"),
+            "height_error_m": (errors.height_m, "the recording has no height at times that both have"),
+            "heading_error_deg": (errors.heading_deg, "one of both flights has no heading"),
+        }
+        return {
+            name: never if self.first_waypoint_s is None else reason
+            for name, (error, reason) in reasons.items()
+            if not len(error)
+        }
 
 
 def compare_flight(route: Route, record: FlightRecord) -> Outcome:
-    """Path error and position error of a flight.
+    """The errors of a flight, and what it covered.
 
-    A flight that ended before the final waypoint is compared only with the fixes that the route
-    covers up to the last waypoint reached.
+    A flight that ended before the final waypoint is compared only with what the route covers up to
+    the last waypoint reached.
     """
-    path_m = _path_errors_m(_fixes_reached(route, record), record.flown)
-    position_m = _position_errors_m(route, record)
-    return Outcome(error_statistics(path_m), error_statistics(position_m), path_m, position_m)
+    reached_s = dict(record.reached)
+    passed = [reached_s[seq] for seq, _ in route.mission.waypoints if seq in reached_s]
+    first_s = reached_s.get(route.mission.waypoints[0][0])
+    start_s = record.auto_start_s if first_s is None else first_s
+    fixes, line = _fixes_reached(route, record)
+    flown = movement_of(record.flown, route.frame, start_s)
+    errors = flight_errors(
+        route.wanted,
+        flown if first_s is not None else flown.select(slice(0)),
+        last_s=passed[-1] - start_s if passed else 0.0,
+        fixes=fixes,
+        line=line,
+    )
+    return Outcome(errors, _coverage(route, fixes), first_s)
 
 
-def _fixes_reached(route: Route, record: FlightRecord) -> Track:
-    """The covered fixes up to the last waypoint that was reached."""
+def _coverage(route: Route, fixes: int) -> Coverage:
+    """How much the first fixes of what the route covers are of all that was recorded."""
+    of_fixes, last = len(route.recording), len(route.wanted)
+    fly_all = ("--route fit",) if last < of_fixes else ()
+    if fixes < of_fixes:
+        fly_all = (*fly_all, "--duration all")
+    return Coverage(
+        fixes=fixes,
+        of_fixes=of_fixes,
+        recorded_s=float(route.wanted.time_s[fixes - 1]) if fixes else 0.0,
+        of_recorded_s=float(route.recording.time_s[-1] - route.recording.time_s[0]),
+        fly_all=fly_all,
+    )
+
+
+def _fixes_reached(route: Route, record: FlightRecord) -> tuple[int, int]:
+    """How many of the fixes lie before the last waypoint that was reached, and a little beyond it."""
     reached = {seq for seq, _ in record.reached}
     last_seq = max((seq for seq, _ in route.mission.waypoints if seq in reached), default=0)
     if last_seq == route.mission.waypoints[-1][0]:
-        return route.covered
-    matching = match_in_order(route.covered.north_east_m(), route.path.north_east_m)
-    return route.covered.select(matching.along_m <= _length_to_item_m(route.path, last_seq) + _TOLERANCE_M)
+        return len(route.wanted), len(route.wanted)
+    along_m = match_in_order(route.wanted.north_east_m, route.path.north_east_m).along_m
+    end_m = _length_to_item_m(route.path, last_seq)
+    if end_m < 0:
+        return 0, 0
+    return _count_up_to(along_m, end_m + _TOLERANCE_M), _count_up_to(along_m, end_m + _BEYOND_M)
+
+
+def _count_up_to(along_m: Floats, end_m: float) -> int:
+    return int(np.searchsorted(along_m, end_m, side="right"))
 
 
 def _length_to_item_m(path: Path, seq: int) -> float:
@@ -66,24 +125,3 @@ def _length_to_item_m(path: Path, seq: int) -> float:
     steps_m = np.linalg.norm(np.diff(path.north_east_m, axis=0), axis=1)
     passed = np.flatnonzero(path.seq <= seq)
     return float(steps_m[: passed[-1]].sum()) if len(passed) else -1.0
-
-
-def _path_errors_m(fixes: Track, flown: Track) -> Floats:
-    if not len(fixes) or not len(flown):
-        return np.zeros(0)
-    frame = fixes.frame
-    return path_errors_m(fixes.north_east_m(frame), flown.north_east_m(frame))
-
-
-def _position_errors_m(route: Route, record: FlightRecord) -> Floats:
-    """Errors at equal times: recorded time since the first fix, flown time since the first waypoint."""
-    first_waypoint_s = dict(record.reached).get(route.mission.waypoints[0][0])
-    if first_waypoint_s is None or not len(record.flown):
-        return np.zeros(0)
-    recorded, frame = route.covered, route.covered.frame
-    return position_errors_m(
-        recorded.time_s - recorded.time_s[0],
-        recorded.north_east_m(frame),
-        record.flown.time_s - first_waypoint_s,
-        record.flown.north_east_m(frame),
-    )

@@ -3,58 +3,93 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from flight_replay.geometry.distances import ErrorStatistics, error_statistics
-from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.flight_errors import FlightErrors, PathErrors, path_errors
+from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.geometry.movement import Movement
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.mission.path import Path, planned_path
 from flight_replay.planning.duration import duration_s
-
-_PIECE_M = 0.5
-"""Pieces of path that are short enough for a planned error: 1 mm off on average, at a third of the time."""
-
-
-@dataclass(frozen=True, slots=True)
-class PredictedErrors:
-    """Path error and position error, metres, of the route as the model of ArduCopter flies it."""
-
-    path_error: ErrorStatistics
-    position_error: ErrorStatistics
+from flight_replay.planning.flown_part import flown_part
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Route:
     """A mission, the recorded fixes that it covers, and what is known of it before it is flown.
 
-    ``planned_error`` is the path error of the mission's path, ``predicted_duration_s`` the time in
-    AUTO, ``predicted`` the errors of the flight where the planning simulated it. ``required_limits``
-    are the fields of ``Limits`` to raise on the vehicle before it flies, in SI units; ``notes`` are
-    sentences for people.
+    ``recorded`` is what of ``covered`` was flown, ``wanted`` the same as a replay is measured with: in
+    metres around ``frame``, its clock counting from its first fix, its heights as commanded.
+    ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path
+    error of the mission's path, ``predicted_duration_s`` the time in AUTO, ``predicted`` the errors of
+    the flight where the planning simulated it. ``required_limits`` are the fields of ``Limits`` to
+    raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made small;
+    ``notes`` are sentences for people.
     """
 
     method: str
     mission: Mission
     covered: Track
+    recorded: Track
+    wanted: Movement
+    recording: Track
     path: Path
-    planned_error: ErrorStatistics
+    planned_error: PathErrors
     predicted_duration_s: float
-    predicted: PredictedErrors | None = None
+    predicted: FlightErrors | None = None
+    objective_m: float | None = None
     required_limits: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
+    @property
+    def frame(self) -> LocalFrame:
+        """The local metric frame of all measures, around the first covered fix."""
+        return self.covered.frame
 
-def route_of(method: str, mission: Mission, covered: Track) -> Route:
+
+def route_of(  # noqa: PLR0913
+    method: str,
+    mission: Mission,
+    covered: Track,
+    *,
+    heights_m: Floats | None = None,
+    recording: Track | None = None,
+    predicted_duration_s: float | None = None,
+) -> Route:
     """The route of a mission that was made from ``covered``, with its planned error.
 
     Args:
         method: how the mission was made, by its name.
         mission: at least one waypoint.
         covered: at least one fix.
+        heights_m: metres above home that the mission commands at each covered fix (n,); the recorded
+            ones if None.
+        recording: the track that ``covered`` is a part of.
+        predicted_duration_s: seconds in AUTO, if known.
     """
-    path = planned_path(mission, covered.frame)
-    matching = match_in_order(covered.north_east_m(), path.north_east_m, _PIECE_M)
-    error = error_statistics(matching.distance_m)
-    assert error is not None, "a covered track has fixes"
-    return Route(method, mission, covered, path, error, duration_s(mission, path))
+    frame = covered.frame
+    path = planned_path(mission, frame)
+    recorded, _ = flown_part(covered)
+    commanded = covered if heights_m is None else replace(covered, alt_m=heights_m)
+    wanted = movement_of(flown_part(commanded)[0], frame)
+    return Route(
+        method=method,
+        mission=mission,
+        covered=covered,
+        recorded=recorded,
+        wanted=wanted,
+        recording=recorded if recording is None else flown_part(recording)[0],
+        path=path,
+        planned_error=path_errors(wanted, path.north_east_m),
+        predicted_duration_s=duration_s(mission, path)
+        if predicted_duration_s is None
+        else predicted_duration_s,
+    )
+
+
+def movement_of(track: Track, frame: LocalFrame, start_s: float | None = None) -> Movement:
+    """A track in metres around ``frame``, its clock counting from ``start_s``, or else its first fix."""
+    begin_s = (track.time_s[0] if len(track) else 0.0) if start_s is None else start_s
+    return Movement(track.time_s - begin_s, track.north_east_m(frame), track.alt_m, track.heading_deg)

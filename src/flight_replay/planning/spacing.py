@@ -73,14 +73,14 @@ def spaced_route(
     """
     kept = decimate(track, spacing_m, max_points)
     fixes = track.select(kept)
-    altitudes = altitudes_m(track, altitude_m)[kept]
+    heights_m = altitudes_m(track, altitude_m)
     waypoints = [
         waypoint(float(lat), float(lon), float(altitude))
-        for lat, lon, altitude in zip(fixes.lat_deg, fixes.lon_deg, altitudes, strict=True)
+        for lat, lon, altitude in zip(fixes.lat_deg, fixes.lon_deg, heights_m[kept], strict=True)
     ]
     mission = Mission(tuple(_with_speeds(waypoints, fixes, speed_m_s)), home_of(track))
-    covered = track.select(slice(0, int(kept[-1]) + 1))
-    return route_of("spacing", mission, covered)
+    covered = slice(0, int(kept[-1]) + 1)
+    return route_of("spacing", mission, track.select(covered), heights_m=heights_m[covered], recording=track)
 
 
 def _with_speeds(

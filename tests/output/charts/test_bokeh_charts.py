@@ -25,7 +25,12 @@ def test_the_map_is_to_scale_and_labelled_with_units() -> None:
     assert chart.xaxis[0].axis_label == "east of the first fix (m)"
     assert chart.yaxis[0].axis_label == "north of the first fix (m)"
     legend: Any = chart.legend[0]
-    assert [item.label.value for item in legend.items] == ["recorded", "planned", "waypoints"]
+    assert [item.label.value for item in legend.items] == [
+        "recorded, not covered",
+        "recorded",
+        "planned",
+        "waypoints",
+    ]
 
 
 def test_waypoint_numbers_do_not_overlap() -> None:
@@ -58,7 +63,7 @@ def test_charts_over_time_zoom_together() -> None:
     assert first.renderers[0].glyph.line_color == RECORDED_COLOUR
 
 
-@pytest.mark.parametrize("name", ["recorded", "planned", "flown"])
+@pytest.mark.parametrize("name", ["recorded, not covered", "recorded", "planned", "flown"])
 def test_the_tooltip_of_a_line_shows_its_values(name: str) -> None:
     """It has the line's name, the value and the time."""
     chart = time_chart("ground speed", "speed (m/s)")

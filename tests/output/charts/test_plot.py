@@ -48,11 +48,14 @@ def test_lines_axes_and_panels_are_labelled(tmp_path: Path, monkeypatch: pytest.
         "speed (m/s)",
         "ground speed",
         "altitude above home",
-        "path error",
+        "recorded, not covered",
+        "path error, recorded to flown",
+        "path error, flown to recorded",
         "position error",
+        "height error",
     ):
         assert text in shown
-    assert shown.count("time since the first fix / first waypoint (s)") == 4
+    assert shown.count("time since the first fix / first waypoint (s)") == 6
     assert any(re.fullmatch(r"mean \d+\.\d\d m, p95 \d+\.\d\d m, max \d+\.\d\d m", text) for text in shown)
 
 
@@ -61,7 +64,8 @@ def test_a_plan_is_drawn_without_flown_lines(tmp_path: Path, monkeypatch: pytest
     shown = texts(tmp_path / "a.svg", monkeypatch, flown=False)
     assert "flown" not in shown
     assert "position error" not in shown
-    assert "planned path error" in shown
+    assert "planned path error, recorded to planned" in shown
+    assert "planned path error, planned to recorded" in shown
     Xml.parse(tmp_path / "a.svg")
 
 

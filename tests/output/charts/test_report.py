@@ -1,7 +1,7 @@
 """report.py: the report in one self-contained HTML file."""
 
 import re
-from dataclasses import asdict, replace
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import pytest
 from flight_replay.errors import FlightReplayError
 from flight_replay.output.charts.report import ReportText, save_report
 from flight_replay.output.event_log import LoggedEvent
+from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_replays import figure_of_eight, made_replay
 
@@ -18,17 +19,8 @@ from tests.helpers.made_replays import figure_of_eight, made_replay
 def summary(*, flown: bool = True) -> dict[str, Any]:
     """A ``--json`` object that fits the made-up replay."""
     route, record, outcome = made_replay()
-    assert outcome.path_error is not None
-    flight = {
-        "vehicle": "ArduCopter V4.6.0",
-        "simulated": True,
-        "waypoints_reached": record.waypoints_reached,
-        "ended": record.ended,
-        "auto_s": record.auto_s,
-        "rtl_confirmed": record.rtl_confirmed,
-        "distance_in_space_m": asdict(outcome.path_error),
-        "distance_in_time_m": {"mean": None, "p95": None, "max": None},
-    }
+    flight = dict(flight_summary("ArduCopter V4.6.0", True, record, outcome))
+    flight["position_error_m"] = {"mean": None, "p95": None, "max": None}
     return {
         "log": {
             "path": "/logs/<b>flight.tlog",
@@ -39,15 +31,7 @@ def summary(*, flown: bool = True) -> dict[str, Any]:
             "vehicles": [{"system": 1, "component": 1, "fixes": 300}],
             "flights": [],
         },
-        "route": {
-            "method": "spacing",
-            "points": len(route.mission.waypoints),
-            "items": [],
-            "fixes_covered": len(route.covered),
-            "length_m": route.path.length_m,
-            "planned_error_m": asdict(route.planned_error),
-            "predicted_duration_s": 61.5,
-        },
+        "route": route_summary(route),
         "flight": flight if flown else None,
     }
 
@@ -105,7 +89,12 @@ def test_the_report_has_the_results(page: Page) -> None:
     assert rows["records without a position"] == ["7"]
     assert rows["waypoints reached"][0].startswith(f"{summary()['flight']['waypoints_reached']} of ")
     assert rows["time in AUTO"] == ["60.0 s"]
-    assert re.fullmatch(r"mean [\d.]+ m, p95 [\d.]+ m, max [\d.]+ m", rows["path error"][0])
+    for label in ("path error, recorded to flown", "path error, flown to recorded", "height error"):
+        assert re.fullmatch(r"mean [\d.]+ m, p95 [\d.]+ m, max [\d.]+ m", rows[label][0])
+    assert rows["heading error"] == ["nothing to compare"]
+    assert rows["covered"][0].startswith(
+        "the first 1 min 59 s of the recorded flight's 2 min 0 s; to fly all"
+    )
     assert rows["position error"] == ["nothing to compare"]
     assert rows["problem"] == ["the vehicle did not confirm RTL"]
 

@@ -38,7 +38,21 @@ def test_everything_lies_in_one_metric_frame() -> None:
     assert series.flown is not None
     assert np.allclose(series.flown.north_east_m[0], [1, 0], atol=1e-3)
     assert series.path_error is not None
-    assert series.path_error.statistics.max == pytest.approx(series.path_error.error_m.max())
+    for errors in (series.path_error.recorded_to_path, series.path_error.path_to_recorded):
+        assert errors is not None
+        assert errors.statistics.max == pytest.approx(errors.error.max())
+
+
+def test_what_is_not_covered_is_there_too() -> None:
+    """The whole recording, and of it what the flight reached, or what the plan covers."""
+    route, record, outcome = made_replay()
+    series = replay_series(route, record, outcome)
+    assert len(series.recording.time_s) == 300
+    assert len(series.recorded.time_s) == outcome.coverage.fixes < 300
+    part = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=10)
+    plan = replay_series(part)
+    assert len(plan.recording.time_s) == 300
+    assert len(plan.recorded.time_s) == len(part.covered) < 100
 
 
 def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:
@@ -55,7 +69,10 @@ def test_a_plan_has_no_flown_series() -> None:
     """What does not exist is None."""
     series = replay_series(made_replay()[0])
     assert (series.flown, series.path_error, series.position_error, series.reached) == (None, None, None, ())
-    assert series.planned_error.statistics.max < 1
+    assert (series.height_error, series.heading_error) == (None, None)
+    planned = series.planned_error
+    assert planned.recorded_to_path is not None and planned.recorded_to_path.statistics.max < 1
+    assert planned.path_to_recorded is not None and planned.path_to_recorded.statistics.max < 1
 
 
 def test_only_waypoints_count_as_reached() -> None:

@@ -12,17 +12,32 @@ from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range
 from bokeh.plotting import figure
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.output.charts.series import FLOWN_COLOUR, PLANNED_COLOUR, RECORDED_COLOUR, ReplaySeries
+from flight_replay.output.charts.series import (
+    FLOWN_COLOUR,
+    NOT_COVERED_COLOUR,
+    PLANNED_COLOUR,
+    RECORDED_COLOUR,
+    ReplaySeries,
+)
 
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 LABEL_GAP_SHARE = 0.08
 """Least distance between two waypoint numbers, as a share of the map's longer side."""
+_LINE_COLOURS = {
+    "recorded, not covered": NOT_COVERED_COLOUR,
+    "recorded": RECORDED_COLOUR,
+    "planned": PLANNED_COLOUR,
+    "flown": FLOWN_COLOUR,
+}
 _MARGIN_SHARE = 0.08
 _LABEL_OFFSET_PX = 13
 
 
 def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
-    """The recorded and the planned path to scale, north up, with numbered waypoints."""
+    """The recorded and the planned path to scale, north up, with numbered waypoints.
+
+    What is not covered of the recording is paler.
+    """
     chart = figure(
         height=height,
         match_aspect=True,
@@ -35,6 +50,8 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
         y_range=DataRange1d(range_padding=_MARGIN_SHARE),
     )
     chart.toolbar.logo = None
+    north_m, east_m = series.recording.north_east_m.T
+    chart.line(east_m, north_m, color=NOT_COVERED_COLOUR, width=5, legend_label="recorded, not covered")
     north_m, east_m = series.recorded.north_east_m.T
     chart.line(east_m, north_m, color=RECORDED_COLOUR, width=5, legend_label="recorded")
     north_m, east_m = series.planned_m.T
@@ -106,8 +123,8 @@ def time_chart(title: str, y_label: str, *, x_range: Range | None = None, height
 
 
 def add_line(chart: figure, times_s: Sequence[float] | Floats, values: Floats, name: str) -> None:
-    """A line over time in the colour of its name: "recorded", "planned" or "flown"."""
-    colour = {"recorded": RECORDED_COLOUR, "planned": PLANNED_COLOUR, "flown": FLOWN_COLOUR}[name]
-    width = 4 if name == "recorded" else 1.5
+    """A line over time in the colour of its name, such as "recorded", "planned" or "flown"."""
+    colour = _LINE_COLOURS[name]
+    width = 4 if name.startswith("recorded") else 1.5
     line = chart.line(times_s, values, color=colour, width=width)
     chart.add_tools(HoverTool(renderers=[line], tooltips=f"{name} @y{{0.00}} at @x{{0.0}} s", mode="mouse"))

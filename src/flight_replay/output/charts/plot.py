@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,14 +16,17 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.output.charts.series import (
     FLOWN_COLOUR,
+    NOT_COVERED_COLOUR,
     PLANNED_COLOUR,
     RECORDED_COLOUR,
     ErrorSeries,
+    PathErrorSeries,
     ReplaySeries,
     TrackSeries,
     replay_series,
 )
 from flight_replay.output.outcome import Outcome
+from flight_replay.output.result_text import statistics_text
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 from flight_replay.writing.output_files import check_suffix, write_atomically
@@ -32,8 +36,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SUFFIXES = (".png", ".svg", ".pdf")
-_PAGE_IN = (7.2, 9.4)
+_PAGE_IN = (7.2, 11.4)
 _PNG_DOTS_PER_IN = 150
+_TIME_LABEL = "time since the first fix / first waypoint (s)"
 _STYLE: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -73,34 +78,78 @@ def save_plot(
 
 
 def _fill(figure: Figure, series: ReplaySeries) -> None:
-    grid = figure.add_gridspec(3, 2, height_ratios=[2.6, 1, 1])
+    errors = _error_panels(series)
+    panels = [*errors, _draw_altitude, _draw_speed]
+    rows = (len(panels) + 1) // 2
+    grid = figure.add_gridspec(1 + rows, 2, height_ratios=[2.8] + [1] * rows)
     _draw_map(figure.add_subplot(grid[0, :]), series)
-    panels, cells = [_draw_path_error, _draw_altitude, _draw_speed], [grid[1, 0], grid[1, 1], grid[2, :]]
-    if series.position_error is not None:
-        panels.insert(1, _draw_position_error)
-        cells[2:] = [grid[2, 0], grid[2, 1]]
-    for cell, draw in zip(cells, panels, strict=True):
-        axes = figure.add_subplot(cell, sharex=figure.axes[1] if len(figure.axes) > 1 else None)
-        axes.set_xlabel("time since the first fix / first waypoint (s)")
+    for n, draw in enumerate(panels):
+        alone = n == len(panels) - 1 and n % 2 == 0
+        cell = grid[1 + n // 2, :] if alone else grid[1 + n // 2, n % 2]
+        # The errors end where the flight did, altitude and speed are those of the whole recording.
+        first = 0 if n < len(errors) else len(errors)
+        axes = figure.add_subplot(cell, sharex=figure.axes[1 + first] if n > first else None)
+        axes.set_xlabel(_TIME_LABEL)
         draw(axes, series)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
     # The length of a metre on the page is known only after the layout.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     _draw_scale_and_north(figure.axes[0])
 
 
+def _error_panels(series: ReplaySeries) -> list[Callable[[Axes, ReplaySeries], None]]:
+    """What draws each of the errors that there are."""
+    planned, flown = series.planned_error, series.path_error or PathErrorSeries(None, None)
+    name, title = ("planned", "planned path error") if series.path_error is None else ("flown", "path error")
+    panels = [
+        (f"{title}, recorded to {name}", planned.recorded_to_path, flown.recorded_to_path, "m"),
+        (f"{title}, {name} to recorded", planned.path_to_recorded, flown.path_to_recorded, "m"),
+        ("position error", None, series.position_error, "m"),
+        ("height error", None, series.height_error, "m"),
+        ("heading error", None, series.heading_error, "deg"),
+    ]
+    return [
+        partial(_draw_error, title=title, planned=before, flown=after, unit=unit)
+        for title, before, after, unit in panels
+        if before is not None or after is not None
+    ]
+
+
+def _draw_error(
+    axes: Axes,
+    _series: ReplaySeries,
+    *,
+    title: str,
+    planned: ErrorSeries | None,
+    flown: ErrorSeries | None,
+    unit: str,
+) -> None:
+    """The error planned, thin, as far as was flown, and the error flown; the numbers are the last one's."""
+    end_s = np.inf if flown is None else flown.time_s[-1]
+    for errors, colour, width in ((planned, PLANNED_COLOUR, 0.7), (flown, FLOWN_COLOUR, 1.1)):
+        if errors is not None:
+            shown = errors.time_s <= end_s
+            axes.plot(errors.time_s[shown], errors.error[shown], color=colour, linewidth=width)
+            axes.set_title(f"{title}\n{statistics_text(errors.statistics, unit)}")
+    axes.set_ylabel(f"error ({unit})")
+
+
 def _draw_map(axes: Axes, series: ReplaySeries) -> None:
-    north_m, east_m = series.recorded.north_east_m.T
-    axes.plot(east_m, north_m, color=RECORDED_COLOUR, linewidth=3, label="recorded", solid_capstyle="round")
+    for track, colour, name in (
+        (series.recording, NOT_COVERED_COLOUR, "recorded, not covered"),
+        (series.recorded, RECORDED_COLOUR, "recorded"),
+    ):
+        north_m, east_m = track.north_east_m.T
+        axes.plot(east_m, north_m, color=colour, linewidth=4, label=name, solid_capstyle="round")
     north_m, east_m = series.planned_m.T
     axes.plot(east_m, north_m, "--", color=PLANNED_COLOUR, linewidth=1.2, label="planned")
     if series.flown is not None:
         north_m, east_m = series.flown.north_east_m.T
         axes.plot(east_m, north_m, color=FLOWN_COLOUR, linewidth=1.2, label="flown")
     north_m, east_m = series.waypoints_m.T
-    axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=4, label="waypoints")
+    axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=3, label="waypoints")
     axes.plot(east_m[0], north_m[0], "o", color="black", mfc="none", ms=8, label="first waypoint")
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
@@ -130,24 +179,6 @@ def _draw_scale_and_north(axes: Axes) -> None:
     axes.text(0.985, 0.995, "N", ha="center", va="bottom", weight="bold", transform=axes.transAxes)
 
 
-def _draw_path_error(axes: Axes, series: ReplaySeries) -> None:
-    _draw_error(axes, series.planned_error, PLANNED_COLOUR, "planned path error")
-    if series.path_error is not None:
-        _draw_error(axes, series.path_error, FLOWN_COLOUR, "path error")
-
-
-def _draw_position_error(axes: Axes, series: ReplaySeries) -> None:
-    if series.position_error is not None:
-        _draw_error(axes, series.position_error, FLOWN_COLOUR, "position error")
-
-
-def _draw_error(axes: Axes, error: ErrorSeries, colour: str, title: str) -> None:
-    axes.plot(error.time_s, error.error_m, color=colour, linewidth=0.9)
-    axes.set_ylabel("error (m)")
-    total = error.statistics
-    axes.set_title(f"{title}\nmean {total.mean:.2f} m, p95 {total.p95:.2f} m, max {total.max:.2f} m")
-
-
 def _draw_altitude(axes: Axes, series: ReplaySeries) -> None:
     axes.set_title("altitude above home")
     axes.set_ylabel("altitude (m)")
@@ -166,6 +197,7 @@ def _draw_speed(axes: Axes, series: ReplaySeries) -> None:
 def _draw_recorded_and_flown(
     axes: Axes, series: ReplaySeries, values: Callable[[TrackSeries], Floats]
 ) -> None:
-    axes.plot(series.recorded.time_s, values(series.recorded), color=RECORDED_COLOUR, linewidth=2)
+    for track, colour in ((series.recording, NOT_COVERED_COLOUR), (series.recorded, RECORDED_COLOUR)):
+        axes.plot(track.time_s, values(track), color=colour, linewidth=2)
     if series.flown is not None:
         axes.plot(series.flown.time_s, values(series.flown), color=FLOWN_COLOUR, linewidth=0.9)

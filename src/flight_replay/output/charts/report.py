@@ -11,17 +11,27 @@ from importlib.resources import files
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
+from flight_replay.geometry.distances import ErrorStatistics
 from flight_replay.mission.formats.item_text import description
 from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
-from flight_replay.output.charts.series import FLOWN_COLOUR, ReplaySeries, flown_start_s, replay_series
+from flight_replay.output.charts.series import (
+    FLOWN_COLOUR,
+    ErrorSeries,
+    PathErrorSeries,
+    ReplaySeries,
+    flown_start_s,
+    replay_series,
+)
 from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.outcome import Outcome
+from flight_replay.output.result_text import duration_text, statistics_text
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 from flight_replay.writing.output_files import check_suffix, write_atomically
 
 if TYPE_CHECKING:
     from bokeh.model import Model
+    from bokeh.models import Range
 
 SUFFIXES = (".html", ".htm")
 Summary = Mapping[str, Any]
@@ -104,22 +114,46 @@ def _time_charts(series: ReplaySeries) -> list[Model]:
     """Errors, altitude and speed over one time axis."""
     from flight_replay.output.charts.bokeh_charts import add_line, time_chart
 
-    path_error = time_chart("path error of the recorded fixes", "error (m)")
-    charts = [path_error]
-    add_line(path_error, series.planned_error.time_s, series.planned_error.error_m, "planned")
-    if series.path_error is not None:
-        add_line(path_error, series.path_error.time_s, series.path_error.error_m, "flown")
-    if series.position_error is not None:
-        position_error = time_chart("position error at equal times", "error (m)", x_range=path_error.x_range)
-        add_line(position_error, series.position_error.time_s, series.position_error.error_m, "flown")
-        charts.append(position_error)
-    altitude = time_chart("altitude above home", "altitude (m)", x_range=path_error.x_range)
-    speed = time_chart("ground speed", "speed (m/s)", x_range=path_error.x_range)
-    for name, track in (("recorded", series.recorded), ("flown", series.flown)):
+    altitude = time_chart("altitude above home", "altitude (m)")
+    speed = time_chart("ground speed", "speed (m/s)", x_range=altitude.x_range)
+    for name, track in (
+        ("recorded, not covered", series.recording),
+        ("recorded", series.recorded),
+        ("flown", series.flown),
+    ):
         if track is not None:
             add_line(altitude, track.time_s, track.alt_m, name)
             add_line(speed, track.time_s, track.speed_m_s, name)
-    return [*charts, altitude, speed]
+    errors = [_error_chart(altitude.x_range, *what) for what in _errors_shown(series)]
+    return [*filter(None, errors), altitude, speed]
+
+
+def _errors_shown(series: ReplaySeries) -> list[tuple[str, str, ErrorSeries | None, ErrorSeries | None]]:
+    """Title, label of the axis, and the lines planned and flown of every chart of errors."""
+    plan, flown = series.planned_error, series.path_error or PathErrorSeries(None, None)
+    metres = "error (m)"
+    return [
+        ("path error: recorded fixes to the path", metres, plan.recorded_to_path, flown.recorded_to_path),
+        ("path error: the path to the recorded line", metres, plan.path_to_recorded, flown.path_to_recorded),
+        ("position error at equal times", metres, None, series.position_error),
+        ("height error at equal times", metres, None, series.height_error),
+        ("heading error at equal times", "error (degrees)", None, series.heading_error),
+    ]
+
+
+def _error_chart(
+    x_range: Range, title: str, y_label: str, planned: ErrorSeries | None, flown: ErrorSeries | None
+) -> Model | None:
+    """A chart of errors over time; None if there are none."""
+    from flight_replay.output.charts.bokeh_charts import add_line, time_chart
+
+    if planned is None and flown is None:
+        return None
+    chart = time_chart(title, y_label, x_range=x_range)
+    for name, errors in (("planned", planned), ("flown", flown)):
+        if errors is not None:
+            add_line(chart, errors.time_s, errors.error, name)
+    return chart
 
 
 def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tuple[str, str]]]:
@@ -133,8 +167,8 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
             ("ended", str(flight["ended"])),
             ("time in AUTO", f"{flight['auto_s']:.1f} s"),
             ("RTL confirmed", "yes" if flight["rtl_confirmed"] else "no"),
-            ("path error", _statistics(flight["distance_in_space_m"])),
-            ("position error", _statistics(flight["distance_in_time_m"])),
+            ("covered", _coverage(flight["coverage"])),
+            *_error_rows(flight),
         ]
         if record is not None and record.problem:
             tables["Flight"].append(("problem", record.problem))
@@ -161,15 +195,38 @@ def _route_rows(route: Summary) -> list[tuple[str, str]]:
         ("waypoints", str(route["points"])),
         ("recorded fixes covered", str(route["fixes_covered"])),
         ("length", f"{route['length_m']:.1f} m"),
-        ("planned path error", _statistics(route["planned_error_m"])),
+        *_path_error_rows("planned path error", route["planned_error_m"]),
         ("predicted duration", f"{route['predicted_duration_s']:.1f} s"),
+        *(_error_rows(route["predicted"], "predicted ") if route["predicted"] else ()),
     ]
 
 
-def _statistics(error: Summary) -> str:
-    if error["mean"] is None:
-        return "nothing to compare"
-    return f"mean {error['mean']:.2f} m, p95 {error['p95']:.2f} m, max {error['max']:.2f} m"
+def _coverage(coverage: Summary) -> str:
+    """Which part of the recorded flight was flown, and how to fly all of it."""
+    part, whole = (duration_text(coverage[key]) for key in ("recorded_s", "of_recorded_s"))
+    if not coverage["to_fly_all"]:
+        return f"all of the recorded flight, {whole}"
+    options = " ".join(coverage["to_fly_all"])
+    return f"the first {part} of the recorded flight's {whole}; to fly all of it: {options}"
+
+
+def _error_rows(errors: Summary, prefix: str = "") -> list[tuple[str, str]]:
+    """Rows of all errors of a flight, flown or predicted."""
+    return [
+        *_path_error_rows(f"{prefix}path error", errors["path_error_m"]),
+        (f"{prefix}position error", _statistics(errors["position_error_m"])),
+        (f"{prefix}height error", _statistics(errors["height_error_m"])),
+        (f"{prefix}heading error", _statistics(errors["heading_error_deg"], "deg")),
+    ]
+
+
+def _path_error_rows(label: str, errors: Summary) -> list[tuple[str, str]]:
+    return [(f"{label}, {way.replace('_', ' ')}", _statistics(error)) for way, error in errors.items()]
+
+
+def _statistics(error: Summary | None, unit: str = "m") -> str:
+    known = error is not None and error["mean"] is not None
+    return statistics_text(ErrorStatistics(**error) if error and known else None, unit)
 
 
 def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, str]]:

@@ -1,18 +1,20 @@
 """The series that charts of a replay draw, in local metres and in seconds.
 
-The frame is that of the route's first recorded fix. Recorded time counts from that fix, flown time
-from when the vehicle reached the first waypoint, as the position error does.
+The frame is that of the route's first fix. Recorded time counts from the first fix that was flown,
+flown time from when the vehicle reached the first waypoint, as the position error does.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.geometry.distances import ErrorStatistics, path_errors_m
+from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.flight_errors import Errors, FlightErrors, PathErrors
+from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import destinations, path_through
 from flight_replay.output.outcome import Outcome
@@ -21,6 +23,8 @@ from flight_replay.supervisor.flight_plan import FlightRecord
 
 RECORDED_COLOUR, PLANNED_COLOUR, FLOWN_COLOUR = "#8c8c8c", "#0072B2", "#D55E00"
 """Line colours of every chart, from the colour-blind safe palette of Okabe and Ito."""
+NOT_COVERED_COLOUR = "#d4d4d4"
+"""The colour of what was recorded, but is not covered."""
 CURVE_TOLERANCE_M = 0.05
 """Largest distance between a spline leg and the line segments that are drawn for it."""
 MAX_CHART_POINTS = 4000
@@ -39,57 +43,73 @@ class TrackSeries:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ErrorSeries:
-    """Errors (n,) over recorded time (n,), and their statistics before thinning."""
+    """Errors (n,) over time (n,), and their statistics before thinning."""
 
     time_s: Floats
-    error_m: Floats
+    error: Floats
     statistics: ErrorStatistics
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathErrorSeries:
+    """The path error both ways; None where there is nothing to compare."""
+
+    recorded_to_path: ErrorSeries | None
+    path_to_recorded: ErrorSeries | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReplaySeries:
     """Everything that the charts of a replay draw; what does not exist is None.
 
-    ``reached`` holds (time, planned altitude) of each waypoint reached.
+    ``recording`` is all of the recorded flight, ``recorded`` what of it was flown again, or is
+    planned to be. ``reached`` holds (time, planned altitude) of each waypoint reached.
     """
 
+    recording: TrackSeries
     recorded: TrackSeries
     planned_m: Floats
     waypoints_m: Floats
     waypoint_seqs: tuple[int, ...]
-    planned_error: ErrorSeries
-    flown: TrackSeries | None
-    path_error: ErrorSeries | None
-    position_error: ErrorSeries | None
-    reached: tuple[tuple[float, float], ...]
+    planned_error: PathErrorSeries
+    flown: TrackSeries | None = None
+    path_error: PathErrorSeries | None = None
+    position_error: ErrorSeries | None = None
+    height_error: ErrorSeries | None = None
+    heading_error: ErrorSeries | None = None
+    reached: tuple[tuple[float, float], ...] = ()
 
 
 def replay_series(
     route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
 ) -> ReplaySeries:
     """The series of a route, and of the flight that followed it if there was one."""
-    covered, frame = route.covered, route.covered.frame
-    recorded_s = covered.time_s - covered.time_s[0]
-    fixes_m = covered.north_east_m(frame)
-    waypoints = route.mission.waypoints
+    frame, waypoints = route.frame, route.mission.waypoints
     planned = path_through(destinations(route.mission.items, frame), tolerance_m=CURVE_TOLERANCE_M)
-    planned_errors_m = path_errors_m(fixes_m, route.path.north_east_m)
-    return ReplaySeries(
-        recorded=_track_series(covered, fixes_m, recorded_s),
+    covered = slice(None if outcome is None else outcome.coverage.fixes)
+    series = ReplaySeries(
+        recording=_recorded_series(route.recording, frame),
+        recorded=_recorded_series(route.recorded, frame, covered),
         planned_m=planned.north_east_m,
         waypoints_m=frame.to_metres(
             [item.lat_deg for _, item in waypoints], [item.lon_deg for _, item in waypoints]
         ),
         waypoint_seqs=tuple(seq for seq, _ in waypoints),
-        planned_error=_error_series(recorded_s, planned_errors_m, route.planned_error),
-        flown=_flown_series(route, record) if record is not None and len(record.flown) else None,
-        path_error=_error_series(recorded_s, outcome.path_errors_m, outcome.path_error)
-        if outcome and outcome.path_error
-        else None,
-        position_error=_error_series(recorded_s, outcome.position_errors_m, outcome.position_error)
-        if outcome and outcome.position_error
-        else None,
-        reached=_reached(route, record) if record is not None else (),
+        planned_error=_path_error_series(route.planned_error),
+    )
+    if record is not None:
+        flown = _flown_series(route, record) if len(record.flown) else None
+        series = replace(series, flown=flown, reached=_reached(route, record))
+    return series if outcome is None else _with_errors(series, outcome.errors)
+
+
+def _with_errors(series: ReplaySeries, errors: FlightErrors) -> ReplaySeries:
+    return replace(
+        series,
+        path_error=_path_error_series(errors.path_m) if len(errors.path_m.recorded_to_path) else None,
+        position_error=_error_series(errors.position_m),
+        height_error=_error_series(errors.height_m),
+        heading_error=_error_series(errors.heading_deg),
     )
 
 
@@ -99,7 +119,7 @@ def flown_start_s(route: Route, record: FlightRecord) -> float:
 
 
 def _flown_series(route: Route, record: FlightRecord) -> TrackSeries:
-    north_east_m = record.flown.north_east_m(route.covered.frame)
+    north_east_m = record.flown.north_east_m(route.frame)
     return _track_series(record.flown, north_east_m, record.flown.time_s - flown_start_s(route, record))
 
 
@@ -115,9 +135,23 @@ def _track_series(track: Track, north_east_m: Floats, time_s: Floats) -> TrackSe
     return TrackSeries(north_east_m[keep], time_s[keep], track.alt_m[keep], speed_m_s[keep])
 
 
-def _error_series(time_s: Floats, errors_m: Floats, statistics: ErrorStatistics) -> ErrorSeries:
-    keep = peak_indices(errors_m)
-    return ErrorSeries(time_s[keep], errors_m[keep], statistics)
+def _recorded_series(track: Track, frame: LocalFrame, part: slice = slice(None)) -> TrackSeries:
+    """A part of a recorded track; time counts from the track's first fix."""
+    kept = track.select(part)
+    return _track_series(kept, kept.north_east_m(frame), kept.time_s - track.time_s[0])
+
+
+def _path_error_series(errors: PathErrors) -> PathErrorSeries:
+    return PathErrorSeries(_error_series(errors.recorded_to_path), _error_series(errors.path_to_recorded))
+
+
+def _error_series(errors: Errors) -> ErrorSeries | None:
+    """The errors, thinned, in the order of time; None if there are none."""
+    statistics = errors.statistics
+    if statistics is None:
+        return None
+    keep = peak_indices(errors.error)
+    return ErrorSeries(errors.time_s[keep], errors.error[keep], statistics)
 
 
 def ground_speed_m_s(track: Track, north_east_m: Floats) -> Floats:

@@ -1,8 +1,8 @@
 """The data of the live map, collected from events; independent of the server and the page.
 
 The flown position that a recorded fix will be matched to is known only after the flight. The live
-path error is therefore that of the vehicle's position from the recorded path, searched near its last
-position; the position error is the one of the report, which has the final values.
+path error is therefore flown to recorded: that of the vehicle's position from the recorded path, searched
+near its last position. The errors at equal times are those of the report, which has the final values.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ class MapPoint:
     elapsed_s: float
     path_error_m: float
     position_error_m: float
+    height_error_m: float
+    heading_error_deg: float
 
 
 class MapData:
     """A listener that turns positions into points of the map; other threads may read them."""
 
     def __init__(self, route: Route) -> None:
-        covered = route.covered
-        self._frame = covered.frame
-        self._recorded_s = covered.time_s - covered.time_s[0]
-        self._recorded_m = covered.north_east_m(self._frame)
-        self._path_error = LivePathError(self._recorded_m)
+        self._frame = route.frame
+        self._wanted = route.wanted
+        self._path_error = LivePathError(route.wanted.north_east_m)
         self._first_seq = route.mission.waypoints[0][0]
         self._waypoints = {seq: (item.lat_deg, item.lon_deg) for seq, item in route.mission.waypoints}
         self._start_s: float | None = None
@@ -80,19 +80,21 @@ class MapData:
         position_m = self._frame.to_metres(state.lat_deg, state.lon_deg)
         north_m, east_m = float(position_m[0]), float(position_m[1])
         if self._start_s is None or state.mode != "AUTO":
-            return MapPoint(north_m, east_m, math.nan, math.nan, math.nan)
+            return MapPoint(north_m, east_m, *[math.nan] * 5)
         elapsed_s = state.time_s - self._start_s
         path_error_m = self._path_error.update(position_m)
-        return MapPoint(
-            north_m, east_m, elapsed_s, path_error_m, self._position_error_m(elapsed_s, position_m)
-        )
+        return MapPoint(north_m, east_m, elapsed_s, path_error_m, *self._errors_at(elapsed_s, state))
 
-    def _position_error_m(self, elapsed_s: float, position_m: Floats) -> float:
-        """Distance from the recorded position at ``elapsed_s``; NaN outside the recording."""
-        if not 0 <= elapsed_s <= self._recorded_s[-1]:
-            return math.nan
-        north_m, east_m = (np.interp(elapsed_s, self._recorded_s, axis_m) for axis_m in self._recorded_m.T)
-        return math.hypot(position_m[0] - north_m, position_m[1] - east_m)
+    def _errors_at(self, elapsed_s: float, state: VehicleState) -> tuple[float, float, float]:
+        """Position, height and heading error at ``elapsed_s``; NaN where unknown or outside the recording."""
+        now = np.array([elapsed_s])
+        if not 0 <= elapsed_s <= self._wanted.time_s[-1]:
+            return math.nan, math.nan, math.nan
+        apart_m = self._frame.to_metres(state.lat_deg, state.lon_deg) - self._wanted.places_at(now)[0]
+        height_m = abs(state.alt_m - float(np.interp(elapsed_s, self._wanted.time_s, self._wanted.up_m)))
+        flown_deg = math.nan if state.heading_deg is None else state.heading_deg
+        turn_deg = (flown_deg - float(self._wanted.headings_at(now)[0]) + 180.0) % 360.0 - 180.0
+        return math.hypot(*apart_m.tolist()), height_m, abs(turn_deg)
 
 
 class LivePathError:

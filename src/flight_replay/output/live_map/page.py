@@ -54,7 +54,7 @@ class Page:
         self._map.name, self._map.sizing_mode = "map", "stretch_both"
         document.add_root(self._map)
         document.add_root(self._readings)
-        document.add_root(self._error_chart("path", "path error"))
+        document.add_root(self._error_chart("path", "path error, flown to recorded"))
         document.add_root(self._error_chart("position", "position error at equal times"))
         self.tick()
         if self._readings.tags:
@@ -151,6 +151,10 @@ def readings_html(status: ReplayStatus, last: list[MapPoint]) -> str:
     for point in last:
         values["Path error"] = _metres(point.path_error_m)
         values["Position error"] = _metres(point.position_error_m)
+        values["Height error"] = _metres(point.height_error_m)
+        values["Heading error"] = (
+            f"{point.heading_error_deg:.0f}°" if math.isfinite(point.heading_error_deg) else ""
+        )
     if status.warning:
         values["Warning"] = status.warning
     cells = (

@@ -106,6 +106,11 @@ class Copter:
         return self._airframe.attitude_rad
 
     @property
+    def yaw_rad(self) -> float:
+        """Where the nose points, clockwise from north."""
+        return self._airframe.yaw
+
+    @property
     def throttle(self) -> float:
         """Throttle, 0 to 1."""
         return self._airframe.throttle

@@ -34,6 +34,8 @@ class Trajectory:
     north_m_s: Floats
     east_m_s: Floats
     up_m_s: Floats
+    heading_deg: Floats
+    """Where the nose points, clockwise from north, 0 to 360."""
     reached_s: dict[int, float]
     """Sequence number of each item that was reached, and when (the last time, if jumped back to)."""
     auto_s: tuple[float, float]
@@ -51,6 +53,7 @@ class _Recorder:
     def __init__(self, copter: Copter) -> None:
         self.copter = copter
         self.rows = [copter.motion]
+        self.yaws_rad = [copter.yaw_rad]
 
     def run(self, done: Callable[[], bool]) -> None:
         """Step until ``done``."""
@@ -59,6 +62,7 @@ class _Recorder:
         while not done():
             copter.step()
             self.rows.append(copter.motion)
+            self.yaws_rad.append(copter.yaw_rad)
             if copter.steps > end:
                 raise MissionError("The mission does not end; remove its endless jumps or delays.")
 
@@ -80,7 +84,10 @@ class _Recorder:
         columns = np.array(self.rows).T
         ground = frame.to_metres(*_flat(frame).to_degrees(columns[1:3].T))
         up, vn, ve, vu = columns[3:]
-        return Trajectory(columns[0], ground[:, 0], ground[:, 1], up, vn, ve, vu, reached_s, auto_s)
+        heading_deg = np.degrees(self.yaws_rad) % 360.0
+        return Trajectory(
+            columns[0], ground[:, 0], ground[:, 1], up, vn, ve, vu, heading_deg, reached_s, auto_s
+        )
 
 
 def home_frame(mission: Mission) -> LocalFrame:

@@ -1,0 +1,99 @@
+"""The results of a replay as lines for people, which fit a terminal of 80 columns."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flight_replay.geometry.distances import ErrorStatistics
+
+if TYPE_CHECKING:
+    from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
+    from flight_replay.output.outcome import Coverage, Outcome
+    from flight_replay.planning.route import Route
+    from flight_replay.supervisor.flight_plan import FlightRecord
+
+
+def route_lines(route: Route, fixes_in_log: int) -> list[str]:
+    """The route: what it covers, and how near it is to the recording as planned and as predicted."""
+    lines = [
+        f" Route: {route.path.length_m:.0f} m, covers {len(route.covered)} of {fixes_in_log} fixes",
+        *path_lines("Planned path error", route.planned_error, "planned"),
+    ]
+    if route.predicted is not None:
+        lines.append(f" Predicted duration: {route.predicted_duration_s:.0f} s")
+        lines += error_lines("Predicted ", route.predicted)
+    return lines
+
+
+def flight_lines(route: Route, record: FlightRecord, outcome: Outcome) -> list[str]:
+    """The flight: what it covered, what flies the rest, and its errors."""
+    return [
+        f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
+        f"in {record.auto_s:.1f} s of AUTO",
+        *coverage_lines(outcome.coverage, told_how=record.problem is None),
+        *error_lines("", outcome.errors),
+        *alignment_lines(outcome),
+    ]
+
+
+def coverage_lines(coverage: Coverage, *, told_how: bool = True) -> list[str]:
+    """Which part of the recorded flight was flown again, and with which options all of it is."""
+    all_of_it = duration_text(coverage.of_recorded_s)
+    if not coverage.fly_all:
+        return [f" Flown: all of the recorded flight, {all_of_it}"]
+    part = duration_text(coverage.recorded_s)
+    lines = [f" Flown: the first {part} of the recorded flight's {all_of_it}"]
+    if told_how:
+        lines.append(f" To fly all of it: {' '.join(coverage.fly_all)}")
+    return lines
+
+
+def duration_text(seconds: float) -> str:
+    """A duration in minutes and seconds, such as "4 min 12 s"."""
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
+def error_lines(prefix: str, errors: FlightErrors) -> list[str]:
+    """All errors of a flight; those at equal times that do not exist are left out, but for the position's."""
+    name = f"{prefix}path error" if prefix else "Path error"
+    lines = path_lines(name, errors.path_m, "flown")
+    for kind, error, unit in (
+        ("position", errors.position_m, "m"),
+        ("height", errors.height_m, "m"),
+        ("heading", errors.heading_deg, "deg"),
+    ):
+        title = f"{prefix}{kind} error" if prefix else f"{kind.capitalize()} error"
+        if len(error) or kind == "position":
+            lines.append(f" {title}: {statistics_text(error.statistics, unit)}")
+    return lines
+
+
+def path_lines(name: str, errors: PathErrors, path: str) -> list[str]:
+    """The path error both ways, a line each."""
+    return [
+        f" {name}, recorded to {path}: {statistics_text(errors.recorded_to_path.statistics)}",
+        f" {name}, {path} to recorded: {statistics_text(errors.path_to_recorded.statistics)}",
+    ]
+
+
+def alignment_lines(outcome: Outcome) -> list[str]:
+    """What the errors at equal times put on what."""
+    position = outcome.errors.position_m
+    if not len(position):
+        return []
+    return [
+        f" At equal times: the first flown fix at waypoint 1, {len(position)} fixes, "
+        f"{position.time_s[-1] - position.time_s[0]:.0f} s"
+    ]
+
+
+def statistics_text(error: ErrorStatistics | None, unit: str = "m") -> str:
+    """Mean, 95th percentile and maximum: metres to the centimetre, degrees to the tenth."""
+    if error is None:
+        return "nothing to compare"
+    digits = 2 if unit == "m" else 1
+    return ", ".join(
+        f"{name} {value:.{digits}f} {unit}"
+        for name, value in (("mean", error.mean), ("p95", error.p95), ("max", error.max))
+    )

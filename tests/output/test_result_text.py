@@ -1,0 +1,46 @@
+"""result_text.py: the results as lines for people."""
+
+from dataclasses import replace
+
+import pytest
+
+from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.output.outcome import Coverage
+from flight_replay.output.result_text import coverage_lines, duration_text, flight_lines, statistics_text
+from tests.helpers.made_replays import made_replay
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(0.0, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (252.0, "4 min 12 s")]
+)
+def test_durations_are_minutes_and_seconds(seconds: float, text: str) -> None:
+    """Rounded to the second, and never 60 of them."""
+    assert duration_text(seconds) == text
+
+
+def test_a_part_says_how_to_fly_all() -> None:
+    """The part, the whole, and the options; nothing to be done where all was flown."""
+    part = Coverage(10, 100, 46.2, 635.0, ("--route fit", "--duration all"))
+    assert coverage_lines(part) == [
+        " Flown: the first 46 s of the recorded flight's 10 min 35 s",
+        " To fly all of it: --route fit --duration all",
+    ]
+    assert coverage_lines(part, told_how=False) == coverage_lines(part)[:1]
+    whole = Coverage(100, 100, 635.0, 635.0, ())
+    assert coverage_lines(whole) == [" Flown: all of the recorded flight, 10 min 35 s"]
+
+
+def test_a_flight_that_went_wrong_is_not_told_what_else_to_fly() -> None:
+    """Its problem is told instead."""
+    route, record, outcome = made_replay()
+    assert any("To fly all" in line for line in flight_lines(route, record, outcome))
+    failed = replace(record, problem="the pilot took over", ended="pilot")
+    assert not any("To fly all" in line for line in flight_lines(route, failed, outcome))
+
+
+def test_numbers_have_their_units() -> None:
+    """Metres to the centimetre, degrees to the tenth."""
+    error = ErrorStatistics(1.234, 2.0, 123.456)
+    assert statistics_text(error) == "mean 1.23 m, p95 2.00 m, max 123.46 m"
+    assert statistics_text(error, "deg") == "mean 1.2 deg, p95 2.0 deg, max 123.5 deg"
+    assert statistics_text(None) == "nothing to compare"

@@ -1,0 +1,34 @@
+"""What the model of ArduCopter says of a route before it is flown."""
+
+import pytest
+
+from flight_replay.planning import prediction
+from flight_replay.planning.prediction import with_prediction
+from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import along
+
+
+def test_a_route_is_predicted_both_ways() -> None:
+    """Along a square at 4 m/s the copter cuts corners by less than 2 m, and flies at 30 m."""
+    track = along([(0, 0), (60, 0), (60, 60), (0, 60)], 4.0)
+    route = with_prediction(spaced_route(track, spacing_m=19.9), Limits())
+    assert route.predicted is not None
+    path = route.predicted.path_m
+    assert 0 < path.recorded_to_path.error.max() < 2.0
+    assert 0 < path.path_to_recorded.error.max() < 2.0
+    assert route.predicted.height_m.error.max() < 0.1
+    assert len(route.predicted.position_m) > 100
+    assert len(route.predicted.heading_deg) == 0
+
+
+def test_a_route_that_is_too_long_is_not_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would take minutes to simulate."""
+    monkeypatch.setattr(prediction, "_LONGEST_SIMULATED_M", 10.0)
+    assert with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0)), Limits()).predicted is None
+
+
+def test_a_flight_that_does_not_end_is_not_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The route stays as it is."""
+    monkeypatch.setattr("flight_replay.simulator.flight.trajectory._LONGEST_S", 1.0)
+    assert with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0)), Limits()).predicted is None
