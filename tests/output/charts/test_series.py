@@ -53,6 +53,9 @@ def test_what_is_not_covered_is_there_too() -> None:
     plan = replay_series(part)
     assert len(plan.recording.time_s) == 300
     assert len(plan.recorded.time_s) == len(part.covered) < 100
+    assert [name for name, _ in plan.recorded_lines] == ["recorded, not covered", "recorded"]
+    whole = replay_series(spaced_route(figure_of_eight(), max_points=500))
+    assert [name for name, _ in whole.recorded_lines] == ["recorded"]
 
 
 def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:

@@ -12,23 +12,11 @@ from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range
 from bokeh.plotting import figure
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.output.charts.series import (
-    FLOWN_COLOUR,
-    NOT_COVERED_COLOUR,
-    PLANNED_COLOUR,
-    RECORDED_COLOUR,
-    ReplaySeries,
-)
+from flight_replay.output.charts.series import LINE_COLOURS, PLANNED_COLOUR, ReplaySeries
 
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 LABEL_GAP_SHARE = 0.08
 """Least distance between two waypoint numbers, as a share of the map's longer side."""
-_LINE_COLOURS = {
-    "recorded, not covered": NOT_COVERED_COLOUR,
-    "recorded": RECORDED_COLOUR,
-    "planned": PLANNED_COLOUR,
-    "flown": FLOWN_COLOUR,
-}
 _MARGIN_SHARE = 0.08
 _LABEL_OFFSET_PX = 13
 
@@ -50,10 +38,9 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
         y_range=DataRange1d(range_padding=_MARGIN_SHARE),
     )
     chart.toolbar.logo = None
-    north_m, east_m = series.recording.north_east_m.T
-    chart.line(east_m, north_m, color=NOT_COVERED_COLOUR, width=5, legend_label="recorded, not covered")
-    north_m, east_m = series.recorded.north_east_m.T
-    chart.line(east_m, north_m, color=RECORDED_COLOUR, width=5, legend_label="recorded")
+    for name, track in series.recorded_lines:
+        north_m, east_m = track.north_east_m.T
+        chart.line(east_m, north_m, color=LINE_COLOURS[name], width=5, legend_label=name)
     north_m, east_m = series.planned_m.T
     chart.line(east_m, north_m, color=PLANNED_COLOUR, width=1.5, line_dash="dashed", legend_label="planned")
     _add_waypoints(chart, series)
@@ -124,7 +111,7 @@ def time_chart(title: str, y_label: str, *, x_range: Range | None = None, height
 
 def add_line(chart: figure, times_s: Sequence[float] | Floats, values: Floats, name: str) -> None:
     """A line over time in the colour of its name, such as "recorded", "planned" or "flown"."""
-    colour = _LINE_COLOURS[name]
+    colour = LINE_COLOURS[name]
     width = 4 if name.startswith("recorded") else 1.5
     line = chart.line(times_s, values, color=colour, width=width)
     chart.add_tools(HoverTool(renderers=[line], tooltips=f"{name} @y{{0.00}} at @x{{0.0}} s", mode="mouse"))

@@ -16,9 +16,8 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.output.charts.series import (
     FLOWN_COLOUR,
-    NOT_COVERED_COLOUR,
+    LINE_COLOURS,
     PLANNED_COLOUR,
-    RECORDED_COLOUR,
     ErrorSeries,
     PathErrorSeries,
     ReplaySeries,
@@ -39,6 +38,7 @@ SUFFIXES = (".png", ".svg", ".pdf")
 _PAGE_IN = (7.2, 11.4)
 _PNG_DOTS_PER_IN = 150
 _TIME_LABEL = "time since the first fix / first waypoint (s)"
+_SMALLEST_RANGE = 0.1  # Metres or degrees: millimetres must not look like much.
 _STYLE: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -134,15 +134,13 @@ def _draw_error(
             axes.plot(errors.time_s[shown], errors.error[shown], color=colour, linewidth=width)
             axes.set_title(f"{title}\n{statistics_text(errors.statistics, unit)}")
     axes.set_ylabel(f"error ({unit})")
+    axes.set_ylim(top=max(axes.get_ylim()[1], _SMALLEST_RANGE))
 
 
 def _draw_map(axes: Axes, series: ReplaySeries) -> None:
-    for track, colour, name in (
-        (series.recording, NOT_COVERED_COLOUR, "recorded, not covered"),
-        (series.recorded, RECORDED_COLOUR, "recorded"),
-    ):
+    for name, track in series.recorded_lines:
         north_m, east_m = track.north_east_m.T
-        axes.plot(east_m, north_m, color=colour, linewidth=4, label=name, solid_capstyle="round")
+        axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=4, label=name, solid_capstyle="round")
     north_m, east_m = series.planned_m.T
     axes.plot(east_m, north_m, "--", color=PLANNED_COLOUR, linewidth=1.2, label="planned")
     if series.flown is not None:
@@ -197,7 +195,7 @@ def _draw_speed(axes: Axes, series: ReplaySeries) -> None:
 def _draw_recorded_and_flown(
     axes: Axes, series: ReplaySeries, values: Callable[[TrackSeries], Floats]
 ) -> None:
-    for track, colour in ((series.recording, NOT_COVERED_COLOUR), (series.recorded, RECORDED_COLOUR)):
-        axes.plot(track.time_s, values(track), color=colour, linewidth=2)
+    for name, track in series.recorded_lines:
+        axes.plot(track.time_s, values(track), color=LINE_COLOURS[name], linewidth=2)
     if series.flown is not None:
         axes.plot(series.flown.time_s, values(series.flown), color=FLOWN_COLOUR, linewidth=0.9)

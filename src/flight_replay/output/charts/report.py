@@ -116,16 +116,11 @@ def _time_charts(series: ReplaySeries) -> list[Model]:
 
     altitude = time_chart("altitude above home", "altitude (m)")
     speed = time_chart("ground speed", "speed (m/s)", x_range=altitude.x_range)
-    for name, track in (
-        ("recorded, not covered", series.recording),
-        ("recorded", series.recorded),
-        ("flown", series.flown),
-    ):
-        if track is not None:
-            add_line(altitude, track.time_s, track.alt_m, name)
-            add_line(speed, track.time_s, track.speed_m_s, name)
-    errors = [_error_chart(altitude.x_range, *what) for what in _errors_shown(series)]
-    return [*filter(None, errors), altitude, speed]
+    flown = () if series.flown is None else (("flown", series.flown),)
+    for name, track in (*series.recorded_lines, *flown):
+        add_line(altitude, track.time_s, track.alt_m, name)
+        add_line(speed, track.time_s, track.speed_m_s, name)
+    return [*_error_charts(series), altitude, speed]
 
 
 def _errors_shown(series: ReplaySeries) -> list[tuple[str, str, ErrorSeries | None, ErrorSeries | None]]:
@@ -141,19 +136,24 @@ def _errors_shown(series: ReplaySeries) -> list[tuple[str, str, ErrorSeries | No
     ]
 
 
-def _error_chart(
-    x_range: Range, title: str, y_label: str, planned: ErrorSeries | None, flown: ErrorSeries | None
-) -> Model | None:
-    """A chart of errors over time; None if there are none."""
+def _error_charts(series: ReplaySeries) -> list[Model]:
+    """A chart of each of the errors that there are, planned as far as was flown, over one time axis."""
     from flight_replay.output.charts.bokeh_charts import add_line, time_chart
 
-    if planned is None and flown is None:
-        return None
-    chart = time_chart(title, y_label, x_range=x_range)
-    for name, errors in (("planned", planned), ("flown", flown)):
-        if errors is not None:
-            add_line(chart, errors.time_s, errors.error, name)
-    return chart
+    charts: list[Model] = []
+    x_range: Range | None = None
+    for title, y_label, planned, flown in _errors_shown(series):
+        if planned is None and flown is None:
+            continue
+        chart = time_chart(title, y_label, x_range=x_range)
+        x_range = chart.x_range
+        end_s = math.inf if flown is None else flown.time_s[-1]
+        for name, errors in (("planned", planned), ("flown", flown)):
+            if errors is not None:
+                shown = errors.time_s <= end_s
+                add_line(chart, errors.time_s[shown], errors.error[shown], name)
+        charts.append(chart)
+    return charts
 
 
 def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tuple[str, str]]]:
@@ -167,7 +167,7 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
             ("ended", str(flight["ended"])),
             ("time in AUTO", f"{flight['auto_s']:.1f} s"),
             ("RTL confirmed", "yes" if flight["rtl_confirmed"] else "no"),
-            ("covered", _coverage(flight["coverage"])),
+            *_coverage_rows(flight["coverage"]),
             *_error_rows(flight),
         ]
         if record is not None and record.problem:
@@ -201,13 +201,15 @@ def _route_rows(route: Summary) -> list[tuple[str, str]]:
     ]
 
 
-def _coverage(coverage: Summary) -> str:
+def _coverage_rows(coverage: Summary) -> list[tuple[str, str]]:
     """Which part of the recorded flight was flown, and how to fly all of it."""
     part, whole = (duration_text(coverage[key]) for key in ("recorded_s", "of_recorded_s"))
     if not coverage["to_fly_all"]:
-        return f"all of the recorded flight, {whole}"
-    options = " ".join(coverage["to_fly_all"])
-    return f"the first {part} of the recorded flight's {whole}; to fly all of it: {options}"
+        return [("flown", f"all of the recorded flight, {whole}")]
+    return [
+        ("flown", f"the first {part} of the recorded flight's {whole}"),
+        ("to fly all of it", " ".join(coverage["to_fly_all"])),
+    ]
 
 
 def _error_rows(errors: Summary, prefix: str = "") -> list[tuple[str, str]]:

@@ -25,6 +25,12 @@ RECORDED_COLOUR, PLANNED_COLOUR, FLOWN_COLOUR = "#8c8c8c", "#0072B2", "#D55E00"
 """Line colours of every chart, from the colour-blind safe palette of Okabe and Ito."""
 NOT_COVERED_COLOUR = "#d4d4d4"
 """The colour of what was recorded, but is not covered."""
+LINE_COLOURS = {
+    "recorded, not covered": NOT_COVERED_COLOUR,
+    "recorded": RECORDED_COLOUR,
+    "planned": PLANNED_COLOUR,
+    "flown": FLOWN_COLOUR,
+}
 CURVE_TOLERANCE_M = 0.05
 """Largest distance between a spline leg and the line segments that are drawn for it."""
 MAX_CHART_POINTS = 4000
@@ -78,6 +84,14 @@ class ReplaySeries:
     height_error: ErrorSeries | None = None
     heading_error: ErrorSeries | None = None
     reached: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def recorded_lines(self) -> tuple[tuple[str, TrackSeries], ...]:
+        """The recorded lines to draw, by their names: below, all that was recorded, unless all is covered."""
+        whole, part = self.recording.time_s, self.recorded.time_s
+        if len(part) and part[0] <= whole[0] and part[-1] >= whole[-1]:
+            return (("recorded", self.recorded),)
+        return (("recorded, not covered", self.recording), ("recorded", self.recorded))
 
 
 def replay_series(
