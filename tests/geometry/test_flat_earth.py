@@ -54,3 +54,25 @@ def test_on_board_metres_end_in_the_same_bit() -> None:
     """Where cosf does not give the nearest number; ArduCopter 4.6 in SITL rested by this bit."""
     place = FlatFrame(-54.8019, -68.303).to_metres_on_board(-54.80189066, -68.30306296)
     assert place * 100 == pytest.approx(np.array([103.526527, -404.238098145]), rel=0, abs=1e-5)
+
+
+@pytest.mark.parametrize("lat", [0.0, 20.0, -44.9, 45.1, -70.0])
+def test_the_cosine_on_board_is_exact_in_32_bits(lat: float) -> None:
+    """A degree of longitude is as long on board as in double precision, to the last bits."""
+    frame = FlatFrame(lat, 8.0)
+    assert frame.to_metres_on_board(lat, 9.0)[1] == pytest.approx(frame.to_metres(lat, 9.0)[1], rel=4e-7)
+
+
+def test_next_to_a_pole_a_degree_of_longitude_keeps_a_hundredth_of_its_length() -> None:
+    """ArduPilot divides by that scale."""
+    frame = FlatFrame(89.9, 0.0)
+    for metres in (frame.to_metres(89.9, 1.0), frame.to_metres_on_board(89.9, 1.0)):
+        assert metres[1] == pytest.approx(1113.18845, rel=1e-6)
+
+
+def test_many_places_on_board_are_those_of_each() -> None:
+    """Shape (n, 2), across the antimeridian to the last unit of 1e-7 degree."""
+    frame = FlatFrame(0.0, 179.99999)
+    lat, lon = [0.0, 0.0, 1e-5], [179.99999, -179.99999, 180.0]
+    metres = frame.to_metres_on_board(lat, lon)
+    assert metres == pytest.approx(np.array([[0, 0], [0, 2.2263769], [1.1131884, 1.1131884]]), abs=1e-5)

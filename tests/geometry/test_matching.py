@@ -210,10 +210,11 @@ def test_a_path_may_stand_still() -> None:
     assert match.along_m == pytest.approx([1, 4, 9])
 
 
-def test_crowded_fixes_share_the_best_position() -> None:
+@pytest.mark.parametrize("turned", [np.eye(2), np.array([[0.6, 0.8], [-0.8, 0.6]])], ids=["north", "aside"])
+def test_crowded_fixes_share_the_best_position(turned: Floats) -> None:
     """Fixes out of order on one piece stand at one position, the one with the smallest sum of distances."""
     fixes = np.array([[2.0, 0.5], [6.0, 3.0], [5.0, 0.1], [4.0, 1.0], [9.0, 0.0]])
-    match = match_in_order(fixes, [[0, 0], [10, 0]], piece_m=10.0)
+    match = match_in_order(fixes @ turned, np.array([[0, 0], [10, 0]]) @ turned, piece_m=10.0)
     along = match.along_m
     assert along[0] == pytest.approx(2.0)
     assert along[4] == pytest.approx(9.0)
@@ -222,6 +223,12 @@ def test_crowded_fixes_share_the_best_position() -> None:
     sums = np.hypot(fixes[1:4, :1] - shared, fixes[1:4, 1:]).sum(axis=0)
     assert along[2] == pytest.approx(shared[sums.argmin()], abs=0.005)
     assert match.distance_m == pytest.approx(np.hypot(fixes[:, 0] - along, fixes[:, 1]))
+
+
+def test_two_crossed_fixes_stand_where_the_nearer_one_is() -> None:
+    """Moving the one far from the line costs less."""
+    match = match_in_order([[6.0, 5.0], [4.0, 0.01]], [[0, 0], [10, 0]], piece_m=10.0)
+    assert match.along_m == pytest.approx([4.0, 4.0], abs=0.01)
 
 
 def test_one_point_is_a_path() -> None:

@@ -66,6 +66,17 @@ def test_bands_that_only_touch_are_followed() -> None:
     assert chosen.tolist() == (low + 2).tolist()
 
 
+def test_later_rows_may_go_on_to_columns_that_earlier_ones_did_not_have() -> None:
+    """It costs what the cheapest column up to there did: here the last one of 32 rows."""
+    costs = np.zeros((33, 8))
+    costs[:32, :3] = 1.0
+    costs[32, :4] = 5.0
+    low, high = np.zeros(33, np.intp), np.append(np.full(32, 4), 8)
+    chosen = cheapest_monotone_path(lambda some, where: costs[some, where].copy(), low, high)
+    assert chosen[:32].tolist() == [3] * 32
+    assert chosen[32] >= 4
+
+
 def _apart(some: slice, where: slice) -> Costs:
     """Costs that are least at the third column of each row's band."""
     wanted = np.arange(100)[some] * 3 + 2

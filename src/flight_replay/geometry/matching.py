@@ -109,25 +109,18 @@ class _Pieces:
         start = path_m[segment] + (nth * length)[:, None] * unit
         return cls(start, unit, length, lengths_along_m(path_m)[segment] + nth * length, segment)
 
-    def through(self, corners: Indices) -> _Pieces:
-        """The straight lines from each of some pieces' starts to the next; ``segment`` are those pieces."""
-        line, first = self.start_m[corners], corners[:-1]
-        lengths = segment_lengths_m(line)
-        unit = np.diff(line, axis=0) / np.where(lengths > 0, lengths, 1.0)[:, None]
-        return _Pieces(line[:-1], unit, lengths, self.begin_m[first], first)
 
-    def distances_of(self, fixes_m: Floats) -> Callable[[slice, slice], Floats]:
-        """What gives the distances (rows, columns) of some of the fixes (n, 2) from some of the pieces."""
-        step_m = self.length_m[:, None] * self.unit
-        return lambda rows, columns: nearest_on_segments(
-            fixes_m[rows, None], self.start_m[columns], step_m[columns]
-        )[1]
+def _distances(fixes_m: Floats, start_m: Floats, step_m: Floats) -> Callable[[slice, slice], Floats]:
+    """What gives the distances (rows, columns) of some of the fixes (n, 2) from some of the steps (m, 2)."""
+    return lambda rows, columns: nearest_on_segments(fixes_m[rows, None], start_m[columns], step_m[columns])[
+        1
+    ]
 
 
 def _best_pieces(fixes: Floats, pieces: _Pieces) -> Indices:
     """The piece of every fix, never falling, that gives the smallest sum of distances."""
     n, m = len(fixes), len(pieces)
-    distances = pieces.distances_of(fixes)
+    distances = _distances(fixes, pieces.start_m, pieces.length_m[:, None] * pieces.unit)
     if n * m <= MAX_PAIRS_SEARCHED_WHOLE:
         return cheapest_monotone_path(distances, np.zeros(n, np.intp), np.full(n, m))
     low, high = _coarse_band(fixes, pieces)
@@ -144,9 +137,11 @@ def _coarse_band(fixes: Floats, pieces: _Pieces) -> tuple[Indices, Indices]:
     n, m = len(fixes), len(pieces)
     anchors = np.unique(np.linspace(0, n - 1, min(n, COARSE_FIXES)).round().astype(np.intp))
     corners = np.unique(np.linspace(0, m - 1, min(m, COARSE_PIECES) + 1).round().astype(np.intp))
-    coarse, count = pieces.through(corners), len(anchors)
+    coarse_m, count = pieces.start_m[corners], len(anchors)
     chosen = cheapest_monotone_path(
-        coarse.distances_of(fixes[anchors]), np.zeros(count, np.intp), np.full(count, len(coarse))
+        _distances(fixes[anchors], coarse_m[:-1], np.diff(coarse_m, axis=0)),
+        np.zeros(count, np.intp),
+        np.full(count, len(corners) - 1),
     )
     before = np.searchsorted(anchors, np.arange(n), side="right") - 1
     after = np.searchsorted(anchors, np.arange(n))
