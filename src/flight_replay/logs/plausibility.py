@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
-from math import dist
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +43,7 @@ _VELOCITY_FACTOR = 1.5  # between two records a vehicle may have been faster tha
 _SLACK_M = 20.0  # estimators correct themselves by metres at once
 _SLACK_DEG = 1.2e-4  # 13.4 m: with steps below this both ways, the slack is never used up
 _LOOK_BACK = 8  # how many runs of positions before it a run may follow
-_ROWS_AT_ONCE = 1 << 14
+_FEWEST_AHEAD, _MOST_AHEAD = 16, 1 << 14  # how many runs ahead are looked at together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,16 +130,7 @@ class _Runs:
     begin: Places
     end: Places
 
-    def rows(self) -> Iterator[tuple[int, bool, int, list[float], list[float]]]:
-        """Of each run its length, whether its boot begins, which it may follow (bits), begin and end."""
-        is_first = np.diff(self.boot, prepend=-1) != 0
-        follows = self._follows()
-        for at in range(0, len(self.length), _ROWS_AT_ONCE):
-            part = slice(at, at + _ROWS_AT_ONCE)
-            columns = self.length, is_first, follows, self.begin, self.end
-            yield from zip(*(column[part].tolist() for column in columns), strict=True)
-
-    def _follows(self) -> NDArray[np.uint8]:
+    def follows(self) -> NDArray[np.uint8]:
         """Bit k of each (m,) tells whether the run may follow the one k + 1 before it."""
         follows = np.zeros(len(self.length), np.uint8)
         for back in range(1, min(_LOOK_BACK, len(follows) - 1) + 1):
@@ -158,18 +148,20 @@ def _in_heaviest_chains(runs: _Runs) -> Flags:
     weights: list[int] = []  # positions in the heaviest chain up to each run
     before: list[int] = []  # the run before it in that chain
     chains: list[int] = []  # the last run of each boot's heaviest chain
-    chain_end: list[float] = []
-    for run, (length, is_first, follows, begin, end) in enumerate(runs.rows()):
-        earlier = [run - back for back in _BACKS[follows]]
-        if not is_first and chains[-1] < run - _LOOK_BACK and _can_move_once(chain_end, begin):
+    is_first = np.diff(runs.boot, prepend=-1) != 0
+    columns = (column.tolist() for column in (runs.length, is_first, runs.follows()))
+    moves = _MovesFromOne(runs)
+    for run, (length, begins_boot, follows) in enumerate(zip(*columns, strict=True)):
+        earlier = [run - back for back in _BACKS[follows]] if follows else []
+        if not begins_boot and chains[-1] < run - _LOOK_BACK and moves.possible(chains[-1], run):
             earlier.insert(0, chains[-1])
-        before.append(max(earlier, key=weights.__getitem__, default=-1))
-        weights.append(length + (weights[before[-1]] if earlier else 0))
-        if is_first:
+        best = max(earlier, key=weights.__getitem__) if earlier else -1
+        before.append(best)
+        weights.append(length + weights[best] if earlier else length)
+        if begins_boot:
             chains.append(run)
-        elif weights[-1] <= weights[chains[-1]]:
-            continue
-        chains[-1], chain_end = run, end
+        elif weights[run] > weights[chains[-1]]:
+            chains[-1] = run
     is_kept = np.zeros(len(weights), np.bool_)
     is_kept[list(_linked(chains, before))] = True
     return is_kept
@@ -178,9 +170,24 @@ def _in_heaviest_chains(runs: _Runs) -> Flags:
 _BACKS = [[back for back in range(_LOOK_BACK, 0, -1) if bits >> (back - 1) & 1] for bits in range(256)]
 
 
-def _can_move_once(start: list[float], end: list[float]) -> bool:
-    """As ``_can_move``, for one move."""
-    return dist(start[2:], end[2:]) <= _SLACK_M + max(start[1], end[1]) * (end[0] - start[0])
+class _MovesFromOne:
+    """Whether later runs may follow one run: asked run by run, found for ever more of them at once."""
+
+    def __init__(self, runs: _Runs) -> None:
+        self._runs = runs
+        self._start = self._first = self._end = self._ahead = -1
+        self._may: list[bool] = []
+
+    def possible(self, start: int, run: int) -> bool:
+        """Whether a vehicle can have moved from ``start`` to ``run``, which grows from call to call."""
+        if start != self._start:
+            self._start, self._end, self._ahead = start, run, _FEWEST_AHEAD
+        if run >= self._end:
+            self._first, self._end = run, run + self._ahead
+            self._ahead = min(2 * self._ahead, _MOST_AHEAD)
+            ends, begins = self._runs.end[start : start + 1], self._runs.begin[run : self._end]
+            self._may = _can_move(ends, begins).tolist()
+        return self._may[run - self._first]
 
 
 def _linked(chains: list[int], before: list[int]) -> Iterator[int]:
