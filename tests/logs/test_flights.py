@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,6 +40,7 @@ def test_armed_stretches_are_flights_with_their_times_fixes_and_lengths() -> Non
     ]
     assert [each.length_m for each in flights] == pytest.approx([6.0, 3.0], abs=1e-4)
     assert [(each.first, each.last) for each in flights] == [(1, 3), (6, 7)]
+    assert find_flights(made([1, 1, 0]))[0].length_m == pytest.approx(3.0, abs=1e-4)
 
 
 def test_a_reboot_ends_a_flight() -> None:
@@ -58,6 +61,30 @@ def test_without_word_of_arming_moving_stretches_are_flights() -> None:
     assert find_flights(made([Armed.UNKNOWN] * 9)) == ()
     halves = find_flights(made([Armed.UNKNOWN] * 20, [4.0] * 20, [0] * 10 + [1] * 10))
     assert [each.fixes for each in halves] == [10, 10]
+
+
+@pytest.mark.parametrize(("component_m_s", "moves"), [(0.3, True), (-0.3, True), (0.28, False)])
+def test_movement_is_faster_than_half_a_metre_a_second_in_any_direction(
+    component_m_s: float, moves: bool
+) -> None:
+    """North, east and up count together."""
+    speed = np.full(20, component_m_s)
+    track = replace(made([Armed.UNKNOWN] * 20), north_m_s=speed, east_m_s=speed, up_m_s=speed)
+    assert len(find_flights(track)) == moves
+
+
+@pytest.mark.parametrize(("fixes", "flights"), [(4, 0), (5, 1)])
+def test_a_movement_of_two_seconds_is_a_flight(fixes: int, flights: int) -> None:
+    """At 2 Hz five fixes last so long."""
+    speed = [0.0] * 3 + [2.0] * fixes + [0.0] * 3
+    assert len(find_flights(made([Armed.UNKNOWN] * len(speed), speed))) == flights
+
+
+@pytest.mark.parametrize(("still", "flights"), [(19, 1), (20, 2)])
+def test_a_pause_of_ten_seconds_ends_no_flight(still: int, flights: int) -> None:
+    """From the last fix that moves to the next one."""
+    speed = [2.0] * 9 + [0.0] * still + [2.0] * 9
+    assert len(find_flights(made([Armed.UNKNOWN] * len(speed), speed))) == flights
 
 
 def test_velocities_that_are_not_known_are_no_movement() -> None:
@@ -99,6 +126,10 @@ def test_times_without_a_fix_are_told() -> None:
     """The error says between which times there are fixes."""
     with pytest.raises(LogError, match=r"choose from 0 to 1\.0 s"):
         select(made([0, 1, 0]), from_s=7.0)
+    with pytest.raises(LogError, match=r"choose from 0 to 1\.0 s"):
+        select(made([0, 1, 0]), to_s=-1.0)
+    with pytest.raises(LogError, match=r"none from 0\.00 to 0\.50 s"):
+        select(made([0, 1, 0]), from_s=0.2, to_s=0.3)
     gap = r"the log has none from 0\.50 to 1\.00 s, choose times beside that"
     with pytest.raises(LogError, match=gap):
         select(made([0, 1, 0]), from_s=0.6, to_s=0.7)

@@ -47,6 +47,21 @@ def test_at_the_end_the_last_plausible_altitude_is_taken() -> None:
     assert plausible_altitudes_m(track).tolist() == [10.0, 11.0, 12.0, 12.0, 12.0]
 
 
+def test_a_home_20_m_off_is_plausible() -> None:
+    """Just so far."""
+    track = track_at([10.0, 11.0, 12.0], [400.0, 420.0, 400.0])
+    assert plausible_altitudes_m(track).tolist() == [10.0, 11.0, 12.0]
+
+
+def test_a_fix_without_a_height_above_the_sea_takes_the_next_ones() -> None:
+    """The other fixes of the boot keep theirs."""
+    assert plausible_altitudes_m(track_at([10.0, 11.0, 12.0], [400.0, np.nan, 400.0])).tolist() == [
+        10,
+        12,
+        12,
+    ]
+
+
 def test_each_boot_has_its_own_home() -> None:
     """A home that is 100 m higher after a reboot is as plausible as the first one."""
     track = track_at([10.0, 11.0, 12.0, 13.0, 14.0], [400.0, 400.0, 500.0, 500.0, 400.0])

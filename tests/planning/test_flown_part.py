@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.logs.track import Armed
+from flight_replay.logs.track import Armed, Track
 from flight_replay.planning.flown_part import flown_part
 from tests.helpers.fit_tracks import along, hover, joined
 
@@ -32,6 +32,42 @@ def test_a_far_join_is_said() -> None:
     between = replace(first.select(slice(0, 1)), time_s=np.array([20.0]), armed=np.array([Armed.NO], np.int8))
     _, notes = flown_part(joined(first, between, replace(second, time_s=second.time_s + 60)))
     assert any("Flight 2 begins 100 m" in note for note in notes)
+
+
+def landed_between(first: Track, second: Track, third: Track) -> Track:
+    """Three flights with a fix on the ground after each of the first two."""
+    parts = []
+    for begin_s, part in ((0.0, first), (100.0, second), (200.0, third)):
+        ground = replace(part.select(slice(0, 1)), armed=np.array([Armed.NO], np.int8))
+        parts.append(replace(part, time_s=part.time_s + begin_s))
+        parts.append(replace(ground, time_s=np.array([begin_s + 50.0])))
+    return joined(*parts[:-1])
+
+
+def test_a_gap_is_measured_from_the_last_fix_to_the_next_flights_first() -> None:
+    """More than 50 m are noted, 40 m are not."""
+    flights = (
+        along([(0, 0), (20, 30)], 3.0),
+        along([(20, 70), (60, 70)], 3.0),
+        along([(60, -10), (0, 0)], 3.0),
+    )
+    _, (_, *gaps) = flown_part(landed_between(*flights))
+    joins = "a straight leg that was not flown joins them."
+    assert gaps == [f"Flight 3 begins 80 m from where flight 2 ended; {joins}"]
+
+
+def test_the_clock_of_joined_flights_goes_on_by_one_step() -> None:
+    """From flight to flight as from fix to fix; flights of one fix each have no step."""
+    flight = along([(0, 0), (30, 0)], 3.0)
+    part, _ = flown_part(landed_between(flight, flight, flight))
+    assert np.diff(part.time_s) == pytest.approx(np.full(3 * len(flight) - 1, 0.25))
+    fix = flight.select(slice(0, 1))
+    assert flown_part(landed_between(fix, fix, fix))[0].time_s.tolist() == [0.0] * 3
+
+
+def test_a_log_of_one_flight_alone_has_no_notes() -> None:
+    """Nothing is left out."""
+    assert flown_part(along([(0, 0), (30, 0)], 3.0))[1] == ()
 
 
 def test_a_log_without_flights_is_taken_whole() -> None:

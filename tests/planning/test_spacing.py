@@ -92,6 +92,7 @@ def test_a_full_budget_covers_only_what_it_reaches() -> None:
     route = spaced_route(straight_track(), max_points=10)
     assert len(route.covered) == 10
     assert route.path.length_m == pytest.approx(36.0, abs=1e-3)
+    assert len(spaced_route(straight_track(fixes=150)).covered) == 100
 
 
 def test_recorded_altitudes_are_flown_but_not_too_low() -> None:
