@@ -4,8 +4,8 @@
 
 The directory holds, per mission, NAME.waypoints (QGC WPL 110 with home as item 0), NAME.csv
 (GLOBAL_POSITION_INT from arming to landing, with mode) and NAME.json (auto_start_ms, reached,
-text), as its README describes. Distances are horizontal, of recorded positions in AUTO from
-ours: in space in order, in time since the first waypoint was reached.
+text), as its README describes. Errors are those of recorded positions in AUTO: the path error,
+recorded to ours, and the position error at equal times since the first waypoint was reached.
 """
 
 from __future__ import annotations
@@ -69,10 +69,10 @@ def read_recording(directory: Path, name: str) -> Recording:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Distances, m, and durations, s: theirs and ours."""
+    """Errors, m, and durations, s: theirs and ours."""
 
-    space: Floats
-    in_time: Floats
+    path_error: Floats
+    position_error: Floats
     auto_s: tuple[float, float]
     takeoff_s: tuple[float, float]
     rtl_s: tuple[float, float]
@@ -106,11 +106,10 @@ def percent(pair: tuple[float, float]) -> str:
 
 
 def show(name: str, result: Result) -> None:
-    print(
-        f"{name:20s} {result.space.mean():6.3f} {result.space.max():6.3f}   {result.in_time.mean():6.3f} "
-        f"{result.in_time.max():6.3f}  {percent(result.auto_s)}  {percent(result.takeoff_s)}  "
-        f"{percent(result.rtl_s)}"
-    )
+    errors = (result.path_error, result.position_error)
+    shown = "   ".join(f"{error.mean():6.3f} {error.max():6.3f}" for error in errors)
+    durations = "  ".join(percent(pair) for pair in (result.auto_s, result.takeoff_s, result.rtl_s))
+    print(f"{name:20s} {shown}  {durations}")
 
 
 def show_cost() -> None:
@@ -140,7 +139,7 @@ def spiral(count: int) -> Mission:
 def main(arguments: list[str]) -> None:
     directory = Path(arguments[0]) if arguments else TRUTH
     names = arguments[1:] or sorted(path.stem for path in directory.glob("*.waypoints"))
-    print(f"{'':20s} in space, m     in time, m      AUTO, s          take-off, s      RTL, s")
+    print(f"{'':20s} path error, m   position error  AUTO, s          take-off, s      RTL, s")
     print(f"{'':20s}   mean    max     mean    max")
     for name in names:
         result, _ = compare(read_recording(directory, name), Limits())
