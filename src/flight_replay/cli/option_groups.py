@@ -77,6 +77,11 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
         default=MAX_POINTS,
         help="maximum number of waypoints (default: %(default)s)",
     )
+    _add_motion(group)
+
+
+def _add_motion(group: argparse._ArgumentGroup) -> None:
+    """How high, how fast and pointing where to fly the waypoints."""
     group.add_argument(
         "--altitude",
         dest="altitude_m",
@@ -92,6 +97,13 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
         type=option_types.speed,
         help="vehicle: its own speed setting; recorded: the recorded speed; or metres per second "
         "(default: vehicle)",
+    )
+    group.add_argument(
+        "--heading",
+        choices=("vehicle", "recorded"),
+        default="vehicle",
+        help="vehicle: its own way, mostly along the path; recorded: as the recorded vehicle pointed "
+        "(default: %(default)s)",
     )
 
 

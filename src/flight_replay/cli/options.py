@@ -41,6 +41,7 @@ class Options:
     max_points: int
     altitude_m: float | Recorded
     speed_m_s: float | Recorded | None
+    heading: Literal["vehicle", "recorded"]
     duration_s: float | None
     limits: Literal["vehicle", "recorded"]
     takeoff_altitude_m: float

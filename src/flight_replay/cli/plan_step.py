@@ -10,7 +10,7 @@ from flight_replay.logs.flights import Flight, find_flights, select
 from flight_replay.logs.sample import default_log
 from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
-from flight_replay.planning.altitude import altitudes_m
+from flight_replay.planning.altitude import RECORDED, altitudes_m
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.spacing import spaced_route
@@ -49,9 +49,18 @@ def plan_route(options: Options, track: Track, listener: Listener) -> Route:
     else:
         route = _spaced_route(options, track)
     listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from tlog"))
+    if options.heading == "recorded":
+        route = _with_recorded_headings(route, limits, timed=options.speed_m_s == RECORDED)
     for note in route.notes:
         listener(Notice(f" {note}"))
     return replace(with_prediction(route, limits), required_limits=required_limits)
+
+
+def _with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Route:
+    # Planned with the model of the whole vehicle, which a route without headings need not import.
+    from flight_replay.planning.heading import with_recorded_headings
+
+    return with_recorded_headings(route, limits, timed=timed)
 
 
 def _required_limits(track: Track) -> dict[str, float]:

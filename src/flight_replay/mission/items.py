@@ -27,6 +27,9 @@ class Command(IntEnum):
     TAKEOFF = 22
     SPLINE_WAYPOINT = 82
     DELAY = 93
+    CONDITION_DELAY = 112
+    CONDITION_DISTANCE = 114
+    CONDITION_YAW = 115
     CHANGE_SPEED = 178
 
 
@@ -81,6 +84,36 @@ def waypoint(
 def change_speed(speed_m_s: float) -> MissionItem:
     """DO_CHANGE_SPEED of the horizontal speed (param1 1: ground speed), metres per second."""
     return MissionItem(Command.CHANGE_SPEED, Frame.MISSION, (1.0, float(speed_m_s), 0.0, 0.0), 0.0, 0.0, 0.0)
+
+
+def turn_to(heading_deg: float, rate_deg_s: float = 0.0, direction: int = 0) -> MissionItem:
+    """CONDITION_YAW to a heading, 0 to 360.
+
+    Args:
+        heading_deg: where to turn to.
+        rate_deg_s: how fast; 0 is as fast as the vehicle may.
+        direction: 1 clockwise, -1 counterclockwise, 0 the short way round.
+    """
+    params = (float(heading_deg), float(rate_deg_s), float(direction), 0.0)
+    return MissionItem(Command.CONDITION_YAW, Frame.MISSION, params, 0.0, 0.0, 0.0)
+
+
+def keep_heading() -> MissionItem:
+    """CONDITION_YAW by no degrees: what was asked for before goes on."""
+    params = (0.0, 0.0, 0.0, 1.0)
+    return MissionItem(Command.CONDITION_YAW, Frame.MISSION, params, 0.0, 0.0, 0.0)
+
+
+def wait(duration_s: float) -> MissionItem:
+    """CONDITION_DELAY: seconds until the next DO or CONDITION item may start, while the vehicle flies on."""
+    params = (float(duration_s), 0.0, 0.0, 0.0)
+    return MissionItem(Command.CONDITION_DELAY, Frame.MISSION, params, 0.0, 0.0, 0.0)
+
+
+def wait_until_near(distance_m: float) -> MissionItem:
+    """CONDITION_DISTANCE: wait until the vehicle is nearer to its next waypoint than this."""
+    params = (float(distance_m), 0.0, 0.0, 0.0)
+    return MissionItem(Command.CONDITION_DISTANCE, Frame.MISSION, params, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import hypot
+from math import degrees, hypot
 
 import pytest
 
@@ -16,9 +16,6 @@ from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.mission.local_items import (
-    CONDITION_DELAY,
-    CONDITION_DISTANCE,
-    CONDITION_YAW,
     DO_JUMP,
     LocalItem,
     local_items,
@@ -247,17 +244,20 @@ def test_jumps_are_counted() -> None:
 def test_conditions_hold_up_what_comes_after_them() -> None:
     """DO items behind a condition wait for time, distance or heading."""
     waited = Flown(
-        item_at(60, 0), do(CONDITION_DELAY, 3.0), do(Command.CHANGE_SPEED, 1, 2.0), item_at(140, 0)
+        item_at(60, 0), do(Command.CONDITION_DELAY, 3.0), do(Command.CHANGE_SPEED, 1, 2.0), item_at(140, 0)
     )
     begin = waited.reached[1]
     assert waited.reached[2] - begin == pytest.approx(3.0, abs=0.1)
     near = Flown(
-        item_at(60, 0), do(CONDITION_DISTANCE, 30.0), do(Command.CHANGE_SPEED, 1, 2.0), item_at(140, 0)
+        item_at(60, 0),
+        do(Command.CONDITION_DISTANCE, 30.0),
+        do(Command.CHANGE_SPEED, 1, 2.0),
+        item_at(140, 0),
     )
     assert near.at(near.reached[2])[0] == pytest.approx(110.0, abs=1.0)
     turned = Flown(
         item_at(60, 0),
-        do(CONDITION_YAW, 90.0, 30.0, 1.0, 0.0),
+        do(Command.CONDITION_YAW, 90.0, 30.0, 1.0, 0.0),
         do(Command.CHANGE_SPEED, 1, 4.0),
         item_at(140, 0),
     )
@@ -357,3 +357,35 @@ def test_items_become_local_by_their_frames() -> None:
     assert local[0].north_east_m == pytest.approx((0.0, 75.9), abs=0.1)
     assert local[2].position((1.0, 2.0, 3.0)) == (1.0, 2.0, 3.0)
     assert _local(Mission((), home)) == ()
+
+
+def heading_after_a_second(*before: Spec) -> float:
+    """The heading, degrees, one second into a leg north with items ``before`` it, of a copter facing east."""
+    flown = Flown(
+        item_at(30, 0),
+        do(Command.CONDITION_YAW, 90.0),
+        item_at(90, 0),
+        *before,
+        item_at(150, 0),
+        seconds=120.0,
+    )
+    begin = flown.reached[3]
+    copter = Copter(LIMITS, position_m=(0.0, 0.0, 20.0))
+    copter.start_auto(
+        items(item_at(30, 0), do(Command.CONDITION_YAW, 90.0), item_at(90, 0), *before, item_at(150, 0))
+    )
+    while copter.time_s < begin + 1.0:
+        copter.step()
+    return degrees(copter.yaw_rad)
+
+
+def test_a_heading_holds_until_the_next_leg() -> None:
+    """Without an item the next leg is flown ahead again; with one that comes first the turn goes on."""
+    assert heading_after_a_second() < 45
+    assert heading_after_a_second(do(Command.CONDITION_YAW, 90.0)) == pytest.approx(90.0, abs=1.0)
+
+
+def test_a_turn_behind_another_item_begins_on_the_path() -> None:
+    """AP_Mission starts it one update after the leg, whose heading is the target by then."""
+    late = heading_after_a_second(do(Command.CHANGE_SPEED, 1, 9.0), do(Command.CONDITION_YAW, 90.0))
+    assert late < 85

@@ -101,25 +101,37 @@ class AutoYaw:
 
     def update(self) -> None:
         """Turn the airframe one step."""
-        rate = 0.0
-        control, airframe = self._control, self._airframe
-        if self.mode is YawMode.LOOK_AT_NEXT_WP:
-            rate = self._along_target()
-        elif self.mode is YawMode.FIXED:
-            step = self._slew_rad_s * control.dt
+        if self.mode is YawMode.FIXED:
+            step = self._slew_rad_s * self._control.dt
             step = clamp(self._remaining_rad, -step, step)
             self._remaining_rad -= step
             self.target_rad += step
-        elif self.mode is YawMode.LOOK_AHEAD and hypot(airframe.vn, airframe.ve) > _LOOK_AHEAD_SPEED_M_S:
-            self.target_rad = atan2(airframe.ve, airframe.vn)
-        airframe.turn_towards(self.target_rad, rate)
+        self._airframe.turn_towards(self.target_rad, self.update_target())
 
-    def _along_target(self) -> float:
-        """Take the heading of the target's velocity; returns its yaw rate."""
+    def update_target(self) -> float:
+        """Take the heading that the mode follows, if it follows one; returns its yaw rate."""
+        airframe = self._airframe
+        if self.mode is YawMode.LOOK_AT_NEXT_WP:
+            return self._along_target()
+        if self.mode is YawMode.LOOK_AHEAD and hypot(airframe.vn, airframe.ve) > _LOOK_AHEAD_SPEED_M_S:
+            self.target_rad = atan2(airframe.ve, airframe.vn)
+        return 0.0
+
+    @property
+    def course_rad(self) -> float | None:
+        """Where the target's velocity points; None below 5 % of the highest speed."""
         control = self._control
         vn, ve = control.vn, control.ve
-        square = vn * vn + ve * ve
-        if square <= (_TURNING_SHARE * control.speed_max) ** 2:
+        if vn * vn + ve * ve <= (_TURNING_SHARE * control.speed_max) ** 2:
+            return None
+        return atan2(ve, vn)
+
+    def _along_target(self) -> float:
+        """Take the target's course, or without one keep the heading; returns the yaw rate."""
+        control, course = self._control, self.course_rad
+        if course is None:
+            self.target_rad = self._airframe.yaw
             return 0.0
-        self.target_rad = atan2(ve, vn)
-        return (control.accel_e * vn - control.accel_n * ve) / square
+        self.target_rad = course
+        vn, ve = control.vn, control.ve
+        return (control.accel_e * vn - control.accel_n * ve) / (vn * vn + ve * ve)

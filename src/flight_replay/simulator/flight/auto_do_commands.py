@@ -1,7 +1,11 @@
 """DO and CONDITION items, which run beside the navigation items (mode_auto.cpp, AP_Mission.cpp).
 
 The first of a group starts with the navigation item after it, each further one when the one
-before is done.
+before is done. A heading asked for by CONDITION_YAW holds until the next navigation item starts, for
+that chooses the mode by WP_YAW_BEHAVIOR (ModeAuto::wp_start, do_spline_wp). The first item of a group is
+started before and resumed at once (verify_yaw), so that its turn goes on from where the heading is;
+one behind another item starts an update later, with the heading target on the path already, and
+turns from there (AP_Mission::update, AutoYaw::set_fixed_yaw, 4.1 to 4.7).
 """
 
 from __future__ import annotations
@@ -11,12 +15,7 @@ from math import hypot, radians
 
 from flight_replay.mission.items import Command
 from flight_replay.simulator.flight.flight_control import FlightControl
-from flight_replay.simulator.mission.local_items import (
-    CONDITION_DELAY,
-    CONDITION_DISTANCE,
-    CONDITION_YAW,
-    LocalItem,
-)
+from flight_replay.simulator.mission.local_items import LocalItem
 
 _UP, _DOWN = 2, 3
 
@@ -39,6 +38,7 @@ class DoCommands:
         """Sequence numbers of items that are done; starts those after them."""
         while self._items and self._is_done(self._items[0], time_s):
             yield self._items.pop(0).seq
+            self._flight.auto_yaw.update_target()
             self._start(time_s)
 
     def restore_speeds(self) -> None:
@@ -56,7 +56,7 @@ class DoCommands:
         item = self._items[0]
         if item.command == Command.CHANGE_SPEED:
             self._change_speed(int(item.params[0]), item.params[1])
-        elif item.command == CONDITION_YAW:
+        elif item.command == Command.CONDITION_YAW:
             angle, rate, direction, relative = item.params
             self._flight.auto_yaw.set_fixed_yaw(
                 radians(angle), radians(rate), direction, relative=relative > 0
@@ -80,12 +80,12 @@ class DoCommands:
     def _is_done(self, item: LocalItem, time_s: float) -> bool:
         """Whether an item is done (ModeAuto::verify_command); those without a condition are at once."""
         flight = self._flight
-        if item.command == CONDITION_YAW:
+        if item.command == Command.CONDITION_YAW:
             flight.auto_yaw.resume_fixed_yaw()
             return flight.auto_yaw.reached
-        if item.command == CONDITION_DELAY:
+        if item.command == Command.CONDITION_DELAY:
             return time_s - self._since_s > item.params[0]
-        if item.command == CONDITION_DISTANCE:
+        if item.command == Command.CONDITION_DISTANCE:
             n, e, _ = flight.navigation.destination
             return hypot(flight.airframe.n - n, flight.airframe.e - e) < item.params[0]
         return True

@@ -7,6 +7,7 @@ Metres north, east and up of home.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import nan
 
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.simulator.dynamics.aerodynamics import Air
@@ -109,6 +110,12 @@ class Copter:
     def yaw_rad(self) -> float:
         """Where the nose points, clockwise from north."""
         return self._airframe.yaw
+
+    @property
+    def course_rad(self) -> float:
+        """Where the nose turns to by itself in AUTO; not a number where it does not turn."""
+        course = self._flight.auto_yaw.course_rad
+        return nan if course is None else course
 
     @property
     def throttle(self) -> float:

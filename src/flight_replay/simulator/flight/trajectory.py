@@ -36,6 +36,8 @@ class Trajectory:
     up_m_s: Floats
     heading_deg: Floats
     """Where the nose points, clockwise from north, 0 to 360."""
+    course_deg: Floats
+    """Where it turns to by itself in AUTO, not a number where the vehicle is too slow to turn."""
     reached_s: dict[int, float]
     """Sequence number of each item that was reached, and when (the last time, if jumped back to)."""
     auto_s: tuple[float, float]
@@ -53,7 +55,7 @@ class _Recorder:
     def __init__(self, copter: Copter) -> None:
         self.copter = copter
         self.rows = [copter.motion]
-        self.yaws_rad = [copter.yaw_rad]
+        self.turns_rad = [(copter.yaw_rad, copter.course_rad)]
 
     def run(self, done: Callable[[], bool]) -> None:
         """Step until ``done``."""
@@ -62,7 +64,7 @@ class _Recorder:
         while not done():
             copter.step()
             self.rows.append(copter.motion)
-            self.yaws_rad.append(copter.yaw_rad)
+            self.turns_rad.append((copter.yaw_rad, copter.course_rad))
             if copter.steps > end:
                 raise MissionError("The mission does not end; remove its endless jumps or delays.")
 
@@ -84,9 +86,9 @@ class _Recorder:
         columns = np.array(self.rows).T
         ground = frame.to_metres(*_flat(frame).to_degrees(columns[1:3].T))
         up, vn, ve, vu = columns[3:]
-        heading_deg = np.degrees(self.yaws_rad) % 360.0
+        heading, course = np.degrees(self.turns_rad).T % 360.0
         return Trajectory(
-            columns[0], ground[:, 0], ground[:, 1], up, vn, ve, vu, heading_deg, reached_s, auto_s
+            columns[0], ground[:, 0], ground[:, 1], up, vn, ve, vu, heading, course, reached_s, auto_s
         )
 
 

@@ -10,7 +10,7 @@ from flight_replay.simulator.mission.stored_params import PARAM_RULES, stored_pa
 
 Params = tuple[float, float, float, float]
 
-CONDITION_DELAY, CONDITION_DISTANCE, CONDITION_YAW, DO_JUMP = 112, 114, 115, 177
+DO_JUMP = 177
 LOITER_TO_ALTITUDE, GUIDED_ENABLE, PAYLOAD_PLACE, SET_HOME, JUMP_TO_TAG = 31, 92, 94, 179, 601
 _VTOL_TAKEOFF, _VTOL_LAND = 84, 85
 _LAST_NAVIGATION, _SET_YAW_SPEED = 95, 213

@@ -18,6 +18,7 @@ _E7 = 1e7
 _ALTITUDE_STEP_M = 0.0101  # ArduPilot stores whole centimetres (AP_Mission's Location) ...
 _SPEED_STEP_M_S = 0.0101  # ... speeds as float or in cm/s ...
 _WHOLE = 0.999  # ... and holds, turns and angles as whole numbers, truncated.
+_FLOAT32 = 0.001  # Headings to 360 degrees, rates and delays are stored as float32.
 
 # The resolution of those of param1 to param4 that are stored (AP_Mission::mavlink_int_to_mission_cmd).
 _STORED_STEPS: dict[int, dict[int, float]] = {
@@ -27,8 +28,20 @@ _STORED_STEPS: dict[int, dict[int, float]] = {
     Command.LOITER_TURNS: {0: _WHOLE},
     Command.DELAY: {0: _WHOLE},
     Command.CHANGE_SPEED: {1: _SPEED_STEP_M_S},
+    Command.CONDITION_DELAY: {0: _FLOAT32},
+    Command.CONDITION_DISTANCE: {0: _FLOAT32},
+    Command.CONDITION_YAW: {0: _FLOAT32, 1: _FLOAT32, 2: _FLOAT32, 3: _FLOAT32},
 }
-_WITHOUT_POSITION = frozenset({Command.RETURN_TO_LAUNCH, Command.DELAY, Command.CHANGE_SPEED})
+_WITHOUT_POSITION = frozenset(
+    {
+        Command.RETURN_TO_LAUNCH,
+        Command.DELAY,
+        Command.CHANGE_SPEED,
+        Command.CONDITION_DELAY,
+        Command.CONDITION_DISTANCE,
+        Command.CONDITION_YAW,
+    }
+)
 
 
 def item_message(link: VehicleLink, seq: int, item: MissionItem, *, as_int: bool) -> Message:

@@ -1,0 +1,113 @@
+"""The recorded heading flown again: CONDITION_YAW items beside a route's waypoints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.errors import MissionError
+from flight_replay.geometry.movement import Movement
+from flight_replay.mission.items import Mission, MissionItem
+from flight_replay.mission.path import planned_path
+from flight_replay.planning.heading.legs import Leg, PredictedFlight, legs_of
+from flight_replay.planning.heading.turn_choice import LegItems, Shifts, best_items
+from flight_replay.planning.heading.turns import Response
+from flight_replay.planning.route import Route
+from flight_replay.simulator.dynamics.limits import Limits
+
+WORTH_DEG_S = 4.0
+"""An item must lower the error by this: 2 degrees, within which ArduCopter is there, for 2 s."""
+MEMORIES = (302, 649, 1305)
+"""Items besides home on boards with 15, 16 (SITL too) and 32 KB of storage (StorageManager.cpp)."""
+_LONGEST_SIMULATED_M = 50_000.0
+_PASSES = 3
+_MOST_SHIFT_S = 0.7
+_DEARER = 1.5
+
+
+def with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Route:
+    """The route with items that turn the vehicle as the recorded one was; a note says how many.
+
+    The smallest memory that holds the mission and one item a leg holds it with all of them.
+
+    Args:
+        route: what will be flown, without heading items.
+        limits: what the vehicle may do.
+        timed: whether it flies in time with the recording, see ``predicted_legs``.
+    """
+    if not np.isfinite(route.wanted.heading_deg).any():
+        return _with_note(route, "The log has no heading; the vehicle turns its own way.")
+    if route.path.length_m > _LONGEST_SIMULATED_M:
+        return _with_note(route, "The route is too long to plan headings; the vehicle turns its own way.")
+    try:
+        mission = _turned(route, limits, timed=timed)
+    except MissionError as error:
+        return _with_note(route, f"No heading is planned, the vehicle turns its own way. {error}")
+    added = len(mission.items) - len(route.mission.items)
+    turned = replace(route, mission=mission, path=planned_path(mission, route.frame))
+    return _with_note(turned, f"{added} items on top of the waypoints turn the vehicle as recorded.")
+
+
+def _turned(route: Route, limits: Limits, *, timed: bool) -> Mission:
+    """The mission with the smallest predicted heading error of those that keep the plan's time."""
+    mission = route.mission
+    plan = PredictedFlight.of(mission, limits, route.frame)
+    found = []
+    for shifts in Shifts:
+        flight, items = plan, None
+        for _ in range(_PASSES):
+            legs = legs_of(mission, flight, flight.wanted_deg(route.wanted, timed=timed), route.frame, limits)
+            items = _affordable_items(legs, Response.of(limits), _room(mission), shifts, items)
+            turned = replace(mission, items=tuple(_merged(mission.items, items)))
+            flight = PredictedFlight.of(turned, limits, route.frame)
+            if _shift_s(flight, plan) <= _MOST_SHIFT_S or shifts is Shifts.NONE:
+                found.append((_error_deg(flight, route.wanted, timed=timed), turned))
+    return min(found, key=lambda each: each[0])[1]
+
+
+def _affordable_items(
+    legs: Sequence[Leg], response: Response, room: int, shifts: Shifts, like: Sequence[LegItems] | None
+) -> tuple[LegItems, ...]:
+    """The items that are worth it, dearer until there is room for all."""
+    worth_deg_s = WORTH_DEG_S
+    while sum(map(len, items := best_items(legs, response, worth_deg_s, shifts, like))) > room:
+        worth_deg_s *= _DEARER
+    return items
+
+
+def _shift_s(flight: PredictedFlight, plan: PredictedFlight) -> float:
+    """How much later or sooner than planned the legs begin, on average."""
+    late_s = (flight.begin_s - flight.begin_s[1]) - (plan.begin_s - plan.begin_s[1])
+    return float(np.abs(late_s).mean())
+
+
+def _error_deg(flight: PredictedFlight, recorded: Movement, *, timed: bool) -> float:
+    """The mean heading error."""
+    off = flight.heading_deg - flight.wanted_deg(recorded, timed=timed)
+    return float(np.nanmean(np.abs((off + 180.0) % 360.0 - 180.0)))
+
+
+def _room(mission: Mission) -> int:
+    """How many items may be added."""
+    needed = len(mission.items) + len(mission.waypoints)
+    memory = next((each for each in MEMORIES if each >= needed), MEMORIES[-1])
+    return max(memory - len(mission.items), 0)
+
+
+def _merged(items: Sequence[MissionItem], added: Sequence[LegItems]) -> Iterator[MissionItem]:
+    """A mission's items with those of each leg around the DO items before its waypoint."""
+    groups: list[list[MissionItem]] = [[]]
+    for item in items:
+        groups[-1].append(item)
+        if item.is_waypoint:
+            groups.append([])
+    for leg, group, following in zip(added, groups, groups[1:], strict=False):
+        early = [item for item in following if not item.is_waypoint] if leg.early else []
+        yield from (*leg.first, *group[:-1], *leg.then, *early, group[-1])
+    yield from groups[-1]
+
+
+def _with_note(route: Route, note: str) -> Route:
+    return replace(route, notes=(*route.notes, note))

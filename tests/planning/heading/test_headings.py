@@ -1,0 +1,71 @@
+"""headings.py: a route is turned as the recorded vehicle was."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flight_replay.mission.items import Command, MissionItem, change_speed
+from flight_replay.planning.heading import headings, with_recorded_headings
+from flight_replay.planning.prediction import with_prediction
+from flight_replay.planning.route import Route
+from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.made_tracks import straight_track
+
+
+def route_with(heading_deg: float | list[float], *, spacing_m: float = 30.0) -> Route:
+    """A flight north at 4 m/s, 50 s long, whose nose points elsewhere."""
+    track = straight_track()
+    column = np.broadcast_to(np.asarray(heading_deg, float), len(track)).copy()
+    return spaced_route(replace(track, heading_deg=column), spacing_m=spacing_m, speed_m_s=4.0)
+
+
+def error_deg(route: Route) -> float:
+    predicted = with_prediction(route, Limits()).predicted
+    assert predicted is not None
+    statistics = predicted.heading_deg.statistics
+    assert statistics is not None
+    return statistics.mean
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_the_vehicle_is_turned_as_recorded(timed: bool) -> None:
+    """A flight sideways has a heading item on its legs, and flies sideways."""
+    route = route_with(90.0)
+    turned = with_recorded_headings(route, Limits(), timed=timed)
+    assert error_deg(route) > 60
+    assert error_deg(turned) < 12
+    assert len(turned.mission.waypoints) == len(route.mission.waypoints)
+    assert [int(seq) for seq in np.unique(turned.path.seq)] == [seq for seq, _ in turned.mission.waypoints]
+    assert "turn the vehicle as recorded" in turned.notes[-1]
+
+
+def test_legs_that_are_flown_as_recorded_have_no_item() -> None:
+    """A vehicle that looked ahead needs none, but to look ahead on the way to the first waypoint."""
+    turned = with_recorded_headings(route_with(0.0), Limits(), timed=True)
+    assert sum(item.command == Command.CONDITION_YAW for item in turned.mission.items) <= 1
+
+
+def test_a_log_without_heading_is_flown_the_vehicles_way() -> None:
+    """A note says so."""
+    route = route_with(np.nan)
+    turned = with_recorded_headings(route, Limits(), timed=True)
+    assert turned.mission is route.mission
+    assert turned.notes == ("The log has no heading; the vehicle turns its own way.",)
+
+
+def test_the_mission_stays_within_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Items are left out where there is no room for them."""
+    route = route_with(np.linspace(0.0, 1500.0, 51).tolist(), spacing_m=10.0)
+    monkeypatch.setattr(headings, "MEMORIES", (len(route.mission.items) + 3,))
+    turned = with_recorded_headings(route, Limits(), timed=True)
+    assert len(turned.mission.items) <= len(route.mission.items) + 3
+
+
+def test_speeds_stay_where_they_are_or_follow_a_turn() -> None:
+    """A recording that changes its speed has the same changes, in the same order."""
+    turned = with_recorded_headings(route_with(200.0), Limits(), timed=True)
+    speeds = [item for item in turned.mission.items if item.command == Command.CHANGE_SPEED]
+    assert speeds == [change_speed(4.0)]
+    assert all(isinstance(item, MissionItem) for item in turned.mission.items)
