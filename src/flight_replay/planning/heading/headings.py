@@ -23,7 +23,8 @@ MEMORIES = (302, 649, 1305)
 """Items besides home on boards with 15, 16 (SITL too) and 32 KB of storage (StorageManager.cpp)."""
 _LONGEST_SIMULATED_M = 50_000.0
 _PASSES = 3
-_MOST_SHIFT_S = 0.7
+_SHIFT_COST_DEG_S = 20.0
+"""A vehicle that is late turns late, too: by the rate at which copters are mostly turned."""
 _DEARER = 1.5
 
 
@@ -51,7 +52,7 @@ def with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Rout
 
 
 def _turned(route: Route, limits: Limits, *, timed: bool) -> Mission:
-    """The mission with the smallest predicted heading error of those that keep the plan's time."""
+    """The best mission by the predicted heading error, and by how well it keeps the plan's time."""
     mission = route.mission
     plan = PredictedFlight.of(mission, limits, route.frame)
     found = []
@@ -62,8 +63,8 @@ def _turned(route: Route, limits: Limits, *, timed: bool) -> Mission:
             items = _affordable_items(legs, Response.of(limits), _room(mission), shifts, items)
             turned = replace(mission, items=tuple(_merged(mission.items, items)))
             flight = PredictedFlight.of(turned, limits, route.frame)
-            if _shift_s(flight, plan) <= _MOST_SHIFT_S or shifts is Shifts.NONE:
-                found.append((_error_deg(flight, route.wanted, timed=timed), turned))
+            cost = _SHIFT_COST_DEG_S * _shift_s(flight, plan)
+            found.append((_error_deg(flight, route.wanted, timed=timed) + cost, turned))
     return min(found, key=lambda each: each[0])[1]
 
 
