@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
 
 
-@settings(deadline=None)
 @given(st.floats(-80, 80), st.floats(-180, 180), st.floats(-3000, 3000), st.floats(-3000, 3000))
 def test_metres_and_degrees_are_inverse(lat: float, lon: float, north: float, east: float) -> None:
     """Metres to degrees and back is the same place, across the antimeridian too."""
@@ -35,7 +34,6 @@ def test_a_minute_of_latitude_is_ardupilots() -> None:
     assert FlatFrame(10.0, 20.0).to_metres(10.0000001, 20.0)[0] == pytest.approx(0.0111318845, rel=1e-6)
 
 
-@settings(deadline=None)
 @given(st.floats(-80, 80), st.floats(-180, 180), st.floats(-3000, 3000), st.floats(-3000, 3000))
 def test_on_board_metres_are_rounded_ones(lat: float, lon: float, north: float, east: float) -> None:
     """Rounded degrees and 32-bit sums change a place by centimetres, across the antimeridian too."""

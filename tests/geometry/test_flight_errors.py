@@ -119,7 +119,7 @@ def test_only_what_lies_between_the_waypoints_is_measured() -> None:
     assert flight_errors(line, flown).path_m.path_to_recorded.error.max() == pytest.approx(30.0)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(0, 10_000), st.integers(2, 40))
 def test_a_path_through_the_fixes_has_no_error_either_way(seed: int, fixes: int) -> None:
     """The recorded line itself is 0 from the recording, however it crosses itself."""

@@ -29,7 +29,7 @@ def test_a_curve_has_its_ends_and_tangents() -> None:
     assert (end - before) / 1e-6 == pytest.approx(ends[3], abs=1e-4)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(VECTORS)
 def test_the_simulator_flies_the_same_curve(ends: Floats) -> None:
     """The simulator's coefficients, made one leg at a time with plain numbers, give the same points."""

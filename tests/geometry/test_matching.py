@@ -70,7 +70,7 @@ def test_the_matching_has_the_smallest_sum(seed: int) -> None:
     assert path_errors_m(fixes, path).sum() == pytest.approx(smallest_sum(fixes, path), abs=0.05)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(arrays(float, (7, 2), elements=PLACES), arrays(float, (4, 2), elements=PLACES))
 def test_any_matching_is_in_order_and_no_nearer_than_the_path(fixes: Floats, path: Floats) -> None:
     """Along never falls, and no fix is nearer than the nearest place of the whole path."""

@@ -37,7 +37,7 @@ def test_a_segment_without_length_is_a_point() -> None:
     assert [float(value) for value in found] == [0, 5]
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(arrays(float, (5, 1, 3), elements=COORDINATES), arrays(float, (2, 4, 3), elements=COORDINATES))
 def test_every_point_with_every_segment(points: Floats, ends: Floats) -> None:
     """Axes in front broadcast: (5, 4) results that no other share of the segment would make smaller."""

@@ -137,7 +137,7 @@ def test_a_leg_through_a_small_area_is_found() -> None:
     assert circle.forbids_legs(starts_m, ends_m, FRAME).tolist() == [True, False, False]
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.lists(st.tuples(st.floats(-90, 140), st.floats(-90, 140)), min_size=4, max_size=4), st.booleans())
 def test_legs_agree_with_places_along_them(ends: list[tuple[float, float]], stay_inside: bool) -> None:
     """A leg is forbidden if a place every 5 cm along it is, and only if one nearby is."""

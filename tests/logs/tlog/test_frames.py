@@ -167,7 +167,7 @@ pieces = st.one_of(frames(), frames(), st.builds(bytes.__add__, stamps, frames()
 logs = st.lists(pieces, max_size=25).map(b"".join)
 
 
-@settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     data=logs,
     block_length=st.sampled_from([40, 300, 1000, 1 << 20]),

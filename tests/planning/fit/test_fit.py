@@ -192,7 +192,7 @@ def test_progress_runs_to_its_total() -> None:
     assert told[-1][0] == told[-1][1]
 
 
-@settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10_000), st.integers(4, 25), st.sampled_from(["recorded", None]))
 def test_what_every_fit_keeps(seed: int, max_points: int, speed_m_s: str | None) -> None:
     """Budget, ends, surroundings and legs are kept, and no classic route is better by the same measure."""

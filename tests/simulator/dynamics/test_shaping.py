@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot, inf
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flight_replay.simulator.dynamics.shaping import (
@@ -23,7 +23,6 @@ POSITIVE = st.floats(0.05, 20.0)
 SIGNED = st.floats(-50.0, 50.0)
 
 
-@settings(deadline=None)
 @given(SIGNED, POSITIVE, POSITIVE, st.floats(0.001, 0.1))
 def test_one_step_of_correction_never_passes_zero(error: float, p: float, limit: float, dt: float) -> None:
     """The correction points at zero error and covers at most all of it in one step."""
@@ -41,7 +40,6 @@ def test_far_from_zero_the_correction_decelerates_evenly() -> None:
     assert sqrt_controller(8.0, 0.0, 1.0, 0.0) == pytest.approx(4.0)
 
 
-@settings(deadline=None)
 @given(SIGNED, POSITIVE, POSITIVE)
 def test_a_stop_takes_the_distance_that_allows_its_speed(speed: float, p: float, decel: float) -> None:
     """stopping_distance is the inverse of the square-root controller."""
@@ -49,7 +47,6 @@ def test_a_stop_takes_the_distance_that_allows_its_speed(speed: float, p: float,
     assert sqrt_controller(distance, p, decel, 0.0) == pytest.approx(speed, abs=1e-9)
 
 
-@settings(deadline=None)
 @given(st.tuples(SIGNED, SIGNED, SIGNED), POSITIVE, POSITIVE, POSITIVE)
 def test_a_direction_is_limited_by_whichever_part_is_tighter(
     way: tuple[float, float, float], level: float, up: float, down: float
@@ -74,7 +71,6 @@ def test_no_direction_has_no_limit_to_speak_of() -> None:
     assert kinematic_limit((0, 0, -2), 9, 1, 3) == 3
 
 
-@settings(deadline=None)
 @given(SIGNED, SIGNED, POSITIVE)
 def test_steps_are_bounded_and_arrive(target: float, value: float, step: float) -> None:
     """step_towards moves by the step at most, and exactly to a target within reach."""
@@ -113,7 +109,6 @@ def test_a_horizontal_velocity_is_brought_to_rest_along_itself() -> None:
     assert shape_velocity_xy((0.0, 0.0), (0.0, 0.0), 2.5, 5.0, 0.01) == (0.0, 0.0)
 
 
-@settings(deadline=None)
 @given(SIGNED, SIGNED, SIGNED, SIGNED, POSITIVE)
 def test_too_much_acceleration_gives_up_its_forward_part_first(
     an: float, ae: float, vn: float, ve: float, most: float

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flight_replay.mavlink import dialect
@@ -45,7 +45,6 @@ def refusal(message: Any) -> int:
     return caught.value.result
 
 
-@settings(deadline=None)
 @given(
     st.integers(-90 * 10**7, 90 * 10**7),
     st.integers(-180 * 10**7, 180 * 10**7),
@@ -58,7 +57,6 @@ def test_locations_of_item_int_are_kept_exactly(x: int, y: int, z: float) -> Non
     assert abs(back.z - z) <= 0.01 + abs(z) * 2**-23
 
 
-@settings(deadline=None)
 @given(st.floats(-90, 90), st.floats(-180, 180))
 def test_locations_of_float_items_lose_what_32_bit_floats_lose(lat: float, lon: float) -> None:
     """A MISSION_ITEM is off by at most half a step of its float, plus the step of the product."""

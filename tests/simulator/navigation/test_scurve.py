@@ -26,7 +26,7 @@ def some_limits(speed: float, accel: float, jerk: float) -> PathLimits:
     return PathLimits(speed, 2.5, 1.5, accel, 1.0, jerk, jerk * pi / 0.6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.floats(0.02, 300.0), st.floats(0.3, 20.0), st.floats(0.5, 5.0), st.floats(0.5, 20.0))
 def test_a_leg_goes_from_rest_to_rest_within_its_limits(
     length: float, speed: float, accel: float, jerk: float
@@ -110,7 +110,7 @@ def test_a_start_too_fast_for_a_ramp_leaves_the_speed_as_it_is() -> None:
     assert speed.max() == pytest.approx(0.4)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.floats(20.0, 200.0), SHARE, SPEED, SHARE, SPEED)
 def test_a_changed_speed_neither_jumps_nor_misses_the_end(
     length: float, when: float, speed: float, again: float, other: float

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from flight_replay.simulator.navigation.scurve_ramp import NO_RAMP, Kinematics, Ramp, ramp
@@ -37,7 +37,6 @@ def flown(shape: Ramp, speed: float) -> tuple[float, float, float]:
 ACCEL, JERK = st.floats(0.5, 4.0), st.floats(0.5, 8.0)
 
 
-@settings(deadline=None)
 @given(st.floats(0.0, 5.0), st.floats(0.5, 15.0), ACCEL, JERK, st.floats(0.5, 300.0))
 def test_a_ramp_exceeds_neither_speed_nor_acceleration(
     speed: float, gain: float, accel: float, jerk: float, length: float
@@ -52,7 +51,6 @@ def test_a_ramp_exceeds_neither_speed_nor_acceleration(
         assert gone <= length * (1 + 1e-3)
 
 
-@settings(deadline=None)
 @given(st.floats(0.2, 20.0), ACCEL, JERK, st.floats(0.1, 500.0))
 def test_from_rest_something_is_used_up(top_speed: float, accel: float, jerk: float, length: float) -> None:
     """A ramp from rest reaches the top speed, or it takes the whole length."""

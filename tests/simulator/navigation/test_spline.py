@@ -31,7 +31,6 @@ def fly(spline: Spline, dt: float = 0.02, speed: float = 0.0) -> np.ndarray:
     return np.array(rows)
 
 
-@settings(deadline=None)
 @given(PLACE, PLACE, PLACE, PLACE)
 def test_the_curve_has_the_ends_and_tangents_it_is_given(a: Vector, b: Vector, m: Vector, k: Vector) -> None:
     """It runs from origin to destination; tangents are scaled to four chords together at most."""
@@ -43,7 +42,7 @@ def test_the_curve_has_the_ends_and_tangents_it_is_given(a: Vector, b: Vector, m
     assert c[1] + 2 * c[2] + 3 * c[3] == pytest.approx(scale * np.array(k), abs=1e-5)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(PLACE, PLACE, PLACE)
 def test_a_leg_arrives_within_its_limits(b: Vector, m: Vector, k: Vector) -> None:
     """From rest to its destination, never too fast, and never accelerating beyond half the limit."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flight_replay.simulator.dynamics.aerodynamics import Air
@@ -63,7 +63,6 @@ def test_after_a_stop_legs_to_the_left_start_sooner_for_a_while() -> None:
     assert scale_after_stop(6.0, 0.005) == pytest.approx(scale_after_stop(6.0, -0.005))
 
 
-@settings(deadline=None)
 @given(st.floats(-3, 3), st.floats(0.0, 5.0))
 def test_a_noisy_value_averages_within_its_bounds(mean: float, deviation: float) -> None:
     """The mean of a clamped value lies within 0 and 1, and at a half where the value does."""

@@ -83,7 +83,7 @@ def test_a_bad_link_costs_seconds_not_minutes(conditions: str, limit_s: float) -
     st.floats(0, 0.3),
     st.integers(0, 10**6),
 )
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 def test_no_link_makes_a_wrong_mission_verified(
     loss: float, delay_s: float, jitter_s: float, duplicated: float, seed: int
 ) -> None:
