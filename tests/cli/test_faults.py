@@ -45,12 +45,12 @@ def assert_verified_before_auto(link: FaultLink) -> None:
 # The link
 
 CONDITIONS = {
-    "clear": (LinkConditions(), 20.0),
-    "5 % lost": (LinkConditions(loss=0.05), 20.0),
-    "20 % lost": (LinkConditions(loss=0.2), 20.0),
-    "corrupt": (LinkConditions(corrupt=0.05), 20.0),
-    "duplicated": (LinkConditions(duplicated=0.3), 20.0),
-    "40 % lost": (LinkConditions(loss=0.4), 20.0),
+    "clear": (LinkConditions(), 10.0),
+    "5 % lost": (LinkConditions(loss=0.05), 10.0),
+    "20 % lost": (LinkConditions(loss=0.2), 10.0),
+    "corrupt": (LinkConditions(corrupt=0.05), 10.0),
+    "duplicated": (LinkConditions(duplicated=0.3), 10.0),
+    "40 % lost": (LinkConditions(loss=0.4), 10.0),
     "late": (LinkConditions(delay_s=0.5), 4.0),
     "mixed": (LinkConditions(loss=0.1, corrupt=0.05, duplicated=0.1, delay_s=0.02, jitter_s=0.1), 10.0),
 }
@@ -113,9 +113,7 @@ MOMENTS: dict[str, Callable[[Message], bool]] = {
 def test_a_silence_of_three_seconds_does_not_end_the_flight(moment: str) -> None:
     """Afterwards the flight goes on and ends as asked."""
     cut = Trigger(MOMENTS[moment], lambda link: link.cut(3.0))
-    outcome = replay(
-        None, None, cut, speedup=10.0 if moment in ("arming", "take-off") else 20.0, duration_s=100.0
-    )
+    outcome = replay(None, None, cut, duration_s=100.0)
     assert_promises(outcome)
     assert outcome.line is None
     assert outcome.rtl_confirmed
@@ -338,7 +336,7 @@ def test_other_vehicles_are_refused(firmware: sim.Firmware, vehicle_type: str) -
 @pytest.mark.slow
 def test_arducopter_3_3_is_flown() -> None:
     """It has MAVLink 1, float items, SET_MODE, and takes 2.5 s to arm."""
-    outcome = replay(sim.old_copter())
+    outcome = replay(sim.old_copter(), speedup=2.0)
     assert outcome.line is None
     assert outcome.rtl_confirmed
     arms = [m for m in outcome.link.to_vehicle if command(400)(m)]

@@ -26,7 +26,7 @@ DEADLINES = Deadlines(
     arm_s=30.0,
     mode_s=40.0,
     no_climb_s=20.0,
-    min_wall_s=3.0,
+    min_wall_s=8.0,
     give_up_wall_s=8.0,
     rtl_wall_s=6.0,
 )
@@ -85,14 +85,14 @@ def replay(
     faults: Faults | None = None,
     conditions: LinkConditions | None = None,
     *triggers: Trigger,
-    speedup: float = 20.0,
+    speedup: float = 10.0,
     duration_s: float = 12.0,
     connect_s: float = 30.0,
     seed: int = 1,
     **parameters: float,
 ) -> FaultRun:
     """Connect, check, upload, fly and return, as the command line does; ``parameters`` are the vehicle's."""
-    # At speedup 20 the ten seconds after which it disarms on the ground are half a second here.
+    # At speedup 10 the ten seconds after which it disarms on the ground are one second here.
     stays_armed = {"DISARM_DELAY": 0.0}
     with (
         launch.run(START, speedup=speedup, faults=faults, parameters=stays_armed | parameters) as running,
