@@ -24,6 +24,16 @@ def test_rtl_after_an_interrupt_is_requested_for_eight_seconds() -> None:
     assert 47.9 < flight.wall_s < 49.0
 
 
+def test_a_pilot_who_takes_over_after_an_interrupt_is_not_overruled() -> None:
+    """RTL is not requested again, although it was never confirmed."""
+    vehicle = FakeVehicle(FakeClock(), points=40, refuse_mode=frozenset({"RTL"}))
+    vehicle.schedule += [(40.0, interrupt), (42.0, lambda: setattr(vehicle, "mode", "LOITER"))]
+    flight = fake_flight(vehicle)
+    with pytest.raises(KeyboardInterrupt):
+        flight.fly()
+    assert flight.wall_s < 44.0
+
+
 def test_the_vehicle_has_three_minutes_to_get_ready() -> None:
     """GPS and estimator take up to two."""
     flight = fake_flight(FakeVehicle(FakeClock(), ready_after_s=1e6))

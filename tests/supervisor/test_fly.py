@@ -181,3 +181,11 @@ def test_the_flown_track_has_the_headings_that_the_vehicle_told() -> None:
     assert len(record.flown) > 10
     assert set(record.flown.heading_deg) == {271.5}
     assert np.isnan(fake_flight().fly().flown.heading_deg).all()
+
+
+def test_a_flight_is_over_when_rtl_is_confirmed() -> None:
+    """Unless asked to, nobody waits for the landing."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
+    record = flight.fly()
+    assert (record.rtl_confirmed, record.landed) == (True, False)
+    assert flight.vehicle.altitude_m > 20.0
