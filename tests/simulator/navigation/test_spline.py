@@ -155,3 +155,12 @@ def test_a_speed_too_high_to_stop_from_is_left_for_the_next_leg() -> None:
     assert hypot(*velocity) == pytest.approx(spline.speed)
     spline.advance(60.0)
     assert spline.speed < 0.01
+
+
+def test_time_that_nearly_stands_still_moves_nothing_back() -> None:
+    """The track's time may run at a hundredth: from rest, a step of 0.2 ms is a step of no length."""
+    spline = Spline(Ends((0.0, 0.0, 10.0), (20.0, 5.0, 10.0), STILL, (10.0, 10.0, 0.0)), LIMITS)
+    for _ in range(50):
+        (north, _, _), _ = spline.advance(0.0002)
+        assert north >= 0.0
+    assert np.isfinite(fly(spline)).all()

@@ -166,7 +166,8 @@ class Spline:
             return self._destination, self._velocity_at_rest(point, dt)
         next_speed = self._next_speed(point, speed, dt, speed * dt)
         delay_s = _DECEL_DELAY_S if next_speed < speed else _ACCEL_DELAY_S
-        distance = 0.5 * (speed + next_speed) * dt + (speed - next_speed) * delay_s
+        # With the track's time nearly at a standstill the delay would be the longer of both.
+        distance = max(0.0, 0.5 * (speed + next_speed) * dt + (speed - next_speed) * delay_s)
         self._t = self._t_after(point, distance)
         if self._t >= 1.0:
             self.unused_s = (self._t - 1.0) * point.tangent / speed if speed > 0 else 0.0
