@@ -16,10 +16,9 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.items import Command
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.fit import FitResult, fit
-from flight_replay.planning.fit.fit import RIVAL_FLIGHTS, problem_for
+from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.reference import local_track
-from flight_replay.planning.fit.search import search
 from flight_replay.planning.spacing import decimate
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import simulate
@@ -44,9 +43,7 @@ def rival_objectives_m(track: Track, max_points: int, *, timed: bool) -> list[fl
     problem = problem_for(recording, max_points, Limits(), timed=timed)
     line = np.column_stack([recording.north_east_m, recording.up_m])
     return [
-        search(
-            problem, straight_draft(recording, kept), smoothing=0.02, flights=RIVAL_FLIGHTS, tick=lambda: None
-        ).objective_m
+        problem.evaluate(straight_draft(recording, kept)).objective_m
         for kept in (douglas_peucker(line, max_points), decimate(track, max_points=max_points))
     ]
 

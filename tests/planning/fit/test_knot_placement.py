@@ -1,10 +1,9 @@
-"""How many waypoints the first draft has, and where they stand."""
+"""Where the waypoints of the even first draft stand."""
 
 import numpy as np
 
-from flight_replay.planning.fit.knot_placement import first_draft, waypoints_needed
-from flight_replay.planning.fit.reference import LocalTrack, local_track
-from tests.helpers.fit_tracks import along, circle, wander
+from flight_replay.planning.fit.knot_placement import first_draft
+from flight_replay.planning.fit.reference import LocalTrack
 
 
 def test_a_first_draft_stands_closer_where_it_curves() -> None:
@@ -16,14 +15,3 @@ def test_a_first_draft_stands_closer_where_it_curves() -> None:
     recording = LocalTrack(np.arange(200.0) / 3, line, np.full(200, 20.0))
     draft = first_draft(recording, 30, [], timed=False)
     assert (draft.places_m[:, 0] > -7).sum() > 16
-
-
-def test_enough_places_are_fewer_for_simple_ways() -> None:
-    """A straight line needs two places, a circle some, a hand-flown way most."""
-    counts = [
-        waypoints_needed(local_track(track, 20.0), 40, [], timed=False)
-        for track in (along([(0, 0), (100, 0)], 5.0), circle(), wander(2, fixes=200))
-    ]
-    assert counts[0] == 2
-    assert 4 < counts[1] < 30
-    assert counts[2] == 40

@@ -1,17 +1,33 @@
-"""The search for the best draft: how far waypoints may stray."""
+"""The search among starts, and why it stops."""
 
-import numpy as np
-import pytest
-
+from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.knot_placement import first_draft
+from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
+from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track
-from flight_replay.planning.fit.search import _kept_in_corridor
-from tests.helpers.fit_tracks import along, draft_of
+from flight_replay.planning.fit.search import search
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import wander
 
 
-def test_no_waypoint_is_farther_than_4_m_from_the_recording() -> None:
-    """Places farther away are brought to 4 m, straight towards the recording; the others stay."""
-    recording = local_track(along([(0, 0), (60, 0)], 4.0), 20.0)
-    draft = draft_of([(0, 0), (20, 3.9), (40, -30), (60, 0)], [False, True, True, True], [1, 0, 0, 0])
-    kept = _kept_in_corridor(draft, recording)
-    assert kept.places_m[:, :2] == pytest.approx(np.array([[0, 0], [20, 3.9], [40, -4], [60, 0]]), abs=0.01)
-    assert (kept.places_m[:, 2] == draft.places_m[:, 2]).all()
+def problem_and_starts(*, timed: bool) -> tuple[FitProblem, list[FirstDraft]]:
+    recording = local_track(wander(2), 20.0)
+    problem = problem_for(recording, 20, Limits(), timed=timed)
+    curved = first_draft(problem.recording, 20, [], timed=timed)
+    straight = straight_draft(recording, douglas_peucker(recording.north_east_m, 20))
+    return problem, [FirstDraft(curved, {}), FirstDraft(straight, {})]
+
+
+def test_no_start_is_better_than_what_is_found() -> None:
+    """Speeds set and places moved, the objective is below that of every start."""
+    for timed in (True, False):
+        problem, starts = problem_and_starts(timed=timed)
+        best, _ = search(problem, starts, Budget(60, lambda done, total: None))
+        assert best.objective_m < min(problem.evaluate(start.draft).objective_m for start in starts)
+
+
+def test_a_search_says_why_it_stopped() -> None:
+    """It ends when its flights are spent, or when no step is worth taking."""
+    problem, starts = problem_and_starts(timed=True)
+    assert "enough" in search(problem, starts[:1], Budget(1, lambda done, total: None))[1]
+    assert "gained" in search(problem, starts[:1], Budget(10_000, lambda done, total: None))[1]

@@ -19,27 +19,26 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import RECORDED, Recorded, home_of
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.knot_placement import first_draft, waypoints_needed
+from flight_replay.planning.fit.knot_placement import first_draft
+from flight_replay.planning.fit.knot_selection import select_waypoints
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
-from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
+from flight_replay.planning.fit.objective import Evaluation
+from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack, flat_frame, hovers, local_track
 from flight_replay.planning.fit.result import FitResult, lag_notes
-from flight_replay.planning.fit.search import FitProblem, search
+from flight_replay.planning.fit.search import search
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.spacing import MAX_POINTS, decimate
 from flight_replay.simulator.dynamics.limits import Limits
 
 WORK_FIXES = 1000
 """Fixes that the search looks at; the errors of the answer are those of all fixes."""
-RIVAL_FLIGHTS = 2
-"""Flights in the model for each of the classic routes that the fit has to beat."""
 _HOVER_SHARE = 3
 # Durations of flights, and the steps of the model that can be afforded for each.
-_STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.025, 0.05, 0.05, 0.1))
-_WORK_S = 7000.0
-"""Seconds of flight that the search may simulate, unless that is less than ``_FEWEST_FLIGHTS`` flights."""
-_FEWEST_FLIGHTS, _MOST_FLIGHTS = 5, 24
-_SMOOTHING = 0.02
+_STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
+_WORK_STEPS, _WORK_STEPS_A_FIX = 600_000, 30
+"""Steps of the model that the search may take, and more for each fix."""
+_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 120
 
 ProgressCallback = Callable[[int, int], None]
 
@@ -73,10 +72,12 @@ def fit(  # noqa: PLR0913
     recording = local_track(flown, None if altitude_m == RECORDED else float(altitude_m))
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = problem_for(recording, max_points, limits or Limits(), timed=timed)
-    drafts = _drafts(problem, recording, flown, max_points)
+    starts = _starts(problem, recording, flown, max_points)
     if speed_m_s is not None and speed_m_s != RECORDED:
-        drafts = [replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:])) for draft in drafts]
-    best = _best(problem, drafts, progress or (lambda done, total: None))
+        starts = [replace(start, draft=_with_first_speed(start.draft, speed_m_s)) for start in starts]
+    budget = _budget(problem, len(flown), progress or (lambda done, total: None))
+    best, stopped = search(problem, starts, budget)
+    notes = (*notes, f"Fitted in {budget.spent:.0f} simulated flights: {stopped}.")
     if timed:
         notes = (*notes, *lag_notes(best, problem.recording))
     return _result(best, flown, recording, notes)
@@ -90,39 +91,31 @@ def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed
     return FitProblem(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
 
 
-def _drafts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points: int) -> list[Draft]:
-    """Where to begin: splines where they are wanted, and straight legs as the classic reducers have them."""
+def _budget(problem: FitProblem, fixes: int, progress: ProgressCallback) -> Budget:
+    steps_a_flight = max(problem.recording.time_s[-1], 1.0) / problem.step_s
+    flights = (_WORK_STEPS + _WORK_STEPS_A_FIX * fixes) / steps_a_flight
+    return Budget(int(np.clip(flights, _FEWEST_FLIGHTS, _MOST_FLIGHTS)), progress)
+
+
+def _with_first_speed(draft: Draft, speed_m_s: float) -> Draft:
+    return replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:]))
+
+
+def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points: int) -> list[FirstDraft]:
+    """What the search begins with: waypoints where they are missed most, evenly, and the classic way."""
     last = len(recording) - 1
     if last == 0 or max_points < 2:
-        return [straight_draft(recording, np.array([last]))]
+        return [FirstDraft(straight_draft(recording, np.array([last])), {})]
+    selected = select_waypoints(problem, max_points)
+    even = first_draft(problem.recording, len(selected.draft), problem.hovers, timed=problem.timed)
+    waits = np.flatnonzero(even.hold_s[1:] > 0) + 1
     line = np.column_stack([recording.north_east_m, recording.up_m])
-    places = waypoints_needed(problem.recording, max_points, problem.hovers, timed=problem.timed)
     return [
-        first_draft(problem.recording, places, problem.hovers, timed=problem.timed),
-        straight_draft(recording, douglas_peucker(line, max_points)),
-        straight_draft(recording, decimate(flown, max_points=max_points)),
+        selected,
+        FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0))),
+        FirstDraft(straight_draft(recording, douglas_peucker(line, max_points)), {}),
+        FirstDraft(straight_draft(recording, decimate(flown, max_points=max_points)), {}),
     ]
-
-
-def _best(problem: FitProblem, drafts: list[Draft], progress: ProgressCallback) -> Evaluation:
-    """The best evaluation that comes of the first draft, or of one of its rivals."""
-    flights = int(np.clip(_WORK_S / max(problem.recording.time_s[-1], 1.0), _FEWEST_FLIGHTS, _MOST_FLIGHTS))
-    total, done = flights + RIVAL_FLIGHTS * (len(drafts) - 1), 0
-
-    def tick() -> None:
-        nonlocal done
-        done += 1
-        progress(done, total)
-
-    best = search(problem, drafts[0], smoothing=_SMOOTHING, flights=flights, tick=tick)
-    for rival in drafts[1:]:
-        if objective_lower_bound_m(rival, problem.recording) >= best.objective_m:
-            done += RIVAL_FLIGHTS
-            progress(done, total)
-        else:
-            found = search(problem, rival, smoothing=_SMOOTHING, flights=RIVAL_FLIGHTS, tick=tick)
-            best = min(best, found, key=lambda evaluation: evaluation.objective_m)
-    return best
 
 
 def _result(best: Evaluation, flown: Track, recording: LocalTrack, notes: tuple[str, ...]) -> FitResult:
@@ -131,7 +124,7 @@ def _result(best: Evaluation, flown: Track, recording: LocalTrack, notes: tuple[
     mission = best.draft.mission(flat).with_home(home_of(flown))
     path = planned_path(mission, frame)
     fixes_m = flown.north_east_m(frame)
-    air = best.flown
+    air = best.flight
     air_m = frame.to_metres(*flat.to_degrees(air.place_m[:, :2]))
     return FitResult(
         mission=mission,

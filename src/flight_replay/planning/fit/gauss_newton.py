@@ -33,7 +33,9 @@ class Residuals:
 def gauss_newton_step(
     draft: Draft, residuals: list[Residuals], smoothing: Floats | float, gain: float = 1.0
 ) -> Draft:
-    """The draft whose inner places make the residuals smallest in the least-squares sense; the ends stay.
+    """The draft whose inner places make the residuals smallest in the least-squares sense.
+
+    The ends stay.
 
     Args:
         draft: at least two places.

@@ -15,7 +15,7 @@ from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
-from flight_replay.planning.fit.objective import match_to_plan
+from flight_replay.planning.fit.objective import directions, match_to_plan
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
 ROUNDS = 4
@@ -26,8 +26,6 @@ _LATE_SHARE = 0.15
 _EAGERNESS = 0.2
 _LEAST_ERROR_SHARE = 0.05
 _SETTLE_HOLD_S = 1.0
-_ROUGH_FIXES = 400
-_AS_GOOD, _NO_WORSE_M, _MORE, _WORTH_FEWER = 1.1, 0.05, 1.5, 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,35 +71,6 @@ def first_draft(recording: LocalTrack, places: int, hovers: list[Hover], *, time
     return best[1]
 
 
-def waypoints_needed(recording: LocalTrack, most: int, hovers: list[Hover], *, timed: bool) -> int:
-    """How many places, at most ``most``, do as well as ``most`` would: within a tenth and 5 cm."""
-    rough = recording.thinned(_ROUGH_FIXES)
-    if len(rough) < len(recording):
-        hovers = [_moved(hover, recording, rough) for hover in hovers]
-    progress = _Progress.of(rough, hovers)
-    fixed = np.array([progress.share[hover.first] for hover in hovers])
-
-    def error_m(places: int) -> float:
-        free = np.linspace(0.0, progress.share[-1], max(2, places - len(hovers)))
-        draft, knots = _drafted(progress, free, fixed)
-        error = _moved_to_fixes(draft, progress, knots, timed=timed)[1]
-        return float(np.sqrt((error**2).mean()))
-
-    least = min(most, len(hovers) + 2)
-    enough_m = _AS_GOOD * error_m(most) + _NO_WORSE_M
-    while least < _WORTH_FEWER * most:
-        if error_m(least) <= enough_m:
-            return least
-        least = min(most, int(np.ceil(least * _MORE)))
-    return most
-
-
-def _moved(hover: Hover, recording: LocalTrack, rough: LocalTrack) -> Hover:
-    """The hover in the fixes that are left of the recording."""
-    first, last = np.searchsorted(rough.time_s, recording.time_s[[hover.first, hover.last]])
-    return Hover(int(first), int(min(last, len(rough) - 1)), hover.seconds)
-
-
 def _drafted(progress: _Progress, free: Floats, fixed: Floats) -> tuple[Draft, Floats]:
     """Least-squares places for knots at given progress; returns them with the knots' progress."""
     order = np.argsort(np.append(free, fixed), kind="stable")
@@ -125,11 +94,13 @@ def _moved_to_fixes(draft: Draft, progress: _Progress, knots: Floats, *, timed: 
     """The draft moved towards the fixes beside its path, and the error (n,) that remains at each fix."""
     recording = progress.recording
     for _ in range(2):
-        leg, part, off, direction = match_to_plan(draft, recording)
-        residuals = [Residuals(leg, part, direction, off, np.ones(len(off)))]
+        there, _ = match_to_plan(draft, recording)
+        residuals = [
+            Residuals(there.leg, there.part, directions(draft, there), there.off_m, np.ones(len(recording)))
+        ]
         draft = gauss_newton_step(draft, residuals, FIRST_SMOOTHING)
-    leg, part, off, _ = match_to_plan(draft, recording)
-    error = np.linalg.norm(off, axis=1)
+    there, _ = match_to_plan(draft, recording)
+    leg, part, error = there.leg, there.part, there.apart_m
     if not timed:
         return draft, error
     steps = np.diff(draft.places_m[:, :2], axis=0, prepend=draft.places_m[:1, :2])

@@ -3,16 +3,17 @@
 The objective, in metres, smaller is better:
 
     path error, flown
-    + PLAN_SHARE x path error, planned
+    + plan share x path error, planned
     + TIME_SHARE x mean position error, flown
 
-"Flown" is what the model of ArduCopter predicts, "planned" the path on paper, both matched in order
-to all fixes. A path error is the power mean of all fixes' distances with exponent 4, so that no fix
-is left far off: one at 2 m counts as much as sixteen at 1 m. The planned part keeps the route true
-for vehicles that fly with other gains or in wind. ``TIME_SHARE`` is the trade between space and
-time: eleven metres behind the recorded vehicle cost as much as one metre beside the track, so
-corners that the vehicle can only crawl around are flown rounder. Where the recorded speed is not
-asked for, only being late counts.
+"Flown" is what the model of ArduCopter predicts, "planned" the path on paper. A path error counts both
+ways, half and half: from every fix to the path, matched in order, and from every part of the path
+back to the recorded line, so that an overshoot costs what it looks like. It is the power mean of
+those distances with exponent 4, so that nothing is left far off: one point at 2 m counts as much as
+sixteen at 1 m. The planned part keeps the route true for vehicles that fly with other gains or in
+wind. ``TIME_SHARE`` is the trade between space and time: seven metres behind the recorded vehicle
+cost as much as one metre beside the track. Where the recorded speed is not asked for, only being
+late counts.
 """
 
 from __future__ import annotations
@@ -20,108 +21,142 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.matching import match_in_order
-from flight_replay.geometry.polyline import lengths_along_m, segment_lengths_m
+from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
-PLAN_SHARE = 0.7
+PLAN_SHARE, TIMED_PLAN_SHARE = 1.0, 0.3
+"""Where the recorded speed is kept, the planned path has to lead the vehicle, which swings out of curves."""
 TIME_SHARE = 0.15
 CURVE_TOLERANCE_M = 0.02
 """How well curves are drawn while fitting; the planned error of the answer is measured finer."""
-_FLOWN_SPACING_M = 0.25
+_SPACING_M = 0.25
+_BACK_SPACING_M = 0.5
 _PIECE_M = 1.0
 _NUDGE = 0.01
+_WINDOW_FIXES = 4
+"""A point of the path that lies between two fixes in order is compared with the line so many fixes around."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Offsets:
+    """Vectors ``off_m`` (m, 2) from m points of a path to the recording, and where those points are.
+
+    ``leg`` (m,) is the place that each is on the way to, ``part`` (m,) how far, 0 to 1 in the curve's own
+    parameter, of the planned path.
+    """
+
+    leg: Indices
+    part: Floats
+    off_m: Floats
+
+    @property
+    def apart_m(self) -> Floats:
+        """Lengths (m,) of the vectors."""
+        return np.asarray(np.linalg.norm(self.off_m, axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evaluation:
     """A draft as the model flies it, against the recording's n fixes.
 
-    ``leg`` and ``part`` (n,) say where the planned path has each fix: on the way to which place, and
-    how far, 0 to 1 in the curve's own parameter. ``planned_off_m`` and ``flown_off_m`` (n, 2) point
-    from the path to the fix, ``direction`` (n, 2) along the planned path. ``flown_s`` (n,) is when the
-    vehicle flies by, ``late_m`` (n,) the position error that counts.
+    ``planned`` and ``flown`` are each the offsets of both ways: of the fixes, and of the path's own points.
+    ``flown_s`` (n,) is when the vehicle flies by each fix, ``late_m`` (n,) the position error that counts.
     """
 
-    flown: SimulatedDraft
-    leg: NDArray[np.intp]
-    part: Floats
-    planned_off_m: Floats
-    direction: Floats
-    flown_off_m: Floats
+    flight: SimulatedDraft
+    planned: tuple[Offsets, Offsets]
+    flown: tuple[Offsets, Offsets]
     flown_s: Floats
     late_m: Floats
+    plan_share: float
 
     @property
     def draft(self) -> Draft:
         """What was flown."""
-        return self.flown.draft
+        return self.flight.draft
 
     @property
     def passed_s(self) -> Floats:
         """When each place was reached, counted from the first."""
-        return self.flown.passed_s
+        return self.flight.passed_s
 
     @property
     def objective_m(self) -> float:
         """The number that the fit makes small; see the module."""
-        flown, planned = _power_mean_m(self.flown_off_m), _power_mean_m(self.planned_off_m)
-        return flown + PLAN_SHARE * planned + TIME_SHARE * float(self.late_m.mean())
+        planned, flown = path_error_m(self.planned), path_error_m(self.flown)
+        return flown + self.plan_share * planned + TIME_SHARE * float(self.late_m.mean())
 
 
-def objective_lower_bound_m(draft: Draft, recording: LocalTrack) -> float:
+def path_error_m(both_ways: tuple[Offsets, Offsets]) -> float:
+    """Power mean with exponent 4 of distances, both ways alike."""
+    return float(np.mean([(offsets.apart_m**4).mean() for offsets in both_ways]) ** 0.25)
+
+
+def objective_lower_bound_m(draft: Draft, recording: LocalTrack, *, timed: bool) -> float:
     """What the objective of a draft comes to at least, by its planned path alone."""
-    return PLAN_SHARE * _power_mean_m(match_to_plan(draft, recording)[2])
+    return _plan_share(timed=timed) * path_error_m(match_to_plan(draft, recording))
 
 
-def _power_mean_m(off_m: Floats) -> float:
-    """Power mean with exponent 4 of the lengths of vectors (n, 2)."""
-    return float(((off_m**2).sum(axis=1) ** 2).mean() ** 0.25)
-
-
-def evaluate(flown: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> Evaluation:
+def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> Evaluation:
     """Compare a flight in the model with what it ought to follow.
 
     Args:
-        flown: in the metres of the recording.
+        flight: in the metres of the recording.
         recording: at least one fix.
         timed: whether being early counts.
     """
-    late_m = _late_m(flown, recording)
-    leg, part, planned_off, direction = match_to_plan(flown.draft, recording)
-    flown_s, flown_off = _match_to_flight(flown.time_s, flown.place_m[:, :2], recording)
-    return Evaluation(
-        flown=flown,
-        leg=leg,
-        part=part,
-        planned_off_m=planned_off,
-        direction=direction,
-        flown_off_m=flown_off,
-        flown_s=flown_s,
-        late_m=late_m if timed else np.where(flown_s > recording.time_s, late_m, 0.0),
-    )
+    planned = match_to_plan(flight.draft, recording)
+    flown_s, flown = _match_to_flight(flight, recording, planned[0])
+    late_m = _late_m(flight, recording)
+    if not timed:
+        late_m = np.where(flown_s > recording.time_s, late_m, 0.0)
+    return Evaluation(flight, planned, flown, flown_s, late_m, _plan_share(timed=timed))
 
 
-def match_to_plan(draft: Draft, recording: LocalTrack) -> tuple[NDArray[np.intp], Floats, Floats, Floats]:
-    """Where the planned path has every fix: leg, part of it, vector from there to the fix, direction."""
+def _plan_share(*, timed: bool) -> float:
+    return TIMED_PLAN_SHARE if timed else PLAN_SHARE
+
+
+def match_to_plan(draft: Draft, recording: LocalTrack) -> tuple[Offsets, Offsets]:
+    """The offsets of the fixes from the planned path, and those of the planned path from the fixes' line."""
     path = draft.path(CURVE_TOLERANCE_M)
-    foot, piece, share = _matched_points(recording.north_east_m, path.north_east_m)
-    leg = path.seq[np.minimum(piece + 1, len(path.seq) - 1)]
+    line = path.north_east_m
+    foot, piece, share = _matched_points(recording.north_east_m, line)
     counts = np.bincount(path.seq, minlength=len(draft))
     begins = np.cumsum(counts) - counts
-    part = np.clip((piece + 1 - begins[leg] + share) / np.maximum(counts[leg], 1), 0.0, 1.0)
-    rows = weights(draft, leg, np.minimum(part + _NUDGE, 1.0)) - weights(
-        draft, leg, np.maximum(part - _NUDGE, 0.0)
+    # Point p of the path is the end of step p - begins of its leg.
+    progress = path.seq + np.clip((np.arange(len(line)) + 1 - begins[path.seq]) / counts[path.seq], 0.0, 1.0)
+    ends = np.minimum(piece + 1, len(line) - 1)
+    here = np.where(path.seq[ends] == path.seq[piece], progress[piece], path.seq[ends])
+    here = here + share * (progress[ends] - here)
+    marks, at = _points_along(line, _BACK_SPACING_M)
+    order = np.maximum.accumulate(here)
+    mark_progress = np.interp(at, np.arange(len(line)), progress)
+    back = _offsets_back(marks, np.searchsorted(order, mark_progress), recording)
+    return (
+        Offsets(*_leg_and_part(here, len(draft)), recording.north_east_m - foot),
+        Offsets(*_leg_and_part(mark_progress, len(draft)), back),
     )
+
+
+def directions(draft: Draft, offsets: Offsets) -> Floats:
+    """Unit vectors (m, 2) along the planned path at the points of some offsets."""
+    ahead, behind = np.minimum(offsets.part + _NUDGE, 1.0), np.maximum(offsets.part - _NUDGE, 0.0)
+    rows = weights(draft, offsets.leg, ahead) - weights(draft, offsets.leg, behind)
     direction = rows @ draft.places_m[:, :2]
-    direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9)
-    return leg, part, recording.north_east_m - foot, direction
+    return np.asarray(direction / np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9))
+
+
+def _leg_and_part(progress: Floats, legs: int) -> tuple[Indices, Floats]:
+    """Legs and parts of them from both together."""
+    leg = np.clip(np.ceil(progress).astype(np.intp) - 1, 0, legs - 1)
+    return leg, np.clip(progress - leg, 0.0, 1.0)
 
 
 def _late_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
@@ -133,18 +168,51 @@ def _late_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
     return np.asarray(np.hypot(*off))
 
 
-def _match_to_flight(time_s: Floats, flown_m: Floats, recording: LocalTrack) -> tuple[Floats, Floats]:
-    """When the vehicle flies by every fix, and the vector from there to the fix."""
-    along = lengths_along_m(flown_m)
-    marks = np.unique((along / _FLOWN_SPACING_M).astype(np.intp), return_index=True)[1]
-    keep = np.unique(np.append(marks, len(along) - 1))
-    foot, piece, share = _matched_points(recording.north_east_m, flown_m[keep])
-    times = time_s[keep]
+def _match_to_flight(
+    flight: SimulatedDraft, recording: LocalTrack, planned: Offsets
+) -> tuple[Floats, tuple[Offsets, Offsets]]:
+    """When the vehicle flies by every fix, and the offsets of both ways.
+
+    A point of the flight belongs to where the plan has the fixes that the vehicle flies by there.
+    """
+    line, at = _points_along(flight.place_m[:, :2], _SPACING_M)
+    times = np.interp(at, np.arange(len(flight.time_s)), flight.time_s)
+    foot, piece, share = _matched_points(recording.north_east_m, line)
     ends = np.minimum(piece + 1, len(times) - 1)
-    return times[piece] + share * (times[ends] - times[piece]), recording.north_east_m - foot
+    flown_s = times[piece] + share * (times[ends] - times[piece])
+    every = round(_BACK_SPACING_M / _SPACING_M)
+    order = np.maximum.accumulate(flown_s)
+    back = _offsets_back(line[::every], np.searchsorted(order, times[::every]), recording)
+    progress = np.maximum.accumulate(planned.leg + planned.part)
+    rising_s = order + 1e-6 * np.arange(len(order))
+    where = _leg_and_part(np.interp(times[::every], rising_s, progress), len(flight.draft))
+    there = Offsets(planned.leg, planned.part, recording.north_east_m - foot)
+    return flown_s, (there, Offsets(*where, back))
 
 
-def _matched_points(fixes_m: Floats, line_m: Floats) -> tuple[Floats, NDArray[np.intp], Floats]:
+def _points_along(line_m: Floats, spacing_m: float) -> tuple[Floats, Floats]:
+    """Points (k, 2) evenly along a line (m, 2), and the index of each in the line, with its fraction."""
+    along = lengths_along_m(line_m)
+    marks = np.linspace(0.0, along[-1], max(2, int(along[-1] / spacing_m) + 1))
+    at = np.interp(marks, along, np.arange(len(along)))
+    return np.column_stack([np.interp(marks, along, column) for column in line_m.T]), at
+
+
+def _offsets_back(points_m: Floats, following: Indices, recording: LocalTrack) -> Floats:
+    """Vectors (k, 2) from points to the recorded line near the fixes (k,) that follow each in order."""
+    fixes = recording.north_east_m
+    if len(fixes) == 1:
+        return np.asarray(fixes - points_m)
+    around = following[:, None] + np.arange(-_WINDOW_FIXES - 1, _WINDOW_FIXES)
+    around = np.clip(around, 0, len(fixes) - 2)
+    start, step = fixes[around], fixes[around + 1] - fixes[around]
+    share, apart = nearest_on_segments(points_m[:, None], start, step)
+    nearest = apart.argmin(axis=1)
+    row = np.arange(len(points_m))
+    return np.asarray(start[row, nearest] + share[row, nearest, None] * step[row, nearest] - points_m)
+
+
+def _matched_points(fixes_m: Floats, line_m: Floats) -> tuple[Floats, Indices, Floats]:
     """Matched places (n, 2) on a line, the piece of each, and how far along the piece, 0 to 1."""
     match = match_in_order(fixes_m, line_m, _PIECE_M)
     lengths = segment_lengths_m(line_m)

@@ -12,10 +12,10 @@ from flight_replay.geometry.polyline import nearest_on_segments, segment_lengths
 from flight_replay.logs.track import Track
 from flight_replay.planning.altitude import home_of, plausible_altitudes_m
 
-HOVER_RADIUS_M = 0.6
-"""A vehicle that hovers wanders about as far, by its own GPS."""
-SHORTEST_HOVER_S = 20.0
-"""Shorter pauses are flown slowly: stops bind the curves around them, and starting again takes its time."""
+HOVER_RADIUS_M = 0.3
+"""A vehicle that hovers wanders about as far in some seconds; farther, it was on its way."""
+SHORTEST_HOVER_S = 5.0
+"""Shorter pauses are flown slowly: to brake, wait and start again takes ArduCopter as long."""
 
 _MOST_CORNERS = 4000
 
@@ -42,6 +42,8 @@ class LocalTrack:
 
     def nearest_m(self, places_m: Floats) -> Floats:
         """The points (m, 2) of the line through the fixes that are nearest to places (m, 2)."""
+        if len(self) == 1:
+            return np.repeat(self.north_east_m, len(places_m), axis=0)
         corners = self.thinned(_MOST_CORNERS).north_east_m
         start, step = corners[:-1], np.diff(corners, axis=0)
         found = np.empty_like(places_m)

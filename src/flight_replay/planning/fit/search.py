@@ -1,144 +1,105 @@
-"""From a first draft to the best: fly it in the model, move its places, set its speeds, again and again."""
+"""From first drafts to the best: set the speeds, move the places, and again, while that gains something.
+
+A round moves the places at the speeds there are, and then sets the speeds anew. Every start has
+its first round; the best goes on.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step, with_fitted_heights
-from flight_replay.planning.fit.objective import PLAN_SHARE, Evaluation, evaluate, match_to_plan
-from flight_replay.planning.fit.reference import Hover, LocalTrack
-from flight_replay.planning.fit.simulated_draft import ChooseSpeed, simulate_draft
-from flight_replay.planning.fit.speed_schedule import SpeedSchedule, speed_caps_m_s, without_small_changes
-from flight_replay.simulator.dynamics.limits import Limits
-from flight_replay.simulator.flight.copter import STEP_S
+from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
+from flight_replay.planning.fit.place_moves import shaped, stepped
+from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
+from flight_replay.planning.fit.reference import Hover
+from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, schedule, speed_caps_m_s, with_speeds
+from flight_replay.planning.fit.speed_search import SpeedSearch
 
-CORRIDOR_M = 4.0
-"""No waypoint is farther from the recording."""
-_GAIN = 0.6
-_MIN_SMOOTHING = 0.003
-_LEG_S = 1.4
-_SHAPING_SHARE = 0.6
-_FINER = 0.4
-"""Where time counts, the last flights of the search leave the places alone and correct the speeds."""
-# Fixes weigh as the fourth power in the objective has it, and the planned path as much as the flown
-# one; both less where that would cost time.
-_WEIGHT_POWER, _TIMED_WEIGHT_POWER = 2.0, 1.0
-_MIN_WEIGHT, _MAX_WEIGHT = 0.5, 5.0
+_STEPS = 4
+TIMED_FLIGHTS = 6.5
+"""A pass over the speeds costs about as many flights: each leg is flown several times."""
+ROUND_FLIGHTS = TIMED_FLIGHTS + _STEPS
+STEP_FLIGHTS = TIMED_FLIGHTS
+_LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
+_WORTH_GOING_ON = 0.01
+_HOPELESS = 1.5
+"""A start so many times worse than the best does not get a round."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FitProblem:
-    """What to fit: the recording, its hovers, and what the vehicle may do.
+class _State:
+    """Where a search is: the last round's outcome, and the best so far."""
 
-    ``timed`` says whether the recorded speed is to be kept; ``step_s`` is the step of the model.
-    """
-
-    recording: LocalTrack
-    hovers: list[Hover]
-    limits: Limits
-    timed: bool
-    step_s: float
-
-    def evaluate(self, draft: Draft, choose: ChooseSpeed | None = None) -> Evaluation:
-        """How a draft is flown, with its own speeds or with those that ``choose`` sets as legs begin."""
-        air = simulate_draft(draft, self.limits, self.step_s, choose, self.recording.home_amsl_m)
-        return evaluate(air, self.recording, timed=self.timed)
+    last: Evaluation
+    best: Evaluation
+    hovers: dict[int, Hover]
 
 
-def search(
-    problem: FitProblem, draft: Draft, *, smoothing: float, flights: int, tick: Callable[[], None]
-) -> Evaluation:
-    """The best of the drafts that the search passes from ``draft`` on.
-
-    Args:
-        problem: what to fit.
-        draft: where to begin.
-        smoothing: weight against places that ask for sudden turns.
-        flights: how many flights in the model.
-        tick: called after each.
-    """
-    best = last = problem.evaluate(_at_highest_speeds(problem, draft) if problem.timed else draft)
-    schedule = _schedule(problem, last) if problem.timed else None
-    for flight in range(1, flights):
-        tick()
-        if schedule is not None and flight == round(_SHAPING_SHARE * flights):
-            # Speeds are corrected in finer steps: coarse ones are early by a second in ten minutes.
-            problem = replace(problem, step_s=max(STEP_S, _FINER * problem.step_s))
-            last = best = problem.evaluate(best.draft)
-        draft = last.draft
-        if schedule is None or flight < _SHAPING_SHARE * flights:
-            draft = _moved_to_fixes(problem, draft, last, _smoothing_weights(problem, last, smoothing))
-        if schedule is not None:
-            draft = schedule.plan(last, draft)
-        last = problem.evaluate(draft, schedule.choose if schedule else None)
-        if schedule is not None:
-            schedule.learn(last.flown)
-        if last.objective_m < best.objective_m:
-            best = last
-    tick()
-    return best
+def search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tuple[Evaluation, str]:
+    """The best draft that comes of some starts, and why the search stopped, in words."""
+    state = _begun(problem, starts[0], budget)
+    for start in starts[1:]:
+        least_m = objective_lower_bound_m(start.draft, problem.recording, timed=problem.timed)
+        if least_m < state.best.objective_m and budget.affords(ROUND_FLIGHTS):
+            rival = _begun(problem, start, budget, state.best.objective_m)
+            state = min(state, rival, key=lambda each: each.best.objective_m)
+    while True:
+        before_m = state.best.objective_m
+        best, stopped = _refined(problem, state, budget)
+        state = _State(best, best, state.hovers)
+        if not budget.affords(ROUND_FLIGHTS):
+            break
+        state = _round(problem, state, budget)
+        if state.best.objective_m > (1 - _WORTH_GOING_ON) * before_m:
+            stopped = f"the last steps gained less than {100 * _WORTH_GOING_ON:.0f} %"
+            break
+    budget.finish()
+    return state.best, stopped
 
 
-def _at_highest_speeds(problem: FitProblem, draft: Draft) -> Draft:
-    """The draft at about the highest speeds worth asking for."""
-    return replace(draft, speed_m_s=np.append(np.nan, without_small_changes(_caps_m_s(problem, draft)[1:])))
+def _refined(problem: FitProblem, state: _State, budget: Budget) -> tuple[Evaluation, str]:
+    """The best of small rounds of one step each, longer or shorter as they succeed; and why they end."""
+    best, gain = state.best, 1.0
+    while gain >= _LEAST_GAIN:
+        if not budget.affords(STEP_FLIGHTS):
+            return best, "so many flights are enough for a recording of this length"
+        trial = _timed(problem, stepped(problem, best, state.hovers, gain), state.hovers, budget)
+        if trial.objective_m < best.objective_m:
+            best, gain = trial, min(1.0, _MORE * gain)
+        else:
+            gain *= _LESS
+    return best, "no step makes it better"
 
 
-def _caps_m_s(problem: FitProblem, draft: Draft) -> Floats:
-    leg = match_to_plan(draft, problem.recording)[0]
-    return speed_caps_m_s(leg, len(draft), problem.recording)
+def _begun(problem: FitProblem, start: FirstDraft, budget: Budget, rival_m: float | None = None) -> _State:
+    """A start with its speeds set, and after a first round unless it is much worse than a rival."""
+    first = _timed(problem, start.draft, start.hovers, budget)
+    state = _State(first, first, start.hovers)
+    if rival_m is not None and first.objective_m > _HOPELESS * rival_m:
+        return state
+    return _round(problem, state, budget) if budget.affords(ROUND_FLIGHTS) else state
 
 
-def _schedule(problem: FitProblem, fastest: Evaluation) -> SpeedSchedule:
-    """What sets the speeds, knowing how long legs take at least."""
-    draft = fastest.draft
-    places = np.flatnonzero(draft.hold_s[1:] > 0) + 1
-    waits = dict(zip(places.tolist(), problem.hovers, strict=len(places) > 0))
-    least_s = np.diff(fastest.passed_s, prepend=0.0) - np.append(0.0, draft.hold_s[1:])
-    return SpeedSchedule(problem.recording, waits, least_s, _caps_m_s(problem, draft))
+def _round(problem: FitProblem, state: _State, budget: Budget) -> _State:
+    moved = shaped(problem, state.last, state.hovers, _STEPS, budget)
+    timed = _timed(problem, moved.draft, state.hovers, budget) if problem.timed else moved
+    return _State(timed, min(state.best, moved, timed, key=lambda each: each.objective_m), state.hovers)
 
 
-def _smoothing_weights(problem: FitProblem, last: Evaluation, smoothing: float) -> Floats:
-    """Weights (n - 3,) against unevenness: where legs are short in time, uneven places mean jerks."""
-    if not problem.timed or len(last.draft) < 4:
-        return np.full(max(len(last.draft) - 3, 0), _MIN_SMOOTHING)
-    legs_s = np.diff(last.passed_s)
-    three_s = np.convolve(legs_s, np.ones(3) / 3, "valid")
-    return np.asarray(_MIN_SMOOTHING + smoothing * np.minimum(1.0, (_LEG_S / np.maximum(three_s, 0.1)) ** 6))
-
-
-def _moved_to_fixes(problem: FitProblem, draft: Draft, last: Evaluation, smoothing: Floats) -> Draft:
-    """The draft moved so that both what is flown and what is planned come nearer to the fixes."""
-    if len(draft) < 2:
-        return draft
-    power, plan_share = (_TIMED_WEIGHT_POWER, PLAN_SHARE) if problem.timed else (_WEIGHT_POWER, 1.0)
-    residuals = [
-        Residuals(last.leg, last.part, last.direction, off_m, share * _residual_weights(off_m, power))
-        for off_m, share in ((last.flown_off_m, 1.0), (last.planned_off_m, plan_share))
-    ]
-    moved = _kept_in_corridor(gauss_newton_step(draft, residuals, smoothing, _GAIN), problem.recording)
-    if np.ptp(problem.recording.up_m) > 0:
-        moved = with_fitted_heights(moved, last.leg, last.part, problem.recording.up_m)
-    return moved
-
-
-def _kept_in_corridor(draft: Draft, recording: LocalTrack) -> Draft:
-    """The draft with no place farther from the recording than ``CORRIDOR_M``."""
-    places = draft.places_m.copy()
-    feet = recording.nearest_m(places[:, :2])
-    off = places[:, :2] - feet
-    apart = np.linalg.norm(off, axis=1, keepdims=True)
-    places[:, :2] = feet + off * np.minimum(1.0, CORRIDOR_M / np.maximum(apart, 1e-9))
-    return replace(draft, places_m=places)
-
-
-def _residual_weights(off_m: Floats, power: float) -> Floats:
-    """Weights (n,) that grow with the distance, so that no fix is left far from the path."""
-    apart = np.linalg.norm(off_m, axis=1)
-    usual = np.sqrt((apart**2).mean())
-    return np.asarray(np.clip(apart / max(usual, 1e-6), _MIN_WEIGHT, _MAX_WEIGHT) ** power)
+def _timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: Budget) -> Evaluation:
+    """A draft evaluated with the speeds and waits that keep it nearest to the recording's times."""
+    if not problem.timed or len(draft) < 2:
+        budget.spend(1)
+        return problem.evaluate(draft)
+    recording = problem.recording
+    caps = speed_caps_m_s(draft, recording)
+    hurried = replace(draft, hold_s=np.minimum(draft.hold_s, LEAST_HOLD_S))
+    least_s = np.diff(problem.simulate(with_speeds(hurried, caps)).passed_s, prepend=0.0) - hurried.hold_s
+    plan = schedule(draft, hovers, recording, least_s)
+    speeds = SpeedSearch(plan, caps, problem.limits, problem.step_s, recording.home_amsl_m)
+    found = problem.evaluate(with_speeds(plan.draft, speeds.run()))
+    budget.spend(2 + speeds.steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))
+    return found

@@ -1,10 +1,8 @@
-"""A draft flown in the model of ArduCopter, with its speeds set beforehand or chosen on the way."""
+"""A draft flown in the model of ArduCopter."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import overload
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,8 +15,6 @@ from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.mission.local_items import LocalItem
 
-ChooseSpeed = Callable[[int, float], float]
-"""Speed, m/s, for the leg to a place, if that begins at a time, s, since the first place was reached."""
 _LONGEST_S = 100_000.0
 _CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
@@ -36,42 +32,26 @@ class SimulatedDraft:
     passed_s: Floats
 
 
-def simulate_draft(
-    draft: Draft,
-    limits: Limits,
-    step_s: float,
-    choose: ChooseSpeed | None = None,
-    home_amsl_m: float = 0.0,
-) -> SimulatedDraft:
+def simulate_draft(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> SimulatedDraft:
     """Fly a draft that begins above where the vehicle takes off.
 
     Args:
         draft: at least one place.
         limits: what the vehicle may do.
         step_s: duration of the model's steps.
-        choose: sets the speed of every leg at the moment that it begins; the draft's own speeds if
-            None. The draft that comes back has the speeds that were flown.
         home_amsl_m: the place of take-off above sea level: thin air holds the vehicle back less.
 
     Raises:
         MissionError: the flight does not end.
     """
-    items, seqs = _items(draft, every_speed=choose is not None)
-    copter = _climbing_copter(draft, limits, step_s, home_amsl_m)
-    chosen = draft.speed_m_s.copy()
-    plan: Sequence[LocalItem] = items
-    if choose is not None:
-        plan = _ItemsWithChosenSpeeds(
-            items, seqs, chosen, choose, lambda: _since_first_s(copter, run, seqs[0])
-        )
-    run = copter.start_auto(plan)
+    items, seqs = items_of(draft)
+    copter = climbing_copter(draft, limits, step_s, home_amsl_m)
+    run = copter.start_auto(items)
     rows = _positions_m(copter, run)
-    if choose is not None:
-        chosen[1:][chosen[1:] == np.append(np.nan, chosen[1:-1])] = np.nan
     passed_s = np.array([_reached_s(run.reached, seq) for seq in seqs])
     place_m = np.array(rows[round(passed_s[0] / step_s) :])
     times_s = step_s * np.arange(len(place_m), dtype=float)
-    return SimulatedDraft(replace(draft, speed_m_s=chosen), times_s, place_m, passed_s - passed_s[0])
+    return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0])
 
 
 def _positions_m(copter: Copter, run: MissionRun) -> list[tuple[float, float, float]]:
@@ -85,7 +65,7 @@ def _positions_m(copter: Copter, run: MissionRun) -> list[tuple[float, float, fl
     return rows
 
 
-def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float) -> Copter:
+def climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> Copter:
     """A copter as AUTO finds it: nearly as high as the first place, and slowing down as its controller does.
 
     What is left of the climb when the first leg begins costs that leg some tenths of a second.
@@ -102,45 +82,7 @@ def _climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: f
     )
 
 
-class _ItemsWithChosenSpeeds(Sequence[LocalItem]):
-    """Mission items whose speed changes are chosen as AUTO looks at them; ``chosen`` (n,) keeps the last."""
-
-    def __init__(
-        self,
-        items: list[LocalItem],
-        seqs: list[int],
-        chosen: Floats,
-        choose: ChooseSpeed,
-        now_s: Callable[[], float],
-    ) -> None:
-        self._items = items
-        self._place = {seq - 1: place for place, seq in enumerate(seqs) if place > 0}
-        self._chosen, self._choose, self._now_s = chosen, choose, now_s
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    @overload
-    def __getitem__(self, index: int) -> LocalItem: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[LocalItem]: ...
-    def __getitem__(self, index: int | slice) -> LocalItem | list[LocalItem]:
-        if isinstance(index, slice):
-            return self._items[index]
-        place = self._place.get(index + FIRST_SEQ)
-        if place is None:
-            return self._items[index]
-        self._chosen[place] = speed = round(self._choose(place, self._now_s()), 2)
-        return _speed(index + FIRST_SEQ, speed)
-
-
-def _since_first_s(copter: Copter, run: MissionRun, first_seq: int) -> float:
-    """Seconds since the first place was reached, or 0 before."""
-    reached = [time_s for seq, time_s in run.reached[:2] if seq == first_seq]
-    return copter.time_s - reached[0] if reached else 0.0
-
-
-def _items(draft: Draft, *, every_speed: bool) -> tuple[list[LocalItem], list[int]]:
+def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[list[LocalItem], list[int]]:
     """Mission items with the draft's speed changes, or one before each leg, and the numbers of the places."""
     items: list[LocalItem] = []
     seqs = []

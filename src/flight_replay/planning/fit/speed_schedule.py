@@ -1,142 +1,103 @@
-"""When each place ought to be passed, and the speeds and waits that get the vehicle there at that time.
+"""When each place of a draft ought to be reached, and how long to wait where the recording hovered.
 
-The speeds are chosen in the model's air: as a leg begins, the vehicle is as late or early as it is,
-and the leg's speed makes good a part of that. Being late adds up all the same: a vehicle that
-cannot keep up in one stretch is late in all that follow, unless it was early before or hurries
-after. With the time that each leg takes at least, the lateness that costs the smallest distance in
-time is an isotonic regression: lateness may fall from one place to the next only as fast as the
-vehicle can hurry (Barlow et al., 1972: pool adjacent violators).
+A vehicle that cannot keep up in one stretch is late in all that follow, unless it was early before
+or hurries after. With the time that each leg takes at least, the lateness that costs the smallest
+distance in time is an isotonic regression: lateness may fall from one place to the next only as
+fast as the vehicle can hurry (Barlow et al., 1972: pool adjacent violators).
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats, Indices
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, Evaluation
+from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, match_to_plan
 from flight_replay.planning.fit.reference import Hover, LocalTrack
-from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
 SLOWEST_M_S = 0.25
 """ArduCopter ignores speed changes below 0.2 m/s."""
 FASTEST_M_S = 30.0
-WORTH_A_CHANGE = 1.5
-"""Speeds nearer to each other than this ratio are not worth an item of the mission."""
+LEAST_HOLD_S = 1.0
+_LAG_S = 0.5
+"""The vehicle passes a place so long after its target has reached it."""
+_OFF_S = 0.1
+"""As a hover ends the recorded vehicle has left its circle, ``reference.HOVER_RADIUS_M``, for so long."""
 _SPEED_HEADROOM = 1.5
 _SPEED_HEADROOM_M_S = 1.0
-_RECOVERY_S = 4.0
-_LEAST_SHARE = 0.25
-_SHORTEST_LEG_S = 0.05
-_LEAST_HOLD_S = 1.0
-_LEARNING = 0.6
-_MOST_FACTOR = 3.0
 
 
-class SpeedSchedule:
-    """Chooses speeds as legs begin; ``plan`` sets what it aims at, ``learn`` how legs answer to speeds.
+@dataclass(frozen=True, slots=True, eq=False)
+class Schedule:
+    """When the target ought to leave each place (n,), s from the first; ``draft`` has the waits."""
 
-    Args:
-        recording: whose times count.
-        waits: the hovers by the index of the place that stands for each.
-        least_s: the time that each leg takes at least, waiting not counted (n,).
-        caps_m_s: highest speed worth asking for on each leg (n,).
-    """
-
-    def __init__(
-        self, recording: LocalTrack, waits: dict[int, Hover], least_s: Floats, caps_m_s: Floats
-    ) -> None:
-        self._recording = recording
-        self._waits = waits
-        self._least_s = least_s
-        self._caps_m_s = caps_m_s
-        self._factor = np.ones(len(caps_m_s))
-        self._asked_s = np.zeros(len(caps_m_s))
-        self._speed_m_s = [np.inf] * len(caps_m_s)
-        self._goal_s: Floats = np.zeros(len(caps_m_s))
-        self._arrival_s: Floats = self._goal_s
-        self._length_m: Floats = self._goal_s
-
-    def plan(self, evaluation: Evaluation, draft: Draft) -> Draft:
-        """Aim at when the recording passed the evaluated places; returns ``draft`` with its waits set."""
-        passing_s = self._wanted_passing_s(evaluation)
-        wanted = np.diff(passing_s, prepend=0.0)
-        path = draft.path(CURVE_TOLERANCE_M)
-        steps = np.linalg.norm(np.diff(path.north_east_m, axis=0, prepend=path.north_east_m[:1]), axis=1)
-        steps = np.hypot(steps, np.diff(path.up_m, prepend=path.up_m[0]))
-        self._length_m = np.bincount(path.seq, steps, minlength=len(draft)).astype(float)
-        floor = self._least_s + np.minimum(draft.hold_s, _LEAST_HOLD_S)
-        late = best_lateness_s(wanted, floor, np.maximum(self._length_m, 0.1))
-        self._goal_s = np.maximum.accumulate(passing_s + late)
-        hold = self._holds_s(draft, passing_s)
-        self._arrival_s = self._goal_s - hold
-        return replace(draft, hold_s=hold)
-
-    def choose(self, place: int, now_s: float) -> float:
-        """Speed for the leg to ``place`` if that begins now."""
-        begin_s = self._goal_s[place - 1]
-        nominal_s = max(self._arrival_s[place] - begin_s, _SHORTEST_LEG_S)
-        asked_s = nominal_s - (now_s - begin_s) * min(1.0, nominal_s / _RECOVERY_S)
-        self._asked_s[place] = asked_s = max(asked_s, _LEAST_SHARE * nominal_s)
-        speed = self._factor[place] * self._length_m[place] / asked_s
-        speed = float(min(max(speed, SLOWEST_M_S), self._caps_m_s[place]))
-        before = self._speed_m_s[place - 1]
-        near = max(speed, before) <= WORTH_A_CHANGE * min(speed, before)
-        self._speed_m_s[place] = before if near else speed
-        return self._speed_m_s[place]
-
-    def learn(self, flown: SimulatedDraft) -> None:
-        """Correct the speed of each leg by how much longer than asked for it took."""
-        moving = np.maximum(np.diff(flown.passed_s, prepend=0.0) - flown.draft.hold_s, _SHORTEST_LEG_S)
-        self._least_s = np.where(moving < self._least_s, (self._least_s + moving) / 2, self._least_s)
-        answer = (moving / np.maximum(self._asked_s, _SHORTEST_LEG_S)) ** _LEARNING
-        self._factor = np.clip(self._factor * answer, 1 / _MOST_FACTOR, _MOST_FACTOR)
-
-    def _wanted_passing_s(self, evaluation: Evaluation) -> Floats:
-        """When the recording passed (n,) where the vehicle is as it passes each place."""
-        times = self._recording.time_s
-        flown_s = np.maximum.accumulate(evaluation.flown_s) + 1e-6 * np.arange(len(times))
-        passing = np.interp(evaluation.passed_s, flown_s, times)
-        for place, hover in self._waits.items():
-            passing[place] = times[hover.last]
-        passing[0], passing[-1] = 0.0, times[-1]
-        return np.asarray(np.maximum.accumulate(passing))
-
-    def _holds_s(self, draft: Draft, passing_s: Floats) -> Floats:
-        """Whole seconds to wait: what is left of each hover's leg when the vehicle comes as recorded."""
-        hold = np.array(draft.hold_s)
-        for place, hover in self._waits.items():
-            coming_s = max(self._recording.time_s[hover.first] - passing_s[place - 1], self._least_s[place])
-            hold[place] = max(_LEAST_HOLD_S, round(self._goal_s[place] - self._goal_s[place - 1] - coming_s))
-        return hold
+    draft: Draft
+    leave_s: Floats
 
 
-def speed_caps_m_s(leg: Indices, legs: int, recording: LocalTrack) -> Floats:
-    """Highest speed worth asking for on each leg (legs,): half as fast again as recorded there.
+def schedule(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack, least_s: Floats) -> Schedule:
+    """When to leave each place so that the vehicle is as little late or early as it can be.
 
     Args:
-        leg: which leg each fix of the recording is on.
-        legs: how many legs there are.
+        draft: whose places are to be passed.
+        hovers: the recorded hovers by the place (from 1) at which they are waited for.
         recording: at least one fix.
+        least_s: what each leg takes at least, waiting not counted (n,).
     """
+    wanted_s = _recorded_passing_s(draft, hovers, recording)
+    floor_s = least_s + np.minimum(draft.hold_s, LEAST_HOLD_S)
+    weight = np.maximum(leg_lengths_m(draft), 0.1)
+    late_s = best_lateness_s(np.diff(wanted_s, prepend=0.0), floor_s, weight)
+    leave_s = np.maximum.accumulate(wanted_s + late_s)
+    hold_s = draft.hold_s.copy()
+    for place, hover in hovers.items():
+        come_s = max(float(recording.time_s[hover.first]), leave_s[place - 1] + least_s[place])
+        hold_s[place] = max(LEAST_HOLD_S, np.floor(leave_s[place] - come_s))
+    return Schedule(replace(draft, hold_s=hold_s), leave_s)
+
+
+def _recorded_passing_s(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack) -> Floats:
+    """When the target would pass each place (n,) if the vehicle flew as recorded."""
+    fixes, _ = match_to_plan(draft, recording)
+    progress = np.maximum.accumulate(fixes.leg + fixes.part) + 1e-9 * np.arange(len(recording))
+    passing_s = np.interp(np.arange(1, len(draft) + 1), progress, recording.time_s)
+    for place, hover in hovers.items():
+        passing_s[place] = recording.time_s[hover.last] - _OFF_S
+    passing_s = np.maximum.accumulate(passing_s) - _LAG_S
+    passing_s[0] = 0.0
+    return np.maximum(passing_s, 0.0)
+
+
+def leg_lengths_m(draft: Draft) -> Floats:
+    """Planned lengths (n,) of the legs to a draft's places, over the ground."""
+    path = draft.path(CURVE_TOLERANCE_M)
+    steps = np.append(0.0, segment_lengths_m(path.north_east_m))
+    return np.bincount(path.seq, steps, minlength=len(draft)).astype(float)
+
+
+def speed_caps_m_s(draft: Draft, recording: LocalTrack) -> Floats:
+    """Highest speed worth asking for on each leg (n,): half as fast again as recorded there."""
+    leg = match_to_plan(draft, recording)[0].leg
     speed = recording.speed_m_s
-    caps = np.full(legs, np.nan)
+    caps = np.full(len(draft), np.nan)
     for here in np.unique(leg):
         caps[here] = np.percentile(speed[leg == here], 90)
     caps = np.where(np.isnan(caps), np.nanmax(caps), caps)
     return np.clip(_SPEED_HEADROOM * caps + _SPEED_HEADROOM_M_S, 2 * SLOWEST_M_S, FASTEST_M_S)
 
 
-def without_small_changes(speeds_m_s: Floats) -> Floats:
-    """The speeds (n,) without those so near to the one in force that they need no item; nan stands there."""
-    kept = np.full(len(speeds_m_s), np.nan)
-    in_force = np.inf
-    for i, speed in enumerate(speeds_m_s.tolist()):
-        if max(speed, in_force) > WORTH_A_CHANGE * min(speed, in_force):
-            kept[i] = in_force = speed
-    return kept
+def with_speeds(draft: Draft, speeds_m_s: Floats) -> Draft:
+    """The draft with the speeds (n,) of its legs, but for the first; what goes on as before is not said."""
+    kept = np.full(len(draft), np.nan)
+    in_force = np.nan
+    for place in range(1, len(draft)):
+        speed = round(float(speeds_m_s[place]), 2)
+        if speed != in_force:
+            kept[place] = in_force = speed
+    return replace(draft, speed_m_s=kept)
 
 
 def best_lateness_s(wanted_s: Floats, least_s: Floats, weight: Floats) -> Floats:

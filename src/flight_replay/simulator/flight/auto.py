@@ -53,6 +53,11 @@ class MissionRun:
         return self.steps * self._flight.airframe.dt
 
     @property
+    def seq(self) -> int | None:
+        """Sequence number of the navigation item that is flown; None before the first."""
+        return None if self._item is None else self._item.seq
+
+    @property
     def loitering(self) -> bool:
         """Whether the vehicle loiters at an item that never ends."""
         endless = self._item is not None and self._item.command == Command.LOITER_UNLIMITED

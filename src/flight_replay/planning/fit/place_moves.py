@@ -1,0 +1,127 @@
+"""Moving the places of a draft, its speeds kept: Gauss-Newton steps with a trust region for every place."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step, with_fitted_heights
+from flight_replay.planning.fit.objective import Evaluation, directions, path_error_m
+from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import Hover, LocalTrack
+
+CORRIDOR_M = 4.0
+"""No waypoint is farther from the recording."""
+STOP_CORRIDOR_M = 1.0
+"""A place to wait is no farther from where the recording hovered: enough to make good an overshoot."""
+_SMOOTHING, _MIN_SMOOTHING = 0.02, 0.003
+_LEG_S = 1.4
+"""Where legs are shorter than this in time, uneven places mean jerks."""
+_FIRST_GAIN, _TRUST_MORE, _TRUST_LESS = 0.8, 1.3, 0.5
+_LEAST_SCALE_M = 0.4
+_LEAST_WEIGHT, _MOST_WEIGHT = 0.5, 5.0
+_LEGS_BEFORE, _LEGS_AROUND = 1, 5
+"""A place shapes the leg before its own, its own, and some after it."""
+
+
+def shaped(
+    problem: FitProblem, start: Evaluation, hovers: dict[int, Hover], steps: int, budget: Budget
+) -> Evaluation:
+    """The best by path error of the drafts that ``steps`` steps from ``start`` pass.
+
+    A step that makes the path around a place worse is taken back there, and a shorter one is tried:
+    a draft is better in some places and worse in others after every step.
+    """
+    best, scales = start, tuple(max(error, _LEAST_SCALE_M) for error in _path_errors_m(start))
+    places, moves = start.draft.places_m, _moves_m(problem, start)
+    costs = _costs_around(start, scales)
+    gain = np.full(len(places), _FIRST_GAIN)
+    for _ in range(steps):
+        moved = replace(start.draft, places_m=places + gain[:, None] * moves)
+        trial = problem.evaluate(kept_in_corridor(moved, hovers, problem.recording))
+        budget.spend(1)
+        now = _costs_around(trial, scales)
+        better = now < costs
+        places = np.where(better[:, None], trial.draft.places_m, places)
+        moves = np.where(better[:, None], _moves_m(problem, trial), moves)
+        costs = np.where(better, now, costs)
+        gain = np.where(better, np.minimum(1.0, gain * _TRUST_MORE), gain * _TRUST_LESS)
+        if _path_objective_m(trial) < _path_objective_m(best):
+            best = trial
+    return best
+
+
+def stepped(problem: FitProblem, evaluation: Evaluation, hovers: dict[int, Hover], gain: float) -> Draft:
+    """The draft after one step of its places, of which ``gain`` is taken."""
+    draft = evaluation.draft
+    moved = replace(draft, places_m=draft.places_m + gain * _moves_m(problem, evaluation))
+    return kept_in_corridor(moved, hovers, problem.recording)
+
+
+def _path_errors_m(evaluation: Evaluation) -> tuple[float, float]:
+    return path_error_m(evaluation.flown), path_error_m(evaluation.planned)
+
+
+def _path_objective_m(evaluation: Evaluation) -> float:
+    flown, planned = _path_errors_m(evaluation)
+    return flown + evaluation.plan_share * planned
+
+
+def _costs_around(evaluation: Evaluation, scales_m: tuple[float, ...]) -> Floats:
+    """What the path errors near each place (n,) add to the objective, linear about errors of ``scales_m``."""
+    legs = len(evaluation.draft)
+    cost = np.zeros(legs)
+    kinds = zip((evaluation.flown, evaluation.planned), (1.0, evaluation.plan_share), scales_m, strict=True)
+    for both_ways, share, scale_m in kinds:
+        for offsets in both_ways:
+            total = np.bincount(offsets.leg, offsets.apart_m**4, minlength=legs)
+            cost += share * total / (2 * len(offsets.leg) * 4 * scale_m**3)
+    padded = np.pad(cost, (_LEGS_BEFORE, _LEGS_AROUND - 1 - _LEGS_BEFORE))
+    return np.asarray(np.convolve(padded, np.ones(_LEGS_AROUND), "valid"))
+
+
+def _moves_m(problem: FitProblem, evaluation: Evaluation) -> Floats:
+    """How far each place (n, 3) ought to move."""
+    draft, fixes = evaluation.draft, len(problem.recording)
+    if len(draft) < 2:
+        return np.zeros_like(draft.places_m)
+    residuals = []
+    for both_ways, share in ((evaluation.flown, 1.0), (evaluation.planned, evaluation.plan_share)):
+        usual_m = max(path_error_m(both_ways), 1e-3)
+        for offsets in both_ways:
+            weight = np.clip(offsets.apart_m / usual_m, _LEAST_WEIGHT, _MOST_WEIGHT)
+            weight *= share * fixes / (2 * len(weight))
+            residuals.append(
+                Residuals(offsets.leg, offsets.part, directions(draft, offsets), offsets.off_m, weight)
+            )
+    moved = gauss_newton_step(draft, residuals, _smoothing_weights(problem, evaluation))
+    recording, there = problem.recording, evaluation.planned[0]
+    if np.ptp(recording.up_m) > 0:
+        moved = with_fitted_heights(moved, there.leg, there.part, recording.up_m)
+    return np.asarray(moved.places_m - draft.places_m)
+
+
+def _smoothing_weights(problem: FitProblem, evaluation: Evaluation) -> Floats:
+    """Weights (n - 3,) against unevenness: where legs are short in time, uneven places mean jerks."""
+    count = len(evaluation.draft)
+    if not problem.timed or count < 4:
+        return np.full(max(count - 3, 0), _MIN_SMOOTHING)
+    three_s = np.convolve(np.diff(evaluation.passed_s), np.ones(3) / 3, "valid")
+    return np.asarray(_MIN_SMOOTHING + _SMOOTHING * np.minimum(1.0, (_LEG_S / np.maximum(three_s, 0.1)) ** 6))
+
+
+def kept_in_corridor(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack) -> Draft:
+    """The draft with no place farther from the recording than ``CORRIDOR_M``, none to wait than less."""
+    places = draft.places_m.copy()
+    feet = recording.nearest_m(places[:, :2])
+    farthest_m = np.full((len(places), 1), CORRIDOR_M)
+    for place, hover in hovers.items():
+        feet[place] = recording.north_east_m[hover.first : hover.last + 1].mean(axis=0)
+        farthest_m[place] = STOP_CORRIDOR_M
+    off = places[:, :2] - feet
+    apart = np.linalg.norm(off, axis=1, keepdims=True)
+    places[:, :2] = feet + off * np.minimum(1.0, farthest_m / np.maximum(apart, 1e-9))
+    return replace(draft, places_m=places)

@@ -1,0 +1,42 @@
+"""Which fixes become waypoints."""
+
+import numpy as np
+
+from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.knot_selection import select_waypoints
+from flight_replay.planning.fit.problem import FirstDraft
+from flight_replay.planning.fit.reference import local_track
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import FRAME, along, circle, track_through, wander
+
+
+def selected(track, most: int, *, timed: bool = False) -> FirstDraft:  # type: ignore[no-untyped-def]
+    return select_waypoints(problem_for(local_track(track, 20.0), most, Limits(), timed=timed), most)
+
+
+def test_simple_ways_need_fewer_places() -> None:
+    """A straight line needs two places, a circle some, a hand-flown way most."""
+    ways = along([(0, 0), (100, 0)], 5.0), circle(), wander(2, fixes=200)
+    counts = [len(selected(track, 40).draft) for track in ways]
+    assert counts[0] == 2
+    assert 4 < counts[1] < 35
+    assert 35 <= counts[2] <= 40
+
+
+def test_places_stand_closer_where_the_way_curves() -> None:
+    """More than half of the places go to the curved half of a way."""
+    straight = np.column_stack([np.linspace(-120, 0, 100), np.zeros(100)])
+    turn = np.linspace(0, 6 * np.pi, 100)
+    loops = np.column_stack([6.4 * np.sin(turn), 6.4 * (1 - np.cos(turn))])
+    track = track_through(np.concatenate([straight, loops]), np.arange(200.0) / 3)
+    assert (selected(track, 30).draft.places_m[:, 0] > -7).sum() > 15
+
+
+def test_a_hover_is_a_place_to_wait() -> None:
+    """Half a minute at one place between two legs is one place with as long a hold, where it was."""
+    out, back = along([(0, 0), (60, 0)], 4.0), along([(60, 0), (60, 60)], 4.0)
+    way = np.concatenate([out.north_east_m(FRAME), np.tile([60.0, 0.0], (120, 1)), back.north_east_m(FRAME)])
+    start = selected(track_through(way, np.arange(len(way)) / 4.0), 20, timed=True)
+    (place,) = start.hovers
+    assert abs(start.draft.hold_s[place] - 30) <= 1
+    assert np.linalg.norm(start.draft.places_m[place, :2] - [60.0, 0.0]) <= 1.0
