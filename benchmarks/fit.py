@@ -1,10 +1,11 @@
-"""The fit beside the classic reducers: distances in space and time, planned and predicted.
+"""The fit beside the classic reducers: path error both ways and position error, planned and predicted.
 
     python benchmarks/fit.py [LOG] [--flight N] [--max-points N]
 
-All follow the flown part of the log (default: the sample flight). "Planned" is the distance in order
-from the path on paper, "predicted" that from the path which the model of ArduCopter flies, at the
-vehicle's own speed for the reducers. Needs the package ``simplification``; GPSBabel joins if installed.
+All follow the flown part of the log (default: the sample flight). Path errors are mean / p95 / max, from
+the recorded fixes to the path and from the path back to the recorded line, where overshoots show.
+"Planned" is the path on paper, "predicted" that which the model of ArduCopter flies, at the vehicle's
+own speed for the reducers. Needs the package ``simplification``; GPSBabel joins if installed.
 """
 
 from __future__ import annotations
@@ -16,15 +17,15 @@ from pathlib import Path
 import numpy as np
 from reducers import reducers
 
-from flight_replay.geometry.distances import (
-    ErrorStatistics,
-    error_statistics,
-    path_errors_m,
-    position_errors_m,
-)
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.distances import ErrorStatistics, position_errors_m
+from flight_replay.geometry.flight_errors import path_errors
+from flight_replay.geometry.movement import Movement
 from flight_replay.logs.flights import select
 from flight_replay.logs.tlog import read_log
-from flight_replay.planning.altitude import RECORDED
+from flight_replay.logs.track import Track
+from flight_replay.mission.path import planned_path
+from flight_replay.planning.altitude import RECORDED, Recorded
 from flight_replay.planning.fit import fit
 from flight_replay.planning.fit.line_simplification import straight_draft
 from flight_replay.planning.fit.reference import LocalTrack, local_track
@@ -45,21 +46,46 @@ def row(name: str, points: int, *cells: str) -> None:
     print(f"| {name} | {points} | {' | '.join(cells)} |", flush=True)
 
 
+def both_ways(time_s: Floats, fixes_m: Floats, path_m: Floats) -> tuple[str, str]:
+    """Path error of the fixes from a path, and of the path from the recorded line."""
+    nothing = np.full(len(time_s), np.nan)
+    errors = path_errors(Movement(time_s, fixes_m, nothing, nothing), path_m)
+    return numbers(errors.recorded_to_path.statistics), numbers(errors.path_to_recorded.statistics)
+
+
 def reduced(name: str, recording: LocalTrack, kept: np.ndarray, cpu_s: float) -> None:
     """One reducer: its straight route on paper and in the model's air."""
     draft = straight_draft(recording, kept)
-    fixes = recording.north_east_m
-    covered = fixes[: kept[-1] + 1]
+    times, covered = recording.time_s[: kept[-1] + 1], recording.north_east_m[: kept[-1] + 1]
     air = simulate_draft(draft, Limits(), STEP_S)
     there = air.place_m[:, :2]
-    late = position_errors_m(recording.time_s[: kept[-1] + 1], covered, air.time_s, there)
+    late = position_errors_m(times, covered, air.time_s, there)
+    whole = len(covered) == len(recording)
     row(
-        name + ("" if len(covered) == len(fixes) else f", covers {100 * len(covered) // len(fixes)} %"),
+        name + ("" if whole else f", covers {100 * len(covered) // len(recording)} %"),
         len(kept),
-        numbers(error_statistics(path_errors_m(covered, draft.path(0.001).north_east_m))),
-        numbers(error_statistics(path_errors_m(covered, there))),
+        *both_ways(times, covered, draft.path(0.001).north_east_m),
+        *both_ways(times, covered, there),
         f"{late.mean():.1f}",
         f"{air.passed_s[-1]:.0f}",
+        f"{cpu_s:.1f}",
+    )
+
+
+def fitted(name: str, part: Track, max_points: int, speed: Recorded | None) -> None:
+    """The fit at the vehicle's own or at the recorded speed."""
+    begin = time.process_time()
+    found = fit(part, max_points=max_points, altitude_m=ALTITUDE_M, speed_m_s=speed)
+    cpu_s = time.process_time() - begin
+    fixes_m = found.flown.north_east_m(found.frame)
+    times = found.flown.time_s - found.flown.time_s[0]
+    row(
+        name,
+        len(found.mission.waypoints),
+        *both_ways(times, fixes_m, planned_path(found.mission, found.frame).north_east_m),
+        *both_ways(times, fixes_m, found.place_m[:, :2]),
+        f"{found.position_error.mean:.1f}",
+        f"{found.predicted_duration_s:.0f}",
         f"{cpu_s:.1f}",
     )
 
@@ -77,26 +103,16 @@ def main() -> None:
     print(
         f"{options.log.name}: {len(part)} fixes, {part.length_m:.0f} m, {recording.time_s[-1]:.0f} s", *notes
     )
-    print(
-        "\n| route | points | planned, m | predicted in space, m | in time, m | lasts, s | computed in, s |"
-    )
-    print("| --- | --- | --- | --- | --- | --- | --- |")
+    columns = ["route", "points", "recorded to planned, m", "planned to recorded, m"]
+    columns += ["recorded to predicted, m", "predicted to recorded, m", "position error, m", "lasts, s"]
+    print(f"\n| {' | '.join([*columns, 'computed in, s'])} |")
+    print("|" + " --- |" * (len(columns) + 1))
     for name, reducer in reducers().items():
         begin = time.process_time()
         kept = reducer(recording.north_east_m, options.max_points)
         reduced(name, recording, kept, time.process_time() - begin)
-    for name, speed in (("fit", None), ("fit, recorded speed", RECORDED)):
-        begin = time.process_time()
-        found = fit(part, max_points=options.max_points, altitude_m=ALTITUDE_M, speed_m_s=speed)
-        row(
-            name,
-            len(found.mission.waypoints),
-            numbers(found.planned_error),
-            numbers(found.path_error),
-            f"{found.position_error.mean:.1f}",
-            f"{found.predicted_duration_s:.0f}",
-            f"{time.process_time() - begin:.1f}",
-        )
+    fitted("fit", part, options.max_points, None)
+    fitted("fit, recorded speed", part, options.max_points, RECORDED)
 
 
 if __name__ == "__main__":
