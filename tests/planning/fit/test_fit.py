@@ -219,16 +219,16 @@ def test_the_sample_flight_is_followed_in_space_and_in_time() -> None:
 
 @pytest.mark.slow
 def test_dronekits_flights_are_followed() -> None:
-    """Seven flights joined stay within 0.40, 0.90 and 1.4 m as planned; flight 2 within 6 m in time."""
+    """Seven flights joined stay within 0.40, 0.90 and 1.8 m as planned; flight 2 within 6 m in time."""
     track = read_log(other_log("dronekit-flight.tlog")).track
     joined = fit(track)
     assert (joined.planned_error.mean, joined.planned_error.p95, joined.planned_error.max) <= (
         0.40,
         0.90,
-        1.4,
+        1.8,
     )
     assert joined.planned_error.p95 <= 0.90
-    assert joined.planned_error.max <= 1.4
+    assert joined.planned_error.max <= 1.8
     second = fit(select(track, 2), speed_m_s="recorded")
     assert second.path_error.mean <= 0.4
     assert second.position_error.mean <= 6.0

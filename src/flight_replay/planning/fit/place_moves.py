@@ -23,6 +23,8 @@ _LEG_S = 1.4
 _FIRST_GAIN, _TRUST_MORE, _TRUST_LESS = 0.8, 1.3, 0.5
 _LEAST_SCALE_M = 0.4
 _LEAST_WEIGHT, _MOST_WEIGHT = 0.5, 5.0
+# Points weigh as the fourth power in the objective has it, but less where that would cost time.
+_WEIGHT_POWER, _TIMED_WEIGHT_POWER = 2.0, 1.0
 _LEGS_BEFORE, _LEGS_AROUND = 1, 5
 """A place shapes the leg before its own, its own, and some after it."""
 
@@ -88,11 +90,12 @@ def _moves_m(problem: FitProblem, evaluation: Evaluation) -> Floats:
     draft, fixes = evaluation.draft, len(problem.recording)
     if len(draft) < 2:
         return np.zeros_like(draft.places_m)
+    power = _TIMED_WEIGHT_POWER if problem.timed else _WEIGHT_POWER
     residuals = []
     for both_ways, share in ((evaluation.flown, 1.0), (evaluation.planned, evaluation.plan_share)):
         usual_m = max(path_error_m(both_ways), 1e-3)
         for offsets in both_ways:
-            weight = np.clip(offsets.apart_m / usual_m, _LEAST_WEIGHT, _MOST_WEIGHT)
+            weight = np.clip(offsets.apart_m / usual_m, _LEAST_WEIGHT, _MOST_WEIGHT) ** power
             weight *= share * fixes / (2 * len(weight))
             residuals.append(
                 Residuals(offsets.leg, offsets.part, directions(draft, offsets), offsets.off_m, weight)
