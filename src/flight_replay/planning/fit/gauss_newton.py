@@ -9,11 +9,13 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.objective import Offsets, directions, path_error_m
 
 ALONG_SHARE = 0.05
 """How much a place resists sliding along the path, against moving across it."""
 _STILL = 0.01
 _LONGEST_STEP_M = 3.0
+_LEAST_WEIGHT, _MOST_WEIGHT = 0.5, 5.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,6 +30,27 @@ class Residuals:
     direction: Floats
     off_m: Floats
     weight: Floats
+
+
+def weighted_residuals(
+    draft: Draft, both_ways: tuple[Offsets, Offsets], total: float, power: float = 1.0
+) -> list[Residuals]:
+    """What to make small so that a path comes nearer to the recording, both ways.
+
+    Args:
+        draft: whose path it is.
+        both_ways: offsets of the fixes from the path, and of the path from the recorded line.
+        total: what all points together count, half of it each way.
+        power: far points count more, by this power of their distance.
+    """
+    usual_m = max(path_error_m(both_ways), 1e-3)
+    residuals = []
+    for offsets in both_ways:
+        weight = np.clip(offsets.apart_m / usual_m, _LEAST_WEIGHT, _MOST_WEIGHT) ** power
+        weight *= total / (2 * len(weight))
+        along = directions(draft, offsets)
+        residuals.append(Residuals(offsets.leg, offsets.part, along, offsets.off_m, weight))
+    return residuals
 
 
 def gauss_newton_step(

@@ -15,8 +15,8 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.hermite_curve import curve_weights, tangent_scale
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
-from flight_replay.planning.fit.objective import TIME_SHARE, directions, match_to_plan, path_error_m
+from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals
+from flight_replay.planning.fit.objective import TIME_SHARE, match_to_plan
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
@@ -57,13 +57,7 @@ def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:
 def _moved_on_paper(draft: Draft, recording: LocalTrack) -> Draft:
     """The draft with its places moved so that its planned path comes nearer to the fixes."""
     for _ in range(_PAPER_STEPS):
-        both_ways = match_to_plan(draft, recording)
-        usual_m = max(path_error_m(both_ways), 1e-3)
-        residuals = []
-        for offsets in both_ways:
-            weight = np.clip(offsets.apart_m / usual_m, 0.5, 5.0) * len(recording) / (2 * len(offsets.leg))
-            along = directions(draft, offsets)
-            residuals.append(Residuals(offsets.leg, offsets.part, along, offsets.off_m, weight))
+        residuals = weighted_residuals(draft, match_to_plan(draft, recording), len(recording))
         draft = gauss_newton_step(draft, residuals, _PAPER_SMOOTHING, _PAPER_GAIN)
     return draft
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step, with_fitted_heights
-from flight_replay.planning.fit.objective import Evaluation, directions, path_error_m
+from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals, with_fitted_heights
+from flight_replay.planning.fit.objective import Evaluation, path_error_m
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
@@ -22,7 +22,6 @@ _LEG_S = 1.4
 """Where legs are shorter than this in time, uneven places mean jerks."""
 _FIRST_GAIN, _TRUST_MORE, _TRUST_LESS = 0.8, 1.3, 0.5
 _LEAST_SCALE_M = 0.4
-_LEAST_WEIGHT, _MOST_WEIGHT = 0.5, 5.0
 # Points weigh as the fourth power in the objective has it, but less where that would cost time.
 _WEIGHT_POWER, _TIMED_WEIGHT_POWER = 2.0, 1.0
 _LEGS_BEFORE, _LEGS_AROUND = 1, 5
@@ -91,15 +90,10 @@ def _moves_m(problem: FitProblem, evaluation: Evaluation) -> Floats:
     if len(draft) < 2:
         return np.zeros_like(draft.places_m)
     power = _TIMED_WEIGHT_POWER if problem.timed else _WEIGHT_POWER
-    residuals = []
-    for both_ways, share in ((evaluation.flown, 1.0), (evaluation.planned, evaluation.plan_share)):
-        usual_m = max(path_error_m(both_ways), 1e-3)
-        for offsets in both_ways:
-            weight = np.clip(offsets.apart_m / usual_m, _LEAST_WEIGHT, _MOST_WEIGHT) ** power
-            weight *= share * fixes / (2 * len(weight))
-            residuals.append(
-                Residuals(offsets.leg, offsets.part, directions(draft, offsets), offsets.off_m, weight)
-            )
+    residuals = [
+        *weighted_residuals(draft, evaluation.flown, fixes, power),
+        *weighted_residuals(draft, evaluation.planned, evaluation.plan_share * fixes, power),
+    ]
     moved = gauss_newton_step(draft, residuals, _smoothing_weights(problem, evaluation))
     recording, there = problem.recording, evaluation.planned[0]
     if np.ptp(recording.up_m) > 0:

@@ -19,10 +19,9 @@ from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, schedule, sp
 from flight_replay.planning.fit.speed_search import SpeedSearch
 
 _STEPS = 4
-TIMED_FLIGHTS = 6.5
+_TIMED_FLIGHTS = 6.5
 """A pass over the speeds costs about as many flights: each leg is flown several times."""
-ROUND_FLIGHTS = TIMED_FLIGHTS + _STEPS
-STEP_FLIGHTS = TIMED_FLIGHTS
+_ROUND_FLIGHTS = _TIMED_FLIGHTS + _STEPS
 _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
 _WORTH_GOING_ON = 0.01
 _HOPELESS = 1.5
@@ -43,14 +42,14 @@ def search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tup
     state = _begun(problem, starts[0], budget)
     for start in starts[1:]:
         least_m = objective_lower_bound_m(start.draft, problem.recording, timed=problem.timed)
-        if least_m < state.best.objective_m and budget.affords(ROUND_FLIGHTS):
+        if least_m < state.best.objective_m and budget.affords(_ROUND_FLIGHTS):
             rival = _begun(problem, start, budget, state.best.objective_m)
             state = min(state, rival, key=lambda each: each.best.objective_m)
     while True:
         before_m = state.best.objective_m
         best, stopped = _refined(problem, state, budget)
         state = _State(best, best, state.hovers)
-        if not budget.affords(ROUND_FLIGHTS):
+        if not budget.affords(_ROUND_FLIGHTS):
             break
         state = _round(problem, state, budget)
         if state.best.objective_m > (1 - _WORTH_GOING_ON) * before_m:
@@ -64,7 +63,7 @@ def _refined(problem: FitProblem, state: _State, budget: Budget) -> tuple[Evalua
     """The best of small rounds of one step each, longer or shorter as they succeed; and why they end."""
     best, gain = state.best, 1.0
     while gain >= _LEAST_GAIN:
-        if not budget.affords(STEP_FLIGHTS):
+        if not budget.affords(_TIMED_FLIGHTS):
             return best, "so many flights are enough for a recording of this length"
         trial = _timed(problem, stepped(problem, best, state.hovers, gain), state.hovers, budget)
         if trial.objective_m < best.objective_m:
@@ -80,7 +79,7 @@ def _begun(problem: FitProblem, start: FirstDraft, budget: Budget, rival_m: floa
     state = _State(first, first, start.hovers)
     if rival_m is not None and first.objective_m > _HOPELESS * rival_m:
         return state
-    return _round(problem, state, budget) if budget.affords(ROUND_FLIGHTS) else state
+    return _round(problem, state, budget) if budget.affords(_ROUND_FLIGHTS) else state
 
 
 def _round(problem: FitProblem, state: _State, budget: Budget) -> _State:

@@ -21,10 +21,8 @@ SAMPLE_S = 0.1
 _STEP_S = 0.04
 _SAMPLES_A_PLACE = 5
 _PIECE_M = 0.25
-HORIZONTAL = (
-    0.0,
-    1.0,
-)  # DO_CHANGE_SPEED's param1: airspeed, which a copter takes for the same, and ground speed.
+HORIZONTAL = (0.0, 1.0)
+"""DO_CHANGE_SPEED's param1: airspeed, which a copter takes for the same, and ground speed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
