@@ -118,6 +118,7 @@ def test_the_other_modes_hold_the_position(mode: CopterMode) -> None:
     """Without a pilot's sticks, a copter that flew along comes to rest and stays."""
     autopilot, station = sim()
     station.fly()
+    autopilot.parameters.assign("GUID_TIMEOUT", 60)
     autopilot.flight.fly_velocity((5.0, 0.0, 0.0))
     station.run(8)
     station.mode(mode)

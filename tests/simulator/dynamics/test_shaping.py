@@ -103,10 +103,29 @@ def test_a_velocity_error_is_met_with_the_full_acceleration_at_most() -> None:
 
 def test_a_horizontal_velocity_is_brought_to_rest_along_itself() -> None:
     """shape_velocity_xy brakes against the velocity, and does nothing at rest."""
-    north, east = shape_velocity_xy((3.0, -4.0), (0.0, 0.0), 2.5, 5.0, 0.01)
+    rest = (0.0, 0.0)
+    north, east = shape_velocity_xy(rest, (3.0, -4.0), rest, (2.5, 5.0), 0.01)
     assert hypot(north, east) == pytest.approx(0.05)
     assert north / east == pytest.approx(-3.0 / 4.0)
-    assert shape_velocity_xy((0.0, 0.0), (0.0, 0.0), 2.5, 5.0, 0.01) == (0.0, 0.0)
+    assert shape_velocity_xy(rest, rest, rest, (2.5, 5.0), 0.01) == rest
+
+
+@given(SIGNED, SIGNED, SIGNED, SIGNED)
+def test_a_correction_keeps_room_across_the_wanted_velocity(vn: float, ve: float, n: float, e: float) -> None:
+    """The correction is within its limit; what is fed forward is not limited but in its jerk."""
+    north, east = shape_velocity_xy((vn, ve), (n, e), (0.0, 0.0), (2.5, 1e6), 0.01)
+    assert hypot(north, east) <= 2.5 * (1 + 1e-9)
+    fed = shape_velocity_xy((vn, ve), (n, e), (0.0, 0.0), (2.5, 1e6), 0.01, feed=(7.0, 0.0))
+    assert fed == pytest.approx((north + 7.0, east))
+    slow = shape_velocity_xy((vn, ve), (n, e), (0.0, 0.0), (2.5, 5.0), 0.01, feed=(7.0, 0.0))
+    assert hypot(*slow) <= 0.05 * (1 + 1e-9)
+
+
+def test_braking_gives_way_to_a_correction_across() -> None:
+    """Where most of the correction is along the velocity, half of its square at most is across."""
+    north, east = shape_velocity_xy((8.0, 0.0), (0.0, 7.0), (0.0, 0.0), (2.0, 1e6), 0.01)
+    assert east == pytest.approx(-(2.0**0.5))
+    assert north == pytest.approx(2.0**0.5)
 
 
 @given(SIGNED, SIGNED, SIGNED, SIGNED, POSITIVE)

@@ -135,6 +135,7 @@ def test_telemetry_tells_where_the_copter_is() -> None:
     """Positions, heights, speeds and headings of different messages agree."""
     autopilot, station = sim()
     station.fly()
+    autopilot.parameters.assign("GUID_TIMEOUT", 60)
     autopilot.flight.fly_velocity((3.0, 4.0, 0.0))
     station.run(10)
     for name in ("GLOBAL_POSITION_INT", "GPS_RAW_INT", "VFR_HUD", "LOCAL_POSITION_NED", "AHRS2", "SIMSTATE",

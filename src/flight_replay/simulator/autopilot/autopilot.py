@@ -62,7 +62,6 @@ class Autopilot:
         """Boot at a location: everything is forgotten but the parameters and the mission."""
         self._steps = 0
         self.ekf_frame = EkfFrame(at)
-        self._velocity_timeout_s = math.inf
         self.sensors = Sensors()
         self.battery = Battery(self.parameters)
         self.flight = FlightModel(self.parameters, at, takeoff_climbs=self.faults.takeoff_climbs)
@@ -92,9 +91,6 @@ class Autopilot:
         if self.home is None and self.sensors.origin_set:
             self.set_home((0.0, 0.0, 0.0))
             self.say(Severity.INFO, f"Field Elevation Set: {self.start.alt_amsl_m:.0f}m")
-        if self.mode == CopterMode.GUIDED and self.time_s > self._velocity_timeout_s:
-            self._velocity_timeout_s = math.inf
-            self.flight.hold()
         self.flight.step()
         self.mission.update()
         self.arming.update()
@@ -209,8 +205,3 @@ class Autopilot:
     def disarm(self) -> None:
         """Stop the motors."""
         self.arming.disarm()
-
-    def fly_velocity(self, velocity_m_s: Vector) -> None:
-        """Fly at a velocity, north, east and up, in GUIDED, until GUID_TIMEOUT seconds have passed."""
-        self.flight.fly_velocity(velocity_m_s)
-        self._velocity_timeout_s = self.time_s + self.parameters["GUID_TIMEOUT"]

@@ -136,24 +136,36 @@ class Airframe:
         limits = self._limits
         return self._next_rate(error, rate, limits.lean_accel_rad_s2, limits.lean_rate_rad_s)
 
-    def _next_rate(self, error: float, rate: float, accel_max: float, rate_max: float) -> float:
+    def _next_rate(
+        self, error: float, rate: float, accel_max: float, rate_max: float, feed: float = 0.0
+    ) -> float:
         """Next rate, rad/s, that removes an angle error; limits of 0 are none (input_shaping_angle)."""
         wanted = sqrt_controller(error, 1.0 / max(self._limits.attitude_input_s, 0.01), accel_max, self.dt)
+        wanted += feed
         if rate_max > 0:
             wanted = clamp(wanted, -rate_max, rate_max)
         return step_towards(wanted, rate, accel_max * self.dt) if accel_max > 0 else wanted
 
     def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
-        """Turn the heading with ArduCopter's limits of yaw rate and acceleration."""
-        limits, dt = self._limits, self.dt
+        """Turn the heading with ArduCopter's limits of yaw rate and acceleration; the rate is fed forward."""
+        limits = self._limits
         error = wrap_pi(yaw_rad - self.yaw)
         if abs(error) < _NO_TURN and abs(self._yaw_rate) < _NO_TURN and rate_rad_s == 0.0:
             self._yaw_rate = 0.0
             return
-        # The rate fed forward counts as an error that it would remove.
-        ahead = rate_rad_s * max(limits.attitude_input_s, 0.01)
-        self._yaw_rate = self._next_rate(
-            error + ahead, self._yaw_rate, limits.yaw_accel_rad_s2, limits.yaw_slew_rad_s
-        )
-        self.yaw = wrap_pi(self.yaw + self._yaw_rate * dt)
+        slew = limits.yaw_slew_rad_s
+        feed = clamp(rate_rad_s, -slew, slew) if slew > 0 else rate_rad_s
+        self._yaw_rate = self._next_rate(error, self._yaw_rate, limits.yaw_accel_rad_s2, slew, feed)
+        self._turn()
+
+    def turn_at(self, rate_rad_s: float) -> None:
+        """Change to a yaw rate, within the same limits (input_thrust_vector_rate_heading)."""
+        accel, slew = self._limits.yaw_accel_rad_s2, self._limits.yaw_slew_rad_s
+        wanted = clamp(rate_rad_s, -slew, slew) if slew > 0 else rate_rad_s
+        self._yaw_rate = step_towards(wanted, self._yaw_rate, accel * self.dt) if accel > 0 else wanted
+        if self._yaw_rate != 0.0:
+            self._turn()
+
+    def _turn(self) -> None:
+        self.yaw = wrap_pi(self.yaw + self._yaw_rate * self.dt)
         self._heading_unit = cos(self.yaw), sin(self.yaw)

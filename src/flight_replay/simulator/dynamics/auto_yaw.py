@@ -26,6 +26,8 @@ class YawMode(Enum):
     LOOK_AT_NEXT_WP = "the target's path"
     LOOK_AHEAD = "the flown path"
     FIXED = "a given heading"
+    ANGLE_RATE = "a heading that turns"
+    RATE = "a yaw rate"
 
 
 class AutoYaw:
@@ -36,7 +38,7 @@ class AutoYaw:
         self.mode = YawMode.HOLD
         self.target_rad = self.armed_yaw_rad = airframe.yaw
         self._remaining_rad = 0.0
-        self._slew_rad_s = 0.0
+        self._slew_rad_s = self._rate_rad_s = 0.0
 
     def use_limits(self, limits: Limits) -> None:
         """Use other limits from now on."""
@@ -70,6 +72,21 @@ class AutoYaw:
         slew = self._limits.yaw_slew_rad_s
         self._slew_rad_s = min(slew, rate_rad_s) if rate_rad_s > 0 else slew
         self.mode = YawMode.FIXED
+
+    def set_yaw_and_rate(self, yaw_rad: float, rate_rad_s: float) -> None:
+        """Turn to a heading, at any rate up to the slew limit, and go on from it with a rate."""
+        self.mode = YawMode.ANGLE_RATE
+        self.target_rad, self._rate_rad_s = yaw_rad, rate_rad_s
+
+    def set_rate(self, rate_rad_s: float) -> None:
+        """Turn with a rate, whatever the heading."""
+        self.mode = YawMode.RATE
+        self._rate_rad_s = rate_rad_s
+
+    def stop_turning(self) -> None:
+        """Brake a turn with a rate, and hold the heading that it ends at."""
+        if self.mode in (YawMode.RATE, YawMode.ANGLE_RATE):
+            self.set_rate(0.0)
 
     def look_at(self, position_m: tuple[float, float]) -> None:
         """Face a position, north and east of home, and turn one step (ROI, circles)."""
@@ -106,13 +123,22 @@ class AutoYaw:
             step = clamp(self._remaining_rad, -step, step)
             self._remaining_rad -= step
             self.target_rad += step
-        self._airframe.turn_towards(self.target_rad, self.update_target())
+        elif self.mode is YawMode.RATE:
+            self._airframe.turn_at(self._rate_rad_s)
+            self.target_rad = self._airframe.yaw
+            return
+        rate = self.update_target()
+        self._airframe.turn_towards(self.target_rad, rate)
+        if self.mode is YawMode.ANGLE_RATE:
+            self.target_rad += rate * self._control.dt
 
     def update_target(self) -> float:
         """Take the heading that the mode follows, if it follows one; returns its yaw rate."""
         airframe = self._airframe
         if self.mode is YawMode.LOOK_AT_NEXT_WP:
             return self._along_target()
+        if self.mode is YawMode.ANGLE_RATE:
+            return self._rate_rad_s
         if self.mode is YawMode.LOOK_AHEAD and hypot(airframe.vn, airframe.ve) > _LOOK_AHEAD_SPEED_M_S:
             self.target_rad = atan2(airframe.ve, airframe.vn)
         return 0.0

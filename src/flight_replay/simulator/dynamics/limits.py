@@ -82,6 +82,8 @@ class Limits:
     arming_delay_s: float = 2.0
     circle_radius_m: float = 10.0
     circle_rate_rad_s: float = 20.0 * _DEG
+    guided_timeout_s: float = 3.0
+    guided_options: float = 0.0
 
     @classmethod
     def from_parameters(cls, parameters: Mapping[str, float]) -> Limits:

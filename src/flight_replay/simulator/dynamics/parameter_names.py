@@ -54,6 +54,8 @@ PARAMETERS: dict[str, tuple[str, float]] = {
     "TKOFF_THR_MAX": ("takeoff_throttle_max", 1.0),
     "CIRCLE_RADIUS": ("circle_radius_m", _CENTI),
     "CIRCLE_RATE": ("circle_rate_rad_s", _DEG),
+    "GUID_TIMEOUT": ("guided_timeout_s", 1.0),
+    "GUID_OPTIONS": ("guided_options", 1.0),
     # 4.7
     "WP_SPD": ("wp_speed_m_s", 1.0),
     "WP_ACC": ("wp_accel_m_s2", 1.0),

@@ -33,7 +33,9 @@ class PositionControl(PositionTarget):
     __slots__ = (
         "_airframe",
         "_alpha",
+        "_error_down",
         "_error_max",
+        "_error_up",
         "_lean_max",
         "_limits",
         "_pid",
@@ -47,7 +49,7 @@ class PositionControl(PositionTarget):
         self._airframe = airframe
         self._alpha = 1.0 - exp(-self.dt / FILTER_S)
         self._pid = VelocityPid(self.dt)
-        self._error_max = self.throttle = 0.0
+        self._error_max = self._error_up = self._error_down = self.throttle = 0.0
         self.use_limits(limits)
         self.limit_correction()
         self.init_xyz()
@@ -61,8 +63,11 @@ class PositionControl(PositionTarget):
         self.set_accelerations(limits)
 
     def limit_correction(self) -> None:
-        """Largest position error that is corrected (set_correction_speed_accel_xy)."""
-        self._error_max = stopping_distance(self.speed_max, self._limits.position_p, self.accel_max)
+        """Largest position errors that are corrected (set_correction_speed_accel_xy, _z)."""
+        limits = self._limits
+        self._error_max = stopping_distance(self.speed_max, limits.position_p, self.accel_max)
+        self._error_up = stopping_distance(self.speed_up, limits.position_z_p, self.accel_z_max)
+        self._error_down = stopping_distance(self.speed_down, limits.position_z_p, self.accel_z_max)
 
     def init_xyz(self) -> None:
         """Set the target to the airframe's position and velocity (init_xy_controller, init_z_controller)."""
@@ -113,6 +118,16 @@ class PositionControl(PositionTarget):
         self.u = self.stopping_point()[2]
         self.vu = self.accel_u = 0.0
 
+    def drop_position_error(self) -> None:
+        """Make the airframe's place the target (stop_pos_xy_stabilisation)."""
+        self.n, self.e = self._airframe.n, self._airframe.e
+
+    def drop_velocity_error(self) -> None:
+        """Make the airframe's place and velocity the target (stop_vel_xy_stabilisation)."""
+        self.drop_position_error()
+        self.vn, self.ve = self._airframe.vn, self._airframe.ve
+        self._pid.reset((0.0, 0.0))
+
     # control
 
     def update(self) -> None:
@@ -138,14 +153,18 @@ class PositionControl(PositionTarget):
         n, e = self._pid.advance(limits, error)
         wanted = n + self.accel_n, e + self.accel_e
         allowed = limit_accel_xy(wanted, (self.vn, self.ve), self._lean_max)
+        self.excess = None if allowed is wanted else (wanted, (dn, de), self._pid.error)
         self._pid.set_limited((0.0, 0.0) if allowed is wanted else wanted)
         return allowed
 
     def _throttle_wanted(self) -> float:
         """Throttle for the airframe, 0 to 1 (update_z_controller)."""
         limits, airframe = self._limits, self._airframe
-        wanted = sqrt_controller(self.u - airframe.u, limits.position_z_p, self.accel_z_max, 0.0)
-        wanted = clamp(wanted, -self.speed_down, self.speed_up) + self.vu - airframe.vu
+        error = self.u - airframe.u
+        if not -self._error_down <= error <= self._error_up:
+            error = clamp(error, -self._error_down, self._error_up)
+            self.u = airframe.u + error
+        wanted = sqrt_controller(error, limits.position_z_p, self.accel_z_max, 0.0) + self.vu - airframe.vu
         self._velocity_error_u += (wanted - self._velocity_error_u) * self._alpha
         error = self._velocity_error_u * limits.velocity_z_p + self.accel_u - airframe.accel_u
         self._throttle_integral += _THROTTLE_PER_M_S2 * limits.accel_z_i * error * self.dt

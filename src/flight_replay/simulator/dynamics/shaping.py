@@ -66,40 +66,89 @@ def step_towards(target: float, value: float, step: float) -> float:
     return value + (step if change > step else -step if change < -step else change)
 
 
-def shape_velocity(error: float, accel: float, accel_max: float, jerk: float, dt: float) -> float:
+def shape_velocity(  # noqa: PLR0913
+    error: float, accel: float, accel_max: float, jerk: float, dt: float, *, feed: float = 0.0
+) -> float:
     """Next acceleration that removes a velocity ``error`` within ``accel_max`` and ``jerk``.
 
-    Source: shape_vel_accel in control.cpp, with equal limits both ways and nothing fed forward.
+    Source: shape_vel_accel in control.cpp, with equal limits both ways. ``feed`` is the
+    acceleration fed forward, which only ``jerk`` limits.
     """
     target = clamp(sqrt_controller(error, jerk / accel_max, jerk, dt), -accel_max, accel_max)
-    return step_towards(target, accel, jerk * dt)
+    return step_towards(target + feed, accel, jerk * dt)
 
 
-def shape_position(
-    error: float, speed: float, accel: float, limits: tuple[float, float, float, float], dt: float
+def shape_position(  # noqa: PLR0913
+    error: float,
+    speed: float,
+    accel: float,
+    limits: tuple[float, float, float, float],
+    dt: float,
+    *,
+    feed: tuple[float, float] = (0.0, 0.0),
 ) -> float:
-    """Next acceleration that removes a position ``error`` and then rests.
+    """Next acceleration that removes a position ``error``.
 
-    Source: shape_pos_vel_accel in control.cpp for a resting goal. ``limits`` are lowest and
-    highest velocity, acceleration and jerk.
+    Source: shape_pos_vel_accel in control.cpp. ``limits`` are lowest and highest velocity of the
+    correction, its acceleration, and jerk; ``feed`` velocity and acceleration of the goal.
     """
     speed_min, speed_max, accel_max, jerk = limits
-    wanted = sqrt_controller(error, 0.5 * jerk / accel_max, 0.5 * accel_max, dt)
-    return shape_velocity(clamp(wanted, speed_min, speed_max) - speed, accel, accel_max, jerk, dt)
+    wanted = clamp(sqrt_controller(error, 0.5 * jerk / accel_max, 0.5 * accel_max, dt), speed_min, speed_max)
+    return shape_velocity(wanted + feed[0] - speed, accel, accel_max, jerk, dt, feed=feed[1])
 
 
-def shape_velocity_xy(
-    speed: tuple[float, float], accel: tuple[float, float], accel_max: float, jerk: float, dt: float
+def shape_velocity_xy(  # noqa: PLR0913
+    wanted: tuple[float, float],
+    speed: tuple[float, float],
+    accel: tuple[float, float],
+    limits: tuple[float, float],
+    dt: float,
+    *,
+    feed: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[float, float]:
-    """Next horizontal acceleration that removes a velocity error (shape_vel_accel_xy)."""
-    vn, ve = speed
-    size = hypot(vn, ve)
-    rate = min(sqrt_controller(size, jerk / accel_max, jerk, dt), accel_max) if size > 0 else 0.0
-    scale = -rate / size if size > 0 else 0.0
-    dn, de = vn * scale - accel[0], ve * scale - accel[1]
-    change = hypot(dn, de)
-    keep = min(1.0, jerk * dt / change) if change > 0 else 0.0
-    return accel[0] + dn * keep, accel[1] + de * keep
+    """Next horizontal acceleration towards a wanted velocity (shape_vel_accel_xy).
+
+    ``limits`` are acceleration of the correction, and jerk; ``feed`` is the acceleration fed
+    forward, which only the jerk limits.
+    """
+    accel_max, jerk = limits
+    n, e = wanted[0] - speed[0], wanted[1] - speed[1]
+    size = sqrt(n * n + e * e)
+    if size > 0:
+        rate = sqrt_controller(size, jerk / accel_max, jerk, dt) / size
+        n, e = _limit_correction_xy((n * rate, e * rate), wanted, accel_max)
+    return step_towards_xy((n + feed[0], e + feed[1]), accel, jerk * dt)
+
+
+def step_towards_xy(
+    target: tuple[float, float], value: tuple[float, float], step: float
+) -> tuple[float, float]:
+    """``value`` moved towards ``target`` by at most ``step`` (shape_accel_xy in control.cpp)."""
+    n, e = target[0] - value[0], target[1] - value[1]
+    size = sqrt(n * n + e * e)
+    keep = step / size if size > step else 1.0
+    return value[0] + n * keep, value[1] + e * keep
+
+
+def _limit_correction_xy(
+    accel: tuple[float, float], wanted: tuple[float, float], accel_max: float
+) -> tuple[float, float]:
+    """Limit a correction; across the wanted velocity at least half of its square stays possible."""
+    an, ae = accel
+    size_squared = an * an + ae * ae
+    if size_squared <= accel_max * accel_max:
+        return accel
+    speed = hypot(*wanted)
+    n, e = (wanted[0] / speed, wanted[1] / speed) if speed > 0 else (0.0, 0.0)
+    along, across = an * n + ae * e, ae * n - an * e
+    if along * along <= across * across or speed == 0:
+        scale = accel_max / sqrt(size_squared)
+        return an * scale, ae * scale
+    most = accel_max * sqrt(0.5)
+    across = clamp(across, -most, most)
+    room = sqrt(accel_max * accel_max - across * across)
+    along = clamp(along, -room, room)
+    return along * n - across * e, along * e + across * n
 
 
 def limit_accel_xy(

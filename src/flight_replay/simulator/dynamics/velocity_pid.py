@@ -29,6 +29,11 @@ class VelocityPid:
         self._rate = (0.0, 0.0)
         self._limited = (0.0, 0.0)
 
+    @property
+    def error(self) -> tuple[float, float]:
+        """The filtered velocity error."""
+        return self._error or (0.0, 0.0)
+
     def set_limited(self, wanted: tuple[float, float]) -> None:
         """Set the acceleration that was not allowed, so that the integral does not grow that way."""
         self._limited = wanted

@@ -18,7 +18,12 @@ from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.flight_control import FlightControl
-from flight_replay.simulator.flight.guided import GuidedPosition, GuidedVelocity
+from flight_replay.simulator.flight.guided import (
+    GuidedSubMode,
+    GuidedTarget,
+    GuidedVelocity,
+    submode_for,
+)
 from flight_replay.simulator.flight.landing import Landing
 from flight_replay.simulator.flight.rtl import ReturnToLaunch
 from flight_replay.simulator.flight.submode import Hold, OnGround, SubMode
@@ -176,11 +181,12 @@ class Copter:
             change = {2: flight.navigation.set_speed_up, 3: flight.navigation.set_speed_down}
             change.get(kind, flight.navigation.set_speed)(speed_m_s)
             return True
-        if not isinstance(self._submode, TakeOff | GuidedPosition | GuidedVelocity | Hold):
+        if not isinstance(self._submode, TakeOff | GuidedSubMode | Hold):
             return False
         level, up, down = flight.control.speed_max, flight.control.speed_up, flight.control.speed_down
         speeds = {2: (level, speed_m_s, down), 3: (level, up, speed_m_s)}
         flight.control.set_speeds(*speeds.get(kind, (speed_m_s, up, down)))
+        flight.control.limit_correction()
         return True
 
     # commands
@@ -202,18 +208,36 @@ class Copter:
             self.arm()
         limits = self.limits
         self._flight.control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
+        self._flight.control.limit_correction()
         self._submode = TakeOff(self._flight, altitude_m)
+
+    def follow(self, target: GuidedTarget, late_s: float = 0.0) -> None:
+        """Follow a target as GUIDED does; one that GUIDED cannot fly stops the vehicle.
+
+        Args:
+            target: what to follow.
+            late_s: how long ago it was sent; a moving target has moved on since.
+        """
+        kind = submode_for(target)
+        if kind is None:
+            self.stop()
+            return
+        submode = self._submode
+        if type(submode) is not kind or not isinstance(submode, GuidedSubMode):
+            self._submode = submode = kind(self._flight)
+        submode.accept(target, late_s)
+
+    def stop(self) -> None:
+        """Come to rest, as GUIDED does when it is entered."""
+        self._submode = GuidedVelocity(self._flight)
 
     def goto(self, position_m: Vector) -> None:
         """Fly to a position, as GUIDED does."""
-        self._submode = GuidedPosition(self._flight, position_m)
+        self.follow(GuidedTarget(position_m=position_m))
 
     def fly_velocity(self, velocity_m_s: Vector) -> None:
-        """Fly at a velocity, north, east, up, as GUIDED does."""
-        if isinstance(self._submode, GuidedVelocity):
-            self._submode.velocity_m_s = velocity_m_s
-        else:
-            self._submode = GuidedVelocity(self._flight, velocity_m_s)
+        """Fly at a velocity, north, east, up, as GUIDED does, until it is too old."""
+        self.follow(GuidedTarget(velocity_m_s=velocity_m_s))
 
     def set_yaw(
         self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False

@@ -1,57 +1,187 @@
-"""GUIDED: flying at a velocity, and to a position (ArduCopter/mode_guided.cpp)."""
+"""GUIDED: flying after targets of position, velocity, acceleration and heading (mode_guided.cpp).
+
+Each step accelerates the controller's target towards what was sent (input shaping), flies the
+airframe, and moves both on: between messages the goal goes on with its velocity and acceleration.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from math import hypot
 
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.flight_control import FlightControl
 
+_ZERO: Vector = (0.0, 0.0, 0.0)
+# GUID_OPTIONS, and the least that GUID_TIMEOUT means (ModeGuided::get_timeout_ms).
+_NO_POSITION_CORRECTION, _NO_VELOCITY_CORRECTION = 16, 32
+_SHORTEST_TIMEOUT_S = 0.1
 
-class GuidedVelocity:
-    """Fly at ``velocity_m_s``, north, east, up, at most WPNAV_ACCEL (ModeGuided::velaccel_control_run)."""
+
+@dataclass(frozen=True, slots=True)
+class GuidedTarget:
+    """What a station asks for; None is what it leaves to the copter. North, east, up."""
+
+    position_m: Vector | None = None
+    velocity_m_s: Vector | None = None
+    acceleration_m_s2: Vector | None = None
+    yaw_rad: float | None = None
+    yaw_rate_rad_s: float | None = None
+    yaw_is_relative: bool = False
+
+
+class GuidedSubMode(ABC):
+    """A controller of GUIDED, and the target that it follows."""
 
     done = False
 
-    def __init__(self, flight: FlightControl, velocity_m_s: Vector) -> None:
-        self._flight = flight
-        self.velocity_m_s = velocity_m_s
+    def __init__(self, flight: FlightControl) -> None:
+        """Begin from the present position and velocity (pva_control_start)."""
+        self._flight, self._age_s = flight, 0.0
+        self._position_m, self._velocity_m_s, self._acceleration_m_s2 = _ZERO, _ZERO, _ZERO
+        limits, control = flight.limits, flight.control
+        control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
+        control.limit_correction()
+        control.init_xyz()
         flight.auto_yaw.set_default_mode()
 
+    def accept(self, target: GuidedTarget, late_s: float = 0.0) -> None:
+        """Follow a target that was sent ``late_s`` ago."""
+        self._age_s = late_s
+        self._position_m = target.position_m or _ZERO
+        self._velocity_m_s = target.velocity_m_s or _ZERO
+        self._acceleration_m_s2 = target.acceleration_m_s2 or _ZERO
+        self._turn(target, late_s)
+        if late_s > 0:
+            self._advance_goal(late_s)
+
+    def _turn(self, target: GuidedTarget, late_s: float) -> None:
+        """Turn as the target has it (set_yaw_state); without a heading, as WP_YAW_BEHAVIOR has it."""
+        auto_yaw, yaw, rate = self._flight.auto_yaw, target.yaw_rad, target.yaw_rate_rad_s
+        if yaw is not None and target.yaw_is_relative:
+            auto_yaw.set_fixed_yaw(yaw, relative=True)
+        elif yaw is not None:
+            auto_yaw.set_yaw_and_rate(yaw + (rate or 0.0) * late_s, rate or 0.0)
+        elif rate is not None:
+            auto_yaw.set_rate(rate)
+        else:
+            auto_yaw.set_default_mode()
+
+    @property
+    def timed_out(self) -> bool:
+        """Whether the last target is too old."""
+        return self._age_s > max(self._flight.limits.guided_timeout_s, _SHORTEST_TIMEOUT_S)
+
     def step(self) -> None:
-        """Move the target, and the copter after it."""
-        flight, control = self._flight, self._flight.control
-        control.update()
-        self._move_target()
-        control.input_climb_rate(self.velocity_m_s[2])
-        flight.auto_yaw.update()
-
-    def _move_target(self) -> None:
-        control = self._flight.control
-        dt = control.dt
-        dn, de = self.velocity_m_s[0] - control.vn, self.velocity_m_s[1] - control.ve
-        size = hypot(dn, de)
-        share = min(1.0, control.accel_max * dt / size) if size > 0 else 0.0
-        control.accel_n, control.accel_e = dn * share / dt, de * share / dt
-        control.vn, control.ve = control.vn + dn * share, control.ve + de * share
-        control.n, control.e = control.n + control.vn * dt, control.e + control.ve * dt
-
-
-class GuidedPosition:
-    """Fly to a position (ModeGuided::pos_control_run, AC_PosControl::input_pos_xyz)."""
-
-    def __init__(self, flight: FlightControl, position: Vector) -> None:
-        self._flight = flight
-        self.position = position
-        self.done = False
-        flight.auto_yaw.set_default_mode()
-
-    def step(self) -> None:
-        """Move the target, and the copter after it."""
+        """Accelerate the controller's target, fly, and move both on."""
         flight = self._flight
-        flight.control.update()
-        flight.control.input_position(self.position)
+        if self.timed_out:
+            self._velocity_m_s = self._acceleration_m_s2 = _ZERO
+            flight.auto_yaw.stop_turning()
+        control = flight.control
+        before = control.accel_n, control.accel_e, control.accel_u
+        self._aim()
+        control.update()
+        control.move(before)
         flight.auto_yaw.update()
-        n, e, u = self.position
-        airframe = flight.airframe
-        self.done = hypot(airframe.n - n, airframe.e - e, airframe.u - u) <= flight.limits.wp_radius_m
+        self._age_s += control.dt
+        self._advance_goal(control.dt)
+
+    @abstractmethod
+    def _aim(self) -> None:
+        """Accelerate the controller's target."""
+
+    def _advance_goal(self, dt: float) -> None:
+        """Let the goal go on with its velocity and acceleration."""
+        velocity, accel = self._velocity_m_s, self._acceleration_m_s2
+        n, e, u = self._position_m
+        vn, ve, vu = velocity
+        an, ae, au = accel
+        half = 0.5 * dt * dt
+        self._position_m = n + vn * dt + an * half, e + ve * dt + ae * half, u + vu * dt + au * half
+        self._velocity_m_s = vn + an * dt, ve + ae * dt, vu + au * dt
+
+    def _leave_uncorrected(self) -> None:
+        """Give up position and velocity errors, if GUID_OPTIONS says so (stop_pos_xy_stabilisation)."""
+        options = int(self._flight.limits.guided_options)
+        if options & _NO_VELOCITY_CORRECTION:
+            self._flight.control.drop_velocity_error()
+        elif options & _NO_POSITION_CORRECTION:
+            self._flight.control.drop_position_error()
+
+
+class GuidedPosition(GuidedSubMode):
+    """Fly to a position (pos_control_run)."""
+
+    def accept(self, target: GuidedTarget, late_s: float = 0.0) -> None:
+        """Fly to the target's position, and rest there."""
+        super().accept(target, late_s)
+        self.done = False
+
+    @property
+    def position(self) -> Vector:
+        """Where it flies to."""
+        return self._position_m
+
+    def _aim(self) -> None:
+        self._flight.control.aim_position(self._position_m)
+
+    def step(self) -> None:
+        """Fly one step."""
+        super().step()
+        airframe, (n, e, u) = self._flight.airframe, self._position_m
+        off_m = hypot(airframe.n - n, airframe.e - e, airframe.u - u)
+        self.done = off_m <= self._flight.limits.wp_radius_m
+
+
+class GuidedMotion(GuidedSubMode):
+    """Fly after a position that moves (posvelaccel_control_run)."""
+
+    def _aim(self) -> None:
+        control = self._flight.control
+        options = int(self._flight.limits.guided_options)
+        if options & (_NO_POSITION_CORRECTION | _NO_VELOCITY_CORRECTION):
+            self._position_m = (control.n, control.e, self._position_m[2])
+        if options & _NO_VELOCITY_CORRECTION:
+            self._velocity_m_s = (control.vn, control.ve, self._velocity_m_s[2])
+        control.aim_motion(self._position_m, self._velocity_m_s, self._acceleration_m_s2)
+        self._leave_uncorrected()
+
+
+class GuidedVelocity(GuidedSubMode):
+    """Fly at a velocity that may change (velaccel_control_run)."""
+
+    def _aim(self) -> None:
+        control = self._flight.control
+        if int(self._flight.limits.guided_options) & _NO_VELOCITY_CORRECTION:
+            self._velocity_m_s = (control.vn, control.ve, self._velocity_m_s[2])
+        control.aim_velocity(self._velocity_m_s, self._acceleration_m_s2)
+        self._leave_uncorrected()
+
+
+class GuidedAcceleration(GuidedSubMode):
+    """Fly with an acceleration, and come to rest when it is not repeated (accel_control_run)."""
+
+    def _aim(self) -> None:
+        if self.timed_out:
+            self._flight.control.aim_velocity(_ZERO, _ZERO)
+        else:
+            self._flight.control.aim_acceleration(self._acceleration_m_s2)
+            self._leave_uncorrected()
+
+    def _advance_goal(self, dt: float) -> None:
+        """An acceleration stays."""
+
+
+def submode_for(target: GuidedTarget) -> type[GuidedSubMode] | None:
+    """The controller that flies what a target has; None if there is none, and the copter stops.
+
+    With a velocity an acceleration may be left out; with a position alone it must be.
+    """
+    has_position, has_velocity = target.position_m is not None, target.velocity_m_s is not None
+    if has_velocity:
+        return GuidedMotion if has_position else GuidedVelocity
+    if target.acceleration_m_s2 is not None:
+        return None if has_position else GuidedAcceleration
+    return GuidedPosition if has_position else None

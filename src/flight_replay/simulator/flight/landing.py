@@ -22,6 +22,7 @@ class Landing:
         self._still_s = 0.0
         limits = flight.limits
         flight.control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
+        flight.control.limit_correction()
         flight.auto_yaw.hold()
 
     def step(self) -> None:

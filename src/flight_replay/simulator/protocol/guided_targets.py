@@ -119,7 +119,7 @@ def _follow(autopilot: Autopilot, mask: int, position_m: Vector, velocity_m_s: V
     if not mask & _IGNORES_POSITION and all(math.isfinite(part) for part in position_m):
         autopilot.flight.goto(position_m)
     elif mask & _IGNORES_POSITION and not mask & _IGNORES_VELOCITY and _is_plausible(velocity_m_s):
-        autopilot.fly_velocity(velocity_m_s)
+        autopilot.flight.fly_velocity(velocity_m_s)
     else:
         autopilot.flight.hold()
 
