@@ -18,6 +18,7 @@ ROUTE_KEYS = {
     "fixes_covered",
     "length_m",
     "planned_error_m",
+    "heights",
     "predicted",
     "predicted_duration_s",
 }

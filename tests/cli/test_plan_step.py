@@ -34,6 +34,19 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
     assert any(isinstance(event, Notice) and "left out" in event.text for event in events)
 
 
+def test_heights_are_said() -> None:
+    """The climb to the first waypoint, which takes time, and what is raised to the floor."""
+    argv = ("--altitude", "recorded", "--floor", "8")
+    (route, events), (level, _) = planned(*argv), planned(*argv, "--takeoff-altitude", "8")
+    assert route.heights is not None
+    assert level.heights is not None
+    assert (route.heights.floor_m, route.heights.first_m, route.heights.takeoff_m) == (8.0, 8.0, 30.0)
+    assert route.heights.raised.fixes > 0
+    assert set(route.heights.notes) <= set(route.notes)
+    assert any(isinstance(event, Notice) and "descends 22.0 m" in event.text for event in events)
+    assert route.predicted_duration_s == pytest.approx(level.predicted_duration_s + route.heights.climb_s)
+
+
 def test_recorded_limits_are_planned_with() -> None:
     """--limits recorded requires limits of the vehicle; without it none are required."""
     raised, _ = planned("--limits", "recorded")

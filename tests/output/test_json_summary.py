@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.output.outcome import compare_flight
+from flight_replay.planning.heights import HeightChange, RouteHeights
 from tests.helpers.made_replays import made_replay
 
 
@@ -53,5 +54,22 @@ def test_a_route_that_cannot_be_predicted_says_so() -> None:
     """No prediction is null; a fit has its objective."""
     route, _, _ = made_replay()
     assert route_summary(route)["predicted"] is None
+    assert route_summary(route)["heights"] is None
     assert "objective_m" not in route_summary(route)
     assert route_summary(replace(route, objective_m=1.25))["objective_m"] == 1.25
+
+
+def test_heights_have_their_own_object() -> None:
+    """The climb to the first waypoint is negative for a descent; changes have a count and a maximum."""
+    route, _, _ = made_replay()
+    raised, none = HeightChange(12, 3.25), HeightChange(0, 0.0)
+    heights = RouteHeights(30.0, 5.0, 18.0, 5.0, raised, none, ("words",))
+    assert route_summary(replace(route, heights=heights))["heights"] == {
+        "takeoff_m": 30.0,
+        "first_waypoint_m": 5.0,
+        "climb_to_first_m": -25.0,
+        "climb_to_first_s": 18.0,
+        "floor_m": 5.0,
+        "raised_to_floor": {"fixes": 12, "max_m": 3.25},
+        "not_kept": {"fixes": 0, "max_m": 0.0},
+    }

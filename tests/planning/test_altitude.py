@@ -7,7 +7,7 @@ import pytest
 
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Home
-from flight_replay.planning.altitude import MIN_ALTITUDE_M, altitudes_m, home_of, plausible_altitudes_m
+from flight_replay.planning.altitude import FLOOR_M, altitudes_m, home_of, plausible_altitudes_m
 from tests.helpers.made_tracks import straight_track
 
 
@@ -74,4 +74,4 @@ def test_unknown_altitudes_are_the_lowest_that_is_flown(boots: list[int]) -> Non
     """Without any altitude above home or above the sea, none is plausible."""
     track = replace(track_at([30.0, 30.0, 30.0]), boot=np.array(boots, np.int32))
     for unknown in (replace(track, alt_m=np.full(3, np.nan)), replace(track, amsl_m=np.full(3, np.nan))):
-        assert plausible_altitudes_m(unknown).tolist() == [MIN_ALTITUDE_M] * 3
+        assert plausible_altitudes_m(unknown).tolist() == [FLOOR_M] * 3

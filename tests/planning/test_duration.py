@@ -35,7 +35,7 @@ def test_a_duration_is_that_of_the_flight_model(side_m: float, spline: bool) -> 
     """Within 2 % of the model in fine steps, or 0.6 s: a vehicle arrives somewhat behind its target."""
     mission = square(side_m, spline=spline)
     flown_s = simulated_s(mission, 0.025)
-    assert duration_s(mission, path_of(mission)) == pytest.approx(flown_s, rel=0.02, abs=0.6)
+    assert duration_s(mission, path_of(mission), Limits()) == pytest.approx(flown_s, rel=0.02, abs=0.6)
 
 
 def test_short_straight_legs_are_timed_by_their_targets_alone() -> None:
@@ -44,7 +44,7 @@ def test_short_straight_legs_are_timed_by_their_targets_alone() -> None:
         mission = square(side_m)
         path = path_of(mission)
         corners = [(float(n), float(e), 30.0) for n, e in path.north_east_m]
-        assert (duration_s(mission, path) == straight_duration_s(corners, Limits())) is by_targets
+        assert (duration_s(mission, path, Limits()) == straight_duration_s(corners, Limits())) is by_targets
 
 
 def test_a_hold_takes_its_time() -> None:
@@ -52,19 +52,22 @@ def test_a_hold_takes_its_time() -> None:
     mission = square(5.0)
     held = replace(mission.items[1], params=(7.0, 0.0, 0.0, 0.0))
     waiting = replace(mission, items=(mission.items[0], held, *mission.items[2:]))
-    assert duration_s(waiting, path_of(waiting)) > duration_s(mission, path_of(mission)) + 7.0
+    assert (
+        duration_s(waiting, path_of(waiting), Limits())
+        > duration_s(mission, path_of(mission), Limits()) + 7.0
+    )
 
 
 def test_a_route_beyond_any_copter_is_not_simulated() -> None:
     """Farther than 50 km the duration is that of the length at full speed; a shorter one is simulated."""
     home = Home(0.0, 0.0, 0.0)
     far, near = (mission_at([(0.0, 0.0, 30.0), (north_m, 0.0, 30.0)], home=home) for north_m in (51e3, 49e3))
-    assert duration_s(far, path_of(far)) == path_of(far).length_m / 10.0
-    assert duration_s(near, path_of(near)) > path_of(near).length_m / 10.0 + 1.0
+    assert duration_s(far, path_of(far), Limits()) == path_of(far).length_m / 10.0
+    assert duration_s(near, path_of(near), Limits()) > path_of(near).length_m / 10.0 + 1.0
 
 
 def test_one_waypoint_takes_no_time() -> None:
     """A route that ends where it begins is over at once."""
     mission = mission_at([(0.0, 0.0, 30.0)])
-    assert duration_s(mission, path_of(mission)) == pytest.approx(0.0, abs=0.2)
+    assert duration_s(mission, path_of(mission), Limits()) == pytest.approx(0.0, abs=0.2)
     assert np.isfinite(path_of(mission).length_m)

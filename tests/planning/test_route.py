@@ -7,6 +7,7 @@ import pytest
 
 from flight_replay.logs.track import Armed
 from flight_replay.mission.items import Mission, waypoint
+from flight_replay.planning.heights import Heights
 from flight_replay.planning.route import route_of
 from tests.helpers.made_tracks import FRAME, straight_track
 
@@ -33,11 +34,12 @@ def test_standing_on_the_ground_is_not_measured() -> None:
     armed[20:40] = Armed.YES
     track = replace(straight_track(fixes=51), armed=armed)
     mission = mission_through([(0.0, 0.0), (200.0, 0.0)])
-    route = route_of("by hand", mission, track, heights_m=np.full(51, 30.0))
+    route = route_of("by hand", mission, track, heights=Heights(np.full(51, 30.0), np.full(51, 28.0)))
     assert (len(route.covered), len(route.recorded), len(route.wanted)) == (51, 20, 20)
     assert (route.wanted.time_s[0], route.wanted.time_s[-1]) == (0.0, 19.0)
     assert route.wanted.north_east_m[0] == pytest.approx([80.0, 0.0], abs=0.01)
     assert set(route.wanted.up_m) == {30.0}
+    assert set(route.planned_up_m) == {28.0}
     assert set(route.recorded.alt_m) == {0.0}
     assert len(route.planned_error.recorded_to_path) == 20
 

@@ -91,6 +91,13 @@ def _add_motion(group: argparse._ArgumentGroup) -> None:
         help="altitude of the waypoints: metres above home, or as recorded (default: 30)",
     )
     group.add_argument(
+        "--floor",
+        dest="floor_m",
+        metavar="M",
+        type=option_types.height,
+        help="lowest altitude to fly at in metres above home, for --altitude recorded (default: 5)",
+    )
+    group.add_argument(
         "--speed",
         dest="speed_m_s",
         metavar="{vehicle,recorded,M_PER_S}",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from flight_replay.cli.option_groups import add_groups
-from flight_replay.planning.altitude import Recorded
+from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded
 from flight_replay.writing.terminal_text import Parser
 
 _EXAMPLES = """\
@@ -40,6 +40,7 @@ class Options:
     spacing_m: float
     max_points: int
     altitude_m: float | Recorded
+    floor_m: float
     speed_m_s: float | Recorded | None
     heading: Literal["vehicle", "recorded"]
     duration_s: float | None
@@ -77,6 +78,7 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
     parser = build_parser()
     values = vars(parser.parse_args(argv))
     _check_combinations(parser, values)
+    values["floor_m"] = FLOOR_M if values["floor_m"] is None else values["floor_m"]
     values["sim"] = values["sim"] or ("sitl" if values["sitl"] else "auto")
     values["save"] = tuple(values["save"] or ())
     values["gcs"] = tuple(values["gcs"] or ())
@@ -108,6 +110,8 @@ def _check_combinations(parser: argparse.ArgumentParser, values: dict[str, objec
         parser.error("--sim and --sitl start a simulator and cannot be used with --connect")
     if values["connect"] is None and values["signing_key"]:
         parser.error("--signing-key is for a vehicle given with --connect")
+    if values["floor_m"] is not None and values["altitude_m"] != RECORDED:
+        parser.error("--floor is for recorded altitudes and needs --altitude recorded")
     if values["sitl"] and values["sim"] == "builtin":
         parser.error("--sitl starts ArduPilot SITL and cannot be used with --sim builtin")
     if values["verbose"] and values["quiet"]:

@@ -10,9 +10,10 @@ from flight_replay.logs.flights import Flight, find_flights, select
 from flight_replay.logs.sample import default_log
 from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
-from flight_replay.planning.altitude import RECORDED, altitudes_m
+from flight_replay.planning.altitude import RECORDED
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
+from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -47,13 +48,26 @@ def plan_route(options: Options, track: Track, listener: Listener) -> Route:
     if options.route == "fit":
         route = _fitted_route(options, track, limits, listener)
     else:
-        route = _spaced_route(options, track)
+        route = _spaced_route(options, track, limits)
     listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from tlog"))
+    route = _with_heights(options, route, limits)
     if options.heading == "recorded":
         route = _with_recorded_headings(route, limits, timed=options.speed_m_s == RECORDED)
     for note in route.notes:
         listener(Notice(f" {note}"))
     return replace(with_prediction(route, limits), required_limits=required_limits)
+
+
+def _with_heights(options: Options, route: Route, limits: Limits) -> Route:
+    """The route with what it does with heights, and with the time of the climb to its first waypoint."""
+    floor_m = options.floor_m if options.altitude_m == RECORDED else None
+    heights = route_heights(route, limits, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m)
+    return replace(
+        route,
+        heights=heights,
+        predicted_duration_s=route.predicted_duration_s + heights.climb_s,
+        notes=(*route.notes, *heights.notes),
+    )
 
 
 def _with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Route:
@@ -69,13 +83,15 @@ def _required_limits(track: Track) -> dict[str, float]:
     return required_limits(track, Limits())
 
 
-def _spaced_route(options: Options, track: Track) -> Route:
+def _spaced_route(options: Options, track: Track, limits: Limits) -> Route:
     return spaced_route(
         track,
         spacing_m=options.spacing_m,
         max_points=options.max_points,
         altitude_m=options.altitude_m,
+        floor_m=options.floor_m,
         speed_m_s=options.speed_m_s,
+        limits=limits,
     )
 
 
@@ -86,6 +102,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         track,
         max_points=options.max_points,
         altitude_m=options.altitude_m,
+        floor_m=options.floor_m,
         speed_m_s=options.speed_m_s,
         limits=limits,
         progress=lambda done, total: listener(Progress("fit", done, total, "simulations")),
@@ -94,7 +111,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         "fit",
         result.mission,
         result.flown,
-        heights_m=altitudes_m(result.flown, options.altitude_m),
+        heights=result.heights,
         recording=track,
         predicted_duration_s=result.predicted_duration_s,
     )

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
     from flight_replay.output.outcome import Outcome
+    from flight_replay.planning.heights import HeightChange, RouteHeights
     from flight_replay.planning.route import Route
     from flight_replay.supervisor.flight_plan import FlightRecord
 
@@ -60,6 +61,7 @@ def route_summary(route: Route) -> Json:
         "length_m": round(route.path.length_m, 3),
         "planned_error_m": _both_ways(route.planned_error, "planned"),
         **objective,
+        "heights": None if route.heights is None else _heights(route.heights),
         "predicted": None if route.predicted is None else _errors(route.predicted),
         "predicted_duration_s": round(route.predicted_duration_s, 3),
     }
@@ -127,6 +129,23 @@ def _both_ways(errors: PathErrors, path: str) -> Json:
         f"recorded_to_{path}": _statistics(errors.recorded_to_path.statistics),
         f"{path}_to_recorded": _statistics(errors.path_to_recorded.statistics),
     }
+
+
+def _heights(heights: RouteHeights) -> Json:
+    """The climb to the first waypoint, and which fixes are not flown at their recorded height."""
+    return {
+        "takeoff_m": heights.takeoff_m,
+        "first_waypoint_m": round(heights.first_m, 3),
+        "climb_to_first_m": round(heights.first_m - heights.takeoff_m, 3),
+        "climb_to_first_s": round(heights.climb_s, 3),
+        "floor_m": heights.floor_m,
+        "raised_to_floor": _height_change(heights.raised),
+        "not_kept": _height_change(heights.limited),
+    }
+
+
+def _height_change(change: HeightChange) -> Json:
+    return {"fixes": change.fixes, "max_m": round(change.max_m, 3)}
 
 
 def _item(seq: int, item: MissionItem) -> Json:

@@ -13,8 +13,8 @@ from flight_replay.mission.items import Home
 
 Recorded = Literal["recorded"]
 RECORDED: Recorded = "recorded"
-MIN_ALTITUDE_M = 5.0
-"""Recorded altitudes below this are flown at this altitude: barometers drift by metres."""
+FLOOR_M = 5.0
+"""The default of ``--floor``: recorded altitudes below it are flown at it, as barometers drift by metres."""
 _MAX_HOME_ERROR_M = 20.0
 """Home's altitude above the sea is constant once home is set, but for the drift of barometer and GPS."""
 
@@ -27,15 +27,15 @@ def home_of(track: Track) -> Home:
     )
 
 
-def altitudes_m(track: Track, altitude_m: float | Recorded) -> Floats:
-    """Altitude above home to fly at (n,): constant, or as recorded where that is plausible."""
+def altitudes_m(track: Track, altitude_m: float | Recorded, floor_m: float = FLOOR_M) -> Floats:
+    """Altitude above home to fly at (n,): constant, or as recorded where that is plausible, above a floor."""
     if altitude_m != RECORDED:
         return np.full(len(track), float(altitude_m))
-    return plausible_altitudes_m(track)
+    return plausible_altitudes_m(track, floor_m)
 
 
-def plausible_altitudes_m(track: Track) -> Floats:
-    """Recorded altitudes above home (n,), none below ``MIN_ALTITUDE_M``.
+def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M) -> Floats:
+    """Recorded altitudes above home (n,), none below ``floor_m``.
 
     Before home is set, the altitude above it is meaningless (often that above the sea): where the
     implied altitude of home is far from its median in that boot, the next plausible one is taken.
@@ -48,7 +48,7 @@ def plausible_altitudes_m(track: Track) -> Floats:
             error_m = np.abs(home_amsl_m - np.median(home_amsl_m[known]))
             plausible &= (track.boot != boot) | (error_m <= _MAX_HOME_ERROR_M)
     if not plausible.any():
-        return np.full(len(track), MIN_ALTITUDE_M)
+        return np.full(len(track), floor_m)
     index = np.flatnonzero(plausible)
     following = index[np.minimum(np.searchsorted(index, np.arange(len(track))), len(index) - 1)]
-    return np.asarray(np.maximum(track.alt_m[following], MIN_ALTITUDE_M))
+    return np.asarray(np.maximum(track.alt_m[following], floor_m))

@@ -1,4 +1,4 @@
-"""How long a vehicle at its defaults flies a mission."""
+"""How long a vehicle flies a mission."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _LONGEST_SIMULATED_M = 50_000.0
 """Longer routes are beyond any copter: their duration is that of their length at full speed."""
 
 
-def duration_s(mission: Mission, path: Path) -> float:
-    """Seconds in AUTO that a vehicle at its defaults takes for a mission, from above home.
+def duration_s(mission: Mission, path: Path, limits: Limits) -> float:
+    """Seconds in AUTO that a vehicle takes for a mission, from above home.
 
     Args:
         mission: at least one waypoint.
         path: the path of the mission.
+        limits: what the vehicle may do.
     """
-    limits = Limits()
     if path.length_m > _LONGEST_SIMULATED_M:
         return path.length_m / limits.wp_speed_m_s
     if _is_straight(mission) and segment_lengths_m(path.north_east_m).max(initial=0.0) <= _SHORT_LEG_M:

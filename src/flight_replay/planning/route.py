@@ -14,6 +14,8 @@ from flight_replay.mission.items import Mission
 from flight_replay.mission.path import Path, planned_path
 from flight_replay.planning.duration import duration_s
 from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.heights import Heights, RouteHeights
+from flight_replay.simulator.dynamics.limits import Limits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,12 +23,13 @@ class Route:
     """A mission, the recorded fixes that it covers, and what is known of it before it is flown.
 
     ``recorded`` is what of ``covered`` was flown, ``wanted`` the same as a replay is measured with: in
-    metres around ``frame``, its clock counting from its first fix, its heights as commanded.
+    metres around ``frame``, its clock counting from its first fix, its heights as wanted; ``planned_up_m``
+    are those that the mission asks for at its fixes, where the vehicle cannot climb as fast as wanted.
     ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path
     error of the mission's path, ``predicted_duration_s`` the time in AUTO, ``predicted`` the errors of
     the flight where the planning simulated it. ``required_limits`` are the fields of ``Limits`` to
     raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made small;
-    ``notes`` are sentences for people.
+    ``heights`` says what the route does with them; ``notes`` are sentences for people.
     """
 
     method: str
@@ -34,6 +37,7 @@ class Route:
     covered: Track
     recorded: Track
     wanted: Movement
+    planned_up_m: Floats
     recording: Track
     path: Path
     planned_error: PathErrors
@@ -41,6 +45,7 @@ class Route:
     predicted: FlightErrors | None = None
     objective_m: float | None = None
     required_limits: Mapping[str, float] = field(default_factory=dict)
+    heights: RouteHeights | None = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -54,8 +59,9 @@ def route_of(  # noqa: PLR0913
     mission: Mission,
     covered: Track,
     *,
-    heights_m: Floats | None = None,
+    heights: Heights | None = None,
     recording: Track | None = None,
+    limits: Limits | None = None,
     predicted_duration_s: float | None = None,
 ) -> Route:
     """The route of a mission that was made from ``covered``, with its planned error.
@@ -64,29 +70,35 @@ def route_of(  # noqa: PLR0913
         method: how the mission was made, by its name.
         mission: at least one waypoint.
         covered: at least one fix.
-        heights_m: metres above home that the mission commands at each covered fix (n,); the recorded
-            ones if None.
+        heights: those of the covered fixes; the recorded ones if None.
         recording: the track that ``covered`` is a part of.
+        limits: what the vehicle may do; ArduCopter's defaults if None.
         predicted_duration_s: seconds in AUTO, if known.
     """
     frame = covered.frame
     path = planned_path(mission, frame)
     recorded, _ = flown_part(covered)
-    commanded = covered if heights_m is None else replace(covered, alt_m=heights_m)
-    wanted = movement_of(flown_part(commanded)[0], frame)
+    heights = heights or Heights(covered.alt_m, covered.alt_m)
+    wanted = movement_of(_flown_at(covered, heights.wanted_m), frame)
     return Route(
         method=method,
         mission=mission,
         covered=covered,
         recorded=recorded,
         wanted=wanted,
+        planned_up_m=_flown_at(covered, heights.planned_m).alt_m,
         recording=recorded if recording is None else flown_part(recording)[0],
         path=path,
         planned_error=path_errors(wanted, path.north_east_m),
-        predicted_duration_s=duration_s(mission, path)
+        predicted_duration_s=duration_s(mission, path, limits or Limits())
         if predicted_duration_s is None
         else predicted_duration_s,
     )
+
+
+def _flown_at(track: Track, heights_m: Floats) -> Track:
+    """The flown part of a track, at other heights (n,) than the recorded ones."""
+    return flown_part(replace(track, alt_m=heights_m))[0]
 
 
 def movement_of(track: Track, frame: LocalFrame, start_s: float | None = None) -> Movement:

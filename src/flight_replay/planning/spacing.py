@@ -9,8 +9,10 @@ from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission, MissionItem, change_speed, waypoint
-from flight_replay.planning.altitude import RECORDED, Recorded, altitudes_m, home_of
+from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
+from flight_replay.planning.heights import heights_of
 from flight_replay.planning.route import Route, route_of
+from flight_replay.simulator.dynamics.limits import Limits
 
 SPACING_M = 3.0
 MAX_POINTS = 100
@@ -54,13 +56,15 @@ def _first_beyond(xyz: NDArray[np.float64], start: int, spacing_m: float) -> int
     return None
 
 
-def spaced_route(
+def spaced_route(  # noqa: PLR0913
     track: Track,
     *,
     spacing_m: float = SPACING_M,
     max_points: int = MAX_POINTS,
     altitude_m: float | Recorded = 30.0,
+    floor_m: float = FLOOR_M,
     speed_m_s: float | Recorded | None = None,
+    limits: Limits | None = None,
 ) -> Route:
     """The route of DroneKit's example: straight waypoints at kept fixes, see ``decimate``.
 
@@ -69,18 +73,28 @@ def spaced_route(
         spacing_m: waypoints are farther apart than this.
         max_points: maximum number of waypoints; speed changes come on top.
         altitude_m: altitude above home, constant or as recorded.
+        floor_m: lower recorded altitudes are raised to this.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
+        limits: what the vehicle may do; ArduCopter's defaults if None.
     """
     kept = decimate(track, spacing_m, max_points)
     fixes = track.select(kept)
-    heights_m = altitudes_m(track, altitude_m)
+    limits = limits or Limits()
+    heights = heights_of(track, altitude_m, floor_m, limits if speed_m_s == RECORDED else None)
     waypoints = [
         waypoint(float(lat), float(lon), float(altitude))
-        for lat, lon, altitude in zip(fixes.lat_deg, fixes.lon_deg, heights_m[kept], strict=True)
+        for lat, lon, altitude in zip(fixes.lat_deg, fixes.lon_deg, heights.planned_m[kept], strict=True)
     ]
     mission = Mission(tuple(_with_speeds(waypoints, fixes, speed_m_s)), home_of(track))
     covered = slice(0, int(kept[-1]) + 1)
-    return route_of("spacing", mission, track.select(covered), heights_m=heights_m[covered], recording=track)
+    return route_of(
+        "spacing",
+        mission,
+        track.select(covered),
+        heights=heights.select(covered),
+        recording=track,
+        limits=limits,
+    )
 
 
 def _with_speeds(

@@ -17,7 +17,7 @@ from flight_replay.geometry.distances import (
 )
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
-from flight_replay.planning.altitude import RECORDED, Recorded, home_of
+from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.knot_selection import select_waypoints
@@ -28,6 +28,7 @@ from flight_replay.planning.fit.reference import LocalTrack, flat_frame, hovers,
 from flight_replay.planning.fit.result import FitResult, lag_notes
 from flight_replay.planning.fit.search import search
 from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.heights import Heights, heights_of
 from flight_replay.planning.spacing import MAX_POINTS, decimate
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -48,6 +49,7 @@ def fit(  # noqa: PLR0913
     *,
     max_points: int = MAX_POINTS,
     altitude_m: float | Recorded = 30.0,
+    floor_m: float = FLOOR_M,
     speed_m_s: float | Recorded | None = None,
     limits: Limits | None = None,
     progress: ProgressCallback | None = None,
@@ -57,7 +59,8 @@ def fit(  # noqa: PLR0913
     Args:
         track: fixes of one vehicle.
         max_points: most waypoints, of which at most ``WORK_FIXES`` are used; speed changes come on top.
-        altitude_m: height above home, constant or as recorded (never below 5 m).
+        altitude_m: height above home, constant or as recorded.
+        floor_m: lower recorded heights are raised to this.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
         limits: what the vehicle may do; ArduCopter's defaults if None.
         progress: told how much of the work is done, and how much there is.
@@ -68,19 +71,19 @@ def fit(  # noqa: PLR0913
     if not len(track):
         raise LogError("the log has no position to follow; choose another log or vehicle")
     flown, notes = flown_part(track)
-    timed = speed_m_s == RECORDED
-    recording = local_track(flown, None if altitude_m == RECORDED else float(altitude_m))
+    timed, limits = speed_m_s == RECORDED, limits or Limits()
+    heights = heights_of(flown, altitude_m, floor_m, limits if timed else None)
+    recording = local_track(flown, heights.planned_m)
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
-    problem = problem_for(recording, max_points, limits or Limits(), timed=timed)
+    problem = problem_for(recording, max_points, limits, timed=timed)
     starts = _starts(problem, recording, flown, max_points)
     if speed_m_s is not None and speed_m_s != RECORDED:
         starts = [replace(start, draft=_with_first_speed(start.draft, speed_m_s)) for start in starts]
-    budget = _budget(problem, len(flown), progress or (lambda done, total: None))
+    budget = _budget(problem, len(flown), progress)
     best, stopped = search(problem, starts, budget)
-    notes = (*notes, f"Fitted in {budget.spent:.0f} simulated flights: {stopped}.")
-    if timed:
-        notes = (*notes, *lag_notes(best, problem.recording))
-    return _result(best, flown, recording, notes)
+    lags = lag_notes(best, problem.recording) if timed else ()
+    notes = (*notes, f"Fitted in {budget.spent:.0f} simulated flights: {stopped}.", *lags)
+    return _result(best, flown, recording, heights, notes)
 
 
 def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed: bool) -> FitProblem:
@@ -91,10 +94,11 @@ def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed
     return FitProblem(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
 
 
-def _budget(problem: FitProblem, fixes: int, progress: ProgressCallback) -> Budget:
+def _budget(problem: FitProblem, fixes: int, progress: ProgressCallback | None) -> Budget:
     steps_a_flight = max(problem.recording.time_s[-1], 1.0) / problem.step_s
     flights = (_WORK_STEPS + _WORK_STEPS_A_FIX * fixes) / steps_a_flight
-    return Budget(int(np.clip(flights, _FEWEST_FLIGHTS, _MOST_FLIGHTS)), progress)
+    most = int(np.clip(flights, _FEWEST_FLIGHTS, _MOST_FLIGHTS))
+    return Budget(most, progress or (lambda done, total: None))
 
 
 def _with_first_speed(draft: Draft, speed_m_s: float) -> Draft:
@@ -118,7 +122,9 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     ]
 
 
-def _result(best: Evaluation, flown: Track, recording: LocalTrack, notes: tuple[str, ...]) -> FitResult:
+def _result(
+    best: Evaluation, flown: Track, recording: LocalTrack, heights: Heights, notes: tuple[str, ...]
+) -> FitResult:
     """The answer, its errors measured against every fix, in ground metres."""
     flat, frame = flat_frame(flown), flown.frame
     mission = best.draft.mission(flat).with_home(home_of(flown))
@@ -129,6 +135,7 @@ def _result(best: Evaluation, flown: Track, recording: LocalTrack, notes: tuple[
     return FitResult(
         mission=mission,
         flown=flown,
+        heights=heights,
         frame=frame,
         planned_error=_statistics(path_errors_m(fixes_m, path.north_east_m)),
         path_error=_statistics(path_errors_m(fixes_m, air_m)),

@@ -10,7 +10,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.polyline import nearest_on_segments, segment_lengths_m
 from flight_replay.logs.track import Track
-from flight_replay.planning.altitude import home_of, plausible_altitudes_m
+from flight_replay.planning.altitude import home_of
 
 HOVER_RADIUS_M = 0.3
 """A vehicle that hovers wanders about as far in some seconds; farther, it was on its way."""
@@ -106,16 +106,16 @@ def flat_frame(track: Track) -> FlatFrame:
     return FlatFrame(float(track.lat_deg[0]), float(track.lon_deg[0]))
 
 
-def local_track(track: Track, altitude_m: float | None) -> LocalTrack:
+def local_track(track: Track, height_m: float | Floats) -> LocalTrack:
     """What the fit follows, in ArduPilot's own metres around the track's first fix.
 
     The vehicle navigates in those: in ground metres, up to 0.5 % different, its time would be too.
 
     Args:
         track: at least one fix.
-        altitude_m: height above home to fly at, or None for the recorded heights.
+        height_m: height above home to fly at, one for all fixes or one for each (n,).
     """
     times = track.time_s - track.time_s[0]
-    heights = plausible_altitudes_m(track) if altitude_m is None else np.full(len(track), float(altitude_m))
+    heights = np.broadcast_to(np.asarray(height_m, float), len(track))
     places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
     return LocalTrack(times, places, heights, home_of(track).alt_amsl_m)

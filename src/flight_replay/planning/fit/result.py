@@ -13,6 +13,7 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.reference import LocalTrack
+from flight_replay.planning.heights import Heights
 
 MIN_LAG_M = 5.0
 """Nearer behind than this is keeping up."""
@@ -23,7 +24,8 @@ _MOST_STRETCHES = 3
 class FitResult:
     """A fitted mission.
 
-    ``flown`` is the part of the log that it follows, the clock running on from flight to flight.
+    ``flown`` is the part of the log that it follows, the clock running on from flight to flight,
+    ``heights`` those of its fixes.
     ``planned_error`` is its path error as planned, ``path_error`` and ``position_error`` are those
     of the predicted flight; ``predicted_duration_s`` runs from reaching
     the first waypoint to the end. ``time_s`` (k,), from reaching the first waypoint, and ``place_m`` (k, 3),
@@ -33,6 +35,7 @@ class FitResult:
 
     mission: Mission
     flown: Track
+    heights: Heights
     frame: LocalFrame
     planned_error: ErrorStatistics
     path_error: ErrorStatistics

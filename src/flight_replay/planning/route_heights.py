@@ -1,0 +1,84 @@
+"""What a route does with heights: the climb to its first waypoint, the floor, and what is not kept."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.planning.heights import HeightChange, RouteHeights
+from flight_replay.planning.route import Route
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.navigation.leg_durations import straight_duration_s
+
+_LEVEL_M = 0.05
+"""A first waypoint so near to the take-off altitude is at it."""
+_KEPT_M = 0.5
+"""Heights that are nearer to the wanted ones than this are kept."""
+_MOST_STRETCHES = 3
+
+
+def route_heights(route: Route, limits: Limits, *, takeoff_m: float, floor_m: float | None) -> RouteHeights:
+    """What a route does with heights.
+
+    Args:
+        route: at least one waypoint, its altitudes above home.
+        limits: what the vehicle may do.
+        takeoff_m: take-off altitude.
+        floor_m: the floor, where the altitude is as recorded.
+    """
+    first_m = route.mission.waypoints[0][1].alt_m
+    climbs = abs(first_m - takeoff_m) > _LEVEL_M
+    climb_s = straight_duration_s([(0.0, 0.0, takeoff_m), (0.0, 0.0, first_m)], limits) if climbs else 0.0
+    recorded_m = route.recorded.alt_m
+    below_m = np.zeros(len(recorded_m)) if floor_m is None else np.nan_to_num(floor_m - recorded_m)
+    raised = (below_m > 0) & (route.wanted.up_m == floor_m)
+    off_m = np.abs(route.planned_up_m - route.wanted.up_m)
+    off = off_m > _KEPT_M
+    notes = [
+        _climb_note(takeoff_m, first_m, climb_s) if climbs else "",
+        _floor_note(floor_m or 0.0, below_m[raised], len(raised)) if raised.any() else "",
+        _limited_note(off, off_m, route.wanted.time_s) if off.any() else "",
+    ]
+    return RouteHeights(
+        takeoff_m,
+        first_m,
+        climb_s,
+        floor_m,
+        _change(raised, below_m),
+        _change(off, off_m),
+        tuple(filter(None, notes)),
+    )
+
+
+def _change(changed: Flags, by_m: Floats) -> HeightChange:
+    return HeightChange(int(changed.sum()), float(by_m[changed].max(initial=0.0)))
+
+
+def _climb_note(takeoff_m: float, first_m: float, climb_s: float) -> str:
+    what = "climbs" if first_m > takeoff_m else "descends"
+    return (
+        f"After take-off to {takeoff_m:g} m the vehicle {what} {abs(first_m - takeoff_m):.1f} m to the first "
+        f"waypoint, at {first_m:.1f} m: {climb_s:.0f} s of AUTO."
+    )
+
+
+def _floor_note(floor_m: float, below_m: Floats, of_fixes: int) -> str:
+    return (
+        f"{len(below_m)} of {of_fixes} flown fixes are recorded below the floor of {floor_m:g} m, by up to "
+        f"{below_m.max():.1f} m; they are flown at the floor (--floor)."
+    )
+
+
+def _limited_note(off: Flags, off_m: Floats, time_s: Floats) -> str:
+    """A sentence on the stretches where heights are farthest off."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]])))
+    stretches = [
+        (float(off_m[begin:end].max()), float(time_s[begin]), float(time_s[end - 1]))
+        for begin, end in zip(edges[::2], edges[1::2], strict=True)
+    ]
+    worst = sorted(sorted(stretches, reverse=True)[:_MOST_STRETCHES], key=lambda stretch: stretch[1])
+    told = ", ".join(f"{most:.1f} m from {begin:.0f} to {end:.0f} s" for most, begin, end in worst)
+    return (
+        "The vehicle cannot climb and descend as fast as recorded everywhere: it begins sooner and ends "
+        f"later, off the recorded height by up to {told}."
+    )

@@ -1,0 +1,74 @@
+"""What a route does with heights, in numbers and words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flight_replay.planning.altitude import RECORDED, Recorded
+from flight_replay.planning.heights import RouteHeights
+from flight_replay.planning.route_heights import route_heights
+from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.made_tracks import straight_track
+
+
+def heights(
+    altitudes_m: float | list[float], *, takeoff_m: float = 30.0, floor_m: float = 5.0, timed: bool = False
+) -> RouteHeights:
+    """Those of a route that flies 51 recorded altitudes."""
+    track = straight_track(altitudes_m=altitudes_m)
+    track = replace(track, amsl_m=track.alt_m + 400.0)
+    speed: Recorded | None = RECORDED if timed else None
+    route = spaced_route(track, altitude_m=RECORDED, floor_m=floor_m, speed_m_s=speed)
+    return route_heights(route, Limits(), takeoff_m=takeoff_m, floor_m=floor_m)
+
+
+def test_a_level_route_has_nothing_to_say() -> None:
+    """Taken off to the altitude of its first waypoint."""
+    level = heights(30.0)
+    assert (level.climb_s, level.raised.fixes, level.limited.fixes, level.notes) == (0.0, 0, 0, ())
+
+
+@pytest.mark.parametrize(
+    ("takeoff_m", "text", "at_least_s"), [(30.0, "descends 10.0 m", 6.6), (15.0, "climbs 5.0 m", 2.0)]
+)
+def test_the_climb_to_the_first_waypoint_is_said(takeoff_m: float, text: str, at_least_s: float) -> None:
+    """With its time, which AUTO takes longer."""
+    climbing = heights(20.0, takeoff_m=takeoff_m)
+    (note,) = climbing.notes
+    assert text in note
+    assert "at 20.0 m" in note
+    assert at_least_s < climbing.climb_s < at_least_s + 4.0
+
+
+def test_fixes_below_the_floor_are_counted() -> None:
+    """How many, and how far below it they were recorded."""
+    low = heights([2.0] * 10 + [4.5] * 5 + [30.0] * 36, takeoff_m=5.0)
+    assert (low.raised.fixes, low.raised.max_m) == (15, 3.0)
+    (note,) = low.notes
+    assert note.startswith("15 of 51 flown fixes are recorded below the floor of 5 m, by up to 3.0 m")
+
+
+def test_heights_that_cannot_be_kept_are_said() -> None:
+    """Where, and by how much."""
+    limited = heights([10.0] * 25 + [40.0] * 26, takeoff_m=10.0, timed=True)
+    assert limited.limited.max_m > 10.0
+    assert 8 <= limited.limited.fixes <= 20
+    (note,) = limited.notes
+    assert "begins sooner and ends later" in note
+    assert f"up to {limited.limited.max_m:.1f} m from " in note
+
+
+def test_a_constant_altitude_has_no_floor() -> None:
+    """Nothing is raised, whatever was recorded."""
+    route = spaced_route(straight_track(altitudes_m=1.0), altitude_m=30.0)
+    constant = route_heights(route, Limits(), takeoff_m=30.0, floor_m=None)
+    assert (constant.floor_m, constant.raised.fixes, constant.notes) == (None, 0, ())
+
+
+def test_unknown_heights_are_not_counted() -> None:
+    """A recording without heights is flown at the floor, but none of it was below."""
+    track = replace(straight_track(), alt_m=np.full(51, np.nan))
+    route = spaced_route(track, altitude_m="recorded")
+    assert route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0).raised.fixes == 0
