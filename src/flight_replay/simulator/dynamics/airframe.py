@@ -11,16 +11,15 @@ from __future__ import annotations
 from math import atan, cos, exp, pi, sin
 
 from flight_replay.simulator.dynamics.aerodynamics import Air
+from flight_replay.simulator.dynamics.heading import Heading
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
-from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards, wrap_pi
+from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards
 from flight_replay.simulator.dynamics.vector import Vector
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
 _THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
 # Time by which the airframe's lean follows the attitude controller's target, 15 to 30 ms in SITL's logs.
 _LEAN_LAG_S = 0.02
-# Angle, rad, and rate, rad/s, below which a turn is over.
-_NO_TURN = 1e-5
 
 
 class Airframe:
@@ -36,10 +35,10 @@ class Airframe:
         "_target_rate_e",
         "_target_rate_n",
         "_throttle_decay",
-        "_yaw_rate",
         "accel_u",
         "dt",
         "e",
+        "heading",
         "lean_e",
         "lean_n",
         "n",
@@ -64,19 +63,26 @@ class Airframe:
         self.vn = self.ve = self.vu = 0.0
         self.lean_n = self.lean_e = 0.0
         self._target_n = self._target_e = self._target_rate_n = self._target_rate_e = 0.0
-        self.yaw, self._yaw_rate, self._heading_unit = yaw_rad, 0.0, (cos(yaw_rad), sin(yaw_rad))
+        self.heading = Heading(limits, yaw_rad, dt)
+        self.yaw, self._heading_unit = yaw_rad, (cos(yaw_rad), sin(yaw_rad))
         self.on_ground = self.u <= 0
         self.throttle = 0.0 if self.on_ground else limits.hover_throttle
         self.accel_u = 0.0
-        self.dt = dt
         self._limits = limits
         self._air = air
+        self.use_step(dt)
+
+    def use_step(self, dt: float) -> None:
+        """Use steps of another duration from now on."""
+        self.dt = dt
         self._throttle_decay = exp(-dt / _THROTTLE_FILTER_S)
         self._lean_decay = exp(-dt / _LEAN_LAG_S)
+        self.heading.use_step(dt)
 
     def use_limits(self, limits: Limits) -> None:
         """Use other limits from now on."""
         self._limits = limits
+        self.heading.use_limits(limits)
 
     def use_wind(self, wind_m_s: Vector) -> None:
         """Use another wind from now on."""
@@ -133,39 +139,25 @@ class Airframe:
         self.lean_e = self._target_e + (self.lean_e - self._target_e) * decay
 
     def _next_lean_rate(self, error: float, rate: float) -> float:
-        limits = self._limits
-        return self._next_rate(error, rate, limits.lean_accel_rad_s2, limits.lean_rate_rad_s)
-
-    def _next_rate(
-        self, error: float, rate: float, accel_max: float, rate_max: float, feed: float = 0.0
-    ) -> float:
-        """Next rate, rad/s, that removes an angle error; limits of 0 are none (input_shaping_angle)."""
-        wanted = sqrt_controller(error, 1.0 / max(self._limits.attitude_input_s, 0.01), accel_max, self.dt)
-        wanted += feed
+        """Next rate, rad/s, that removes a lean error; limits of 0 are none (input_shaping_angle)."""
+        limits, dt = self._limits, self.dt
+        accel_max, rate_max = limits.lean_accel_rad_s2, limits.lean_rate_rad_s
+        wanted = sqrt_controller(error, 1.0 / max(limits.attitude_input_s, 0.01), accel_max, dt)
         if rate_max > 0:
             wanted = clamp(wanted, -rate_max, rate_max)
-        return step_towards(wanted, rate, accel_max * self.dt) if accel_max > 0 else wanted
+        return step_towards(wanted, rate, accel_max * dt) if accel_max > 0 else wanted
 
     def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
-        """Turn the heading with ArduCopter's limits of yaw rate and acceleration; the rate is fed forward."""
-        limits = self._limits
-        error = wrap_pi(yaw_rad - self.yaw)
-        if abs(error) < _NO_TURN and abs(self._yaw_rate) < _NO_TURN and rate_rad_s == 0.0:
-            self._yaw_rate = 0.0
-            return
-        slew = limits.yaw_slew_rad_s
-        feed = clamp(rate_rad_s, -slew, slew) if slew > 0 else rate_rad_s
-        self._yaw_rate = self._next_rate(error, self._yaw_rate, limits.yaw_accel_rad_s2, slew, feed)
-        self._turn()
+        """Turn towards a heading, with a rate fed forward."""
+        self.heading.turn_towards(yaw_rad, rate_rad_s)
+        self._turned()
 
     def turn_at(self, rate_rad_s: float) -> None:
-        """Change to a yaw rate, within the same limits (input_thrust_vector_rate_heading)."""
-        accel, slew = self._limits.yaw_accel_rad_s2, self._limits.yaw_slew_rad_s
-        wanted = clamp(rate_rad_s, -slew, slew) if slew > 0 else rate_rad_s
-        self._yaw_rate = step_towards(wanted, self._yaw_rate, accel * self.dt) if accel > 0 else wanted
-        if self._yaw_rate != 0.0:
-            self._turn()
+        """Turn with a rate."""
+        self.heading.turn_at(rate_rad_s)
+        self._turned()
 
-    def _turn(self) -> None:
-        self.yaw = wrap_pi(self.yaw + self._yaw_rate * self.dt)
-        self._heading_unit = cos(self.yaw), sin(self.yaw)
+    def _turned(self) -> None:
+        yaw = self.heading.yaw
+        if yaw != self.yaw:
+            self.yaw, self._heading_unit = yaw, (cos(yaw), sin(yaw))

@@ -47,7 +47,7 @@ class AutoYaw:
     def hold(self) -> None:
         """Hold the present heading."""
         self.mode = YawMode.HOLD
-        self.target_rad = self._airframe.yaw
+        self.target_rad = self._airframe.heading.target
 
     def set_default_mode(self, *, returning: bool = False) -> None:
         """Choose the mode by WP_YAW_BEHAVIOR (AutoYaw::default_mode)."""
@@ -125,7 +125,7 @@ class AutoYaw:
             self.target_rad += step
         elif self.mode is YawMode.RATE:
             self._airframe.turn_at(self._rate_rad_s)
-            self.target_rad = self._airframe.yaw
+            self.target_rad = self._airframe.heading.target
             return
         rate = self.update_target()
         self._airframe.turn_towards(self.target_rad, rate)
@@ -156,7 +156,7 @@ class AutoYaw:
         """Take the target's course, or without one keep the heading; returns the yaw rate."""
         control, course = self._control, self.course_rad
         if course is None:
-            self.target_rad = self._airframe.yaw
+            self.target_rad = self._airframe.heading.target
             return 0.0
         self.target_rad = course
         vn, ve = control.vn, control.ve

@@ -41,14 +41,16 @@ class PositionControl(PositionTarget):
         "_pid",
         "_throttle_integral",
         "_velocity_error_u",
+        "load",
         "throttle",
     )  # fmt: skip
 
     def __init__(self, limits: Limits, airframe: Airframe) -> None:
         super().__init__(limits, airframe.dt)
         self._airframe = airframe
-        self._alpha = 1.0 - exp(-self.dt / FILTER_S)
         self._pid = VelocityPid(self.dt)
+        self.use_step(self.dt)
+        self.load = 0.0
         self._error_max = self._error_up = self._error_down = self.throttle = 0.0
         self.use_limits(limits)
         self.limit_correction()
@@ -61,6 +63,12 @@ class PositionControl(PositionTarget):
         self._limits = limits
         self._lean_max = GRAVITY_M_S2 * tan(limits.lean_angle_rad)
         self.set_accelerations(limits)
+
+    def use_step(self, dt: float) -> None:
+        """Use steps of another duration from now on."""
+        self.dt = dt
+        self._alpha = 1.0 - exp(-dt / FILTER_S)
+        self._pid.use_step(dt)
 
     def limit_correction(self) -> None:
         """Largest position errors that are corrected (set_correction_speed_accel_xy, _z)."""
@@ -152,6 +160,7 @@ class PositionControl(PositionTarget):
         error = dn * gain + self.vn - airframe.vn, de * gain + self.ve - airframe.ve
         n, e = self._pid.advance(limits, error)
         wanted = n + self.accel_n, e + self.accel_e
+        self.load = hypot(*wanted) / self._lean_max
         allowed = limit_accel_xy(wanted, (self.vn, self.ve), self._lean_max)
         self.excess = None if allowed is wanted else (wanted, (dn, de), self._pid.error)
         self._pid.set_limited((0.0, 0.0) if allowed is wanted else wanted)

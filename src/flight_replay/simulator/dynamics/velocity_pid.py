@@ -18,9 +18,13 @@ class VelocityPid:
     __slots__ = ("_alpha", "_dt", "_error", "_integral", "_limited", "_rate")
 
     def __init__(self, dt: float) -> None:
+        self.use_step(dt)
+        self.reset((0.0, 0.0))
+
+    def use_step(self, dt: float) -> None:
+        """Use steps of another duration from now on."""
         self._dt = dt
         self._alpha = 1.0 - exp(-dt / FILTER_S)
-        self.reset((0.0, 0.0))
 
     def reset(self, accel: tuple[float, float]) -> None:
         """Reset to an acceleration that is flown already."""

@@ -29,6 +29,11 @@ class FlightControl:
         """Position of the airframe."""
         return self.airframe.n, self.airframe.e, self.airframe.u
 
+    def use_step(self, dt: float) -> None:
+        """Use steps of another duration from now on."""
+        self.airframe.use_step(dt)
+        self.control.use_step(dt)
+
     def use_limits(self, limits: Limits) -> None:
         """Use other limits from now on."""
         self.limits = limits

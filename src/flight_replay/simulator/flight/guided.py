@@ -17,6 +17,8 @@ _ZERO: Vector = (0.0, 0.0, 0.0)
 # GUID_OPTIONS, and the least that GUID_TIMEOUT means (ModeGuided::get_timeout_ms).
 _NO_POSITION_CORRECTION, _NO_VELOCITY_CORRECTION = 16, 32
 _SHORTEST_TIMEOUT_S = 0.1
+# Share of the largest lean near which steps are divided, how long after, and into how many.
+_NEAR_LIMIT, _CALM_S, _PARTS = 0.75, 0.5, 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +40,7 @@ class GuidedSubMode(ABC):
 
     def __init__(self, flight: FlightControl) -> None:
         """Begin from the present position and velocity (pva_control_start)."""
-        self._flight, self._age_s = flight, 0.0
+        self._flight, self._age_s, self._calm_s = flight, 0.0, _CALM_S
         self._position_m, self._velocity_m_s, self._acceleration_m_s2 = _ZERO, _ZERO, _ZERO
         limits, control = flight.limits, flight.control
         control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
@@ -53,7 +55,7 @@ class GuidedSubMode(ABC):
         self._velocity_m_s = target.velocity_m_s or _ZERO
         self._acceleration_m_s2 = target.acceleration_m_s2 or _ZERO
         self._turn(target, late_s)
-        if late_s > 0:
+        if late_s != 0:
             self._advance_goal(late_s)
 
     def _turn(self, target: GuidedTarget, late_s: float) -> None:
@@ -74,6 +76,21 @@ class GuidedSubMode(ABC):
         return self._age_s > max(self._flight.limits.guided_timeout_s, _SHORTEST_TIMEOUT_S)
 
     def step(self) -> None:
+        """Fly one step; in smaller ones where the lean is near its limit, and every detail counts."""
+        flight = self._flight
+        if flight.control.load > _NEAR_LIMIT:
+            self._calm_s = 0.0
+        if self._calm_s >= _CALM_S:
+            self._step()
+            return
+        dt = flight.airframe.dt
+        flight.use_step(dt / _PARTS)
+        for _ in range(_PARTS):
+            self._step()
+        flight.use_step(dt)
+        self._calm_s += dt
+
+    def _step(self) -> None:
         """Accelerate the controller's target, fly, and move both on."""
         flight = self._flight
         if self.timed_out:

@@ -19,6 +19,8 @@ from flight_replay.simulator.flight.trajectory import Trajectory
 
 # Times closer than this are the same: steps add up rounding errors.
 _SAME_TIME_S = 1e-6
+# From a message's arrival to the lean that it asks for: one or two of ArduCopter's loops of 2.5 ms.
+_LOOPS_S = 0.004
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,8 +111,8 @@ def simulate_targets(  # noqa: PLR0913
     motion, turns = [copter.motion], [(copter.yaw_rad, copter.course_rad)]
     sent = 0
     while (now := begin + copter.time_s) < end - _SAME_TIME_S:
-        while sent < len(rows) and times[sent] <= now + _SAME_TIME_S:
-            copter.follow(rows[sent], max(0.0, now - times[sent]))
+        while sent < len(rows) and times[sent] + _LOOPS_S <= now + 0.5 * step_s:
+            copter.follow(rows[sent], now - times[sent] - _LOOPS_S)
             sent += 1
         copter.step()
         motion.append(copter.motion)
