@@ -12,6 +12,7 @@ from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.flight.copter import STEP_S
+from flight_replay.simulator.flight.guided import GuidedTarget
 from tests.helpers.sim_station import (
     ARM,
     AUTO,
@@ -119,7 +120,7 @@ def test_the_other_modes_hold_the_position(mode: CopterMode) -> None:
     autopilot, station = sim()
     station.fly()
     autopilot.parameters.assign("GUID_TIMEOUT", 60)
-    autopilot.flight.fly_velocity((5.0, 0.0, 0.0))
+    autopilot.flight.follow(GuidedTarget(velocity_m_s=(5.0, 0.0, 0.0)))
     station.run(8)
     station.mode(mode)
     station.run(8)

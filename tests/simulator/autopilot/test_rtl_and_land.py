@@ -9,6 +9,7 @@ import pytest
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.flight.guided import GuidedTarget
 from tests.helpers.sim_station import (
     AUTO,
     LAND,
@@ -32,7 +33,7 @@ def test_rtl_climbs_returns_waits_and_lands() -> None:
     """From below RTL_ALT the copter climbs to it first, then flies home, lands and disarms there."""
     autopilot, station = sim(RTL_ALT=2500)
     station.fly(10)
-    autopilot.flight.goto((40.0, 0.0, 10.0))
+    autopilot.flight.follow(GuidedTarget(position_m=(40.0, 0.0, 10.0)))
     station.run(20)
     assert station.command(dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH) == ACCEPTED
     highest = 0.0
@@ -49,7 +50,7 @@ def test_land_comes_down_here() -> None:
     """LAND descends where it is and disarms."""
     autopilot, station = sim()
     station.fly(15)
-    autopilot.flight.goto((30.0, 10.0, 15.0))
+    autopilot.flight.follow(GuidedTarget(position_m=(30.0, 10.0, 15.0)))
     station.run(20)
     assert station.command(dialect.MAV_CMD_NAV_LAND) == ACCEPTED
     assert station.run(60, lambda: not autopilot.armed)
@@ -60,14 +61,14 @@ def test_home_is_where_it_was_armed() -> None:
     """After landing elsewhere, arming moves home there: heights and RTL count from it."""
     autopilot, station = sim()
     station.fly(10)
-    autopilot.flight.goto((50.0, 20.0, 10.0))
+    autopilot.flight.follow(GuidedTarget(position_m=(50.0, 20.0, 10.0)))
     station.run(20)
     station.mode(LAND)
     station.run(60, lambda: not autopilot.armed)
     station.fly(10)
     assert autopilot.home is not None
     assert math.dist(autopilot.home.position_m, (50, 20, 0)) < 1
-    autopilot.flight.goto((80.0, 20.0, 10.0))
+    autopilot.flight.follow(GuidedTarget(position_m=(80.0, 20.0, 10.0)))
     station.run(15)
     station.mode(RTL)
     assert station.run(100, lambda: not autopilot.armed)

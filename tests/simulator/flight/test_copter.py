@@ -11,6 +11,7 @@ import pytest
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import STEP_S, Copter
+from flight_replay.simulator.flight.guided import GuidedTarget
 
 LIMITS = Limits()
 
@@ -82,7 +83,7 @@ def test_the_same_commands_give_the_same_flight() -> None:
 def test_it_goes_to_a_place_and_rests_there() -> None:
     """GUIDED flies straight, within the waypoint speed, and stops at the position."""
     copter, item_at = hover(), (60.0, -40.0, 30.0)
-    copter.goto(item_at)
+    copter.follow(GuidedTarget(position_m=item_at))
     places = fly(copter, lambda: copter.submode.done and off(copter, item_at) < 0.05)
     assert max(abs(n * 40 + e * 60) for n, e, _ in places) / hypot(40, 60) < 0.3
     fly(copter, lambda: copter.time_s > 60.0)
@@ -161,7 +162,7 @@ def test_rtl_alt_final_stays_in_the_air() -> None:
 def test_the_nose_follows_the_path_to_waypoints_but_not_home() -> None:
     """WP_YAW_BEHAVIOR 2: ahead on the way out, as it was on the way back."""
     copter = hover(yaw_rad=pi / 2)
-    copter.goto((-60.0, 0.0, 20.0))
+    copter.follow(GuidedTarget(position_m=(-60.0, 0.0, 20.0)))
     fly(copter, lambda: copter.position_m[0] < -30.0)
     assert abs(degrees(copter.attitude_rad[2])) == pytest.approx(180.0, abs=2.0)
     copter.return_home()
@@ -174,7 +175,7 @@ def test_a_nose_that_turned_home_turns_back_before_landing() -> None:
     copter = Copter(replace(LIMITS, wp_yaw_behavior=1.0), yaw_rad=1.0)
     copter.takeoff(20.0)
     fly(copter, lambda: copter.submode.done)
-    copter.goto((0.0, 40.0, 20.0))
+    copter.follow(GuidedTarget(position_m=(0.0, 40.0, 20.0)))
     fly(copter, lambda: copter.submode.done)
     copter.return_home()
     fly(copter, lambda: copter.position_m[1] < 20.0)
@@ -187,7 +188,7 @@ def test_a_nose_that_turned_home_turns_back_before_landing() -> None:
 def test_other_yaw_behaviours(behavior: float, heading: float) -> None:
     """WP_YAW_BEHAVIOR 0 never turns, 3 looks along the flown path."""
     copter = Copter(replace(LIMITS, wp_yaw_behavior=behavior), position_m=(0, 0, 20), yaw_rad=pi / 6)
-    copter.goto((0.0, 60.0, 20.0))
+    copter.follow(GuidedTarget(position_m=(0.0, 60.0, 20.0)))
     fly(copter, lambda: copter.position_m[1] > 30.0)
     assert degrees(copter.attitude_rad[2]) == pytest.approx(heading, abs=2.0)
 
@@ -195,7 +196,7 @@ def test_other_yaw_behaviours(behavior: float, heading: float) -> None:
 def test_leaning_is_what_moves_it() -> None:
     """Accelerating north with the nose east leans to the left; the lean keeps to ANGLE_MAX."""
     copter = Copter(replace(LIMITS, wp_yaw_behavior=0.0), position_m=(0, 0, 20), yaw_rad=pi / 2)
-    copter.goto((200.0, 0.0, 20.0))
+    copter.follow(GuidedTarget(position_m=(200.0, 0.0, 20.0)))
     fly(copter, lambda: copter.position_m[0] > 10.0)
     roll, pitch, _ = copter.attitude_rad
     assert roll < -0.1
@@ -224,7 +225,7 @@ def test_a_step_of_another_length_flies_the_same() -> None:
     ends = []
     for step_s in (0.01, 0.04):
         copter = hover(step_s=step_s)
-        copter.goto((30.0, 20.0, 25.0))
+        copter.follow(GuidedTarget(position_m=(30.0, 20.0, 25.0)))
         fly(copter, lambda c=copter: c.time_s > 6.0)  # type: ignore[misc]
         ends.append(copter.position_m)
     assert ends[0] == pytest.approx(ends[1], abs=0.15)
@@ -248,7 +249,7 @@ def test_changed_limits_hold_from_then_on() -> None:
     copter = hover()
     copter.change_limits(replace(LIMITS, wp_speed_m_s=3.0))
     copter.change_speed(1, 3.0)
-    copter.goto((80.0, 0.0, 20.0))
+    copter.follow(GuidedTarget(position_m=(80.0, 0.0, 20.0)))
     fastest = 0.0
     while not copter.submode.done:
         copter.step()
@@ -260,7 +261,7 @@ def test_limits_of_zero_are_none() -> None:
     """Without limits of lean and yaw acceleration, and with one of the lean rate, it flies as well."""
     limits = Limits.from_parameters({"ATC_ACCEL_R_MAX": 0, "ATC_ACCEL_Y_MAX": 0, "ATC_RATE_R_MAX": 60})
     copter = Copter(limits, position_m=(0, 0, 20))
-    copter.goto((0.0, 40.0, 20.0))
+    copter.follow(GuidedTarget(position_m=(0.0, 40.0, 20.0)))
     fly(copter, lambda: copter.submode.done)
     assert copter.attitude_rad[2] == pytest.approx(pi / 2, abs=0.05)
 
@@ -268,7 +269,7 @@ def test_limits_of_zero_are_none() -> None:
 def test_speed_changes_reach_what_is_under_way() -> None:
     """A GUIDED flight takes a new speed, up and level; a landing takes none."""
     copter = hover()
-    copter.goto((100.0, 0.0, 20.0))
+    copter.follow(GuidedTarget(position_m=(100.0, 0.0, 20.0)))
     assert copter.change_speed(1, 2.0)
     assert copter.change_speed(2, 0.5)
     fly(copter, lambda: copter.time_s > 10.0)

@@ -7,6 +7,7 @@ from collections import Counter
 import pytest
 
 from flight_replay.mavlink import dialect
+from flight_replay.simulator.flight.guided import GuidedTarget
 from flight_replay.simulator.protocol.stream_rates import GROUPS, StreamRates
 from flight_replay.simulator.protocol.telemetry import BUILDERS
 from tests.helpers.sim_station import START, Station, item_at, sim
@@ -136,7 +137,7 @@ def test_telemetry_tells_where_the_copter_is() -> None:
     autopilot, station = sim()
     station.fly()
     autopilot.parameters.assign("GUID_TIMEOUT", 60)
-    autopilot.flight.fly_velocity((3.0, 4.0, 0.0))
+    autopilot.flight.follow(GuidedTarget(velocity_m_s=(3.0, 4.0, 0.0)))
     station.run(10)
     for name in ("GLOBAL_POSITION_INT", "GPS_RAW_INT", "VFR_HUD", "LOCAL_POSITION_NED", "AHRS2", "SIMSTATE",
                  "ATTITUDE", "ATTITUDE_QUATERNION", "EXTENDED_SYS_STATE"):  # fmt: skip

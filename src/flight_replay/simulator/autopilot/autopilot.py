@@ -24,6 +24,7 @@ from flight_replay.simulator.autopilot.mode_switch import ModeSwitch
 from flight_replay.simulator.autopilot.parameter_table import Parameter, Parameters
 from flight_replay.simulator.autopilot.prearm import Prearm
 from flight_replay.simulator.autopilot.sensors import Sensors
+from flight_replay.simulator.autopilot.target_fence import is_within_fence
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.mission.store import MissionStore
@@ -170,6 +171,11 @@ class Autopilot:
     def above_home_m(self) -> float:
         """Height above home."""
         return self.flight.position_m[2] - (self.home.position_m[2] if self.home else 0.0)
+
+    def allows_target(self, position_m: Vector) -> bool:
+        """Whether the fence, around home, lets the vehicle fly to a position."""
+        home_m = self.home.position_m if self.home else (0.0, 0.0, 0.0)
+        return is_within_fence(self.parameters, home_m, position_m)
 
     def move_home(self, position_m: Vector) -> None:
         """Move home, and with it the point that RTL flies to."""

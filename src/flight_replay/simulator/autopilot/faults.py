@@ -63,6 +63,18 @@ _CAPABILITIES = 1 | 2 | 4 | 8 | 128 | 256 | 8192
 
 
 @dataclass(frozen=True, slots=True)
+class GuidedSupport:
+    """What a firmware understands of the targets that are streamed to it in GUIDED."""
+
+    acceleration: bool = True
+    """Whether it takes accelerations; without, it drops a target that has one."""
+    yaw: bool = True
+    """Whether it turns as targets say; without, it ignores what they say."""
+    stops_at_nonsense: bool = True
+    """Whether a target that makes no sense stops it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Firmware:
     """Which vehicle and firmware it is: ``vehicle_type`` is a MAV_TYPE."""
 
@@ -82,14 +94,18 @@ class Firmware:
     arming_delay_s: float = 0.0
     """Time between the accepted command and the armed flag."""
     capabilities: int = _CAPABILITIES
+    guided: GuidedSupport = field(default_factory=GuidedSupport)
     parameters: Mapping[str, float] = field(default_factory=dict)
     """Defaults that differ from those of 4.6."""
+    absent_parameters: frozenset[str] = frozenset()
+    """Parameters of 4.6 that this firmware lacks."""
     renamed_parameters: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     """New name and factor to the new unit, by 4.6 name."""
 
     def parameter_table(self, values: Mapping[str, float] | None = None) -> Parameters:
         """The parameters of this firmware with some values changed; KeyError for an unknown name."""
-        return Parameters({**self.parameters, **(values or {})}, self.renamed_parameters)
+        changed = {**self.parameters, **(values or {})}
+        return Parameters(changed, self.renamed_parameters, self.absent_parameters)
 
     @property
     def banner(self) -> str:
@@ -108,7 +124,9 @@ COPTER_3_3 = Firmware(
     auto_needs_takeoff=False,
     arming_delay_s=2.5,
     capabilities=2947,
+    guided=GuidedSupport(acceleration=False, yaw=False, stops_at_nonsense=False),
     parameters={"FS_GCS_ENABLE": 1, "WPNAV_SPEED": 500, "WPNAV_ACCEL": 100},
+    absent_parameters=frozenset({"GUID_TIMEOUT", "GUID_OPTIONS"}),
 )
 
 COPTER_4_7 = Firmware(

@@ -7,6 +7,7 @@ origin stays, and positions here are metres from there; ``_home_m`` is home in t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import radians
 
 from flight_replay.flight_modes import CopterMode
@@ -16,6 +17,7 @@ from flight_replay.simulator.dynamics.shaping import wrap_pi
 from flight_replay.simulator.dynamics.vector import Vector, minus
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import STEP_S, Copter
+from flight_replay.simulator.flight.guided import GuidedTarget
 from flight_replay.simulator.flight.takeoff import TakeOff
 from flight_replay.simulator.mission.local_items import LocalItem
 
@@ -116,6 +118,14 @@ class FlightModel:
         return self._from_home(destination_m if destination_m is not None else self._copter.target_m)
 
     @property
+    def goal(self) -> GuidedTarget | None:
+        """What GUIDED follows, around the EKF's origin."""
+        goal = self._copter.goal
+        if goal is None or goal.position_m is None:
+            return goal
+        return replace(goal, position_m=self._from_home(goal.position_m))
+
+    @property
     def height_error_m(self) -> float:
         """How far the vehicle is below its present target."""
         return self._copter.target_m[2] - self._copter.position_m[2] if self._copter.motors else 0.0
@@ -172,6 +182,8 @@ class FlightModel:
             self._copter.return_home()
         elif mode == CopterMode.LAND:
             self._copter.land()
+        elif mode == CopterMode.GUIDED:
+            self._copter.stop()
         else:
             self._copter.hold()
 
@@ -184,24 +196,22 @@ class FlightModel:
         else:
             self._takeoff_stuck = True
 
-    def goto(self, position_m: Vector) -> None:
-        """Fly to a position around the EKF's origin."""
-        self._destination_m = self._to_home(position_m)
-        self._copter.goto(self._destination_m)
-
-    def fly_velocity(self, velocity_m_s: Vector) -> None:
-        """Fly at a velocity, north, east and up, until the next command."""
+    def follow(self, target: GuidedTarget) -> None:
+        """Follow a target as GUIDED does; its position is around the EKF's origin."""
         self._destination_m = None
-        self._copter.fly_velocity(velocity_m_s)
+        if target.position_m is not None:
+            target = replace(target, position_m=self._to_home(target.position_m))
+            self._destination_m = target.position_m if target.velocity_m_s is None else None
+        self._copter.follow(target)
 
     def set_yaw(self, angle_rad: float, rate_rad_s: float, direction: float, *, relative: bool) -> None:
         """Turn to a heading, or by an angle (CONDITION_YAW)."""
         self._copter.set_yaw(angle_rad, rate_rad_s, direction, relative=relative)
 
-    def hold(self) -> None:
-        """Stop, and hold position."""
+    def stop(self) -> None:
+        """Come to rest, and stay."""
         self._destination_m = None
-        self._copter.hold()
+        self._copter.stop()
 
     def change_speed(self, kind: int, speed_m_s: float) -> bool:
         """Change the speed until the mode changes: kind 0 and 1 horizontal, 2 climb, 3 descent."""

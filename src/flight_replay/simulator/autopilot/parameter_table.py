@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from importlib.resources import files
 
@@ -49,6 +49,7 @@ class Parameters(Mapping[str, float]):
         self,
         values: Mapping[str, float] | None = None,
         renamed: Mapping[str, tuple[str, float]] | None = None,
+        absent: Set[str] = frozenset(),
     ) -> None:
         """ArduCopter 4.6's table with some values changed.
 
@@ -56,6 +57,7 @@ class Parameters(Mapping[str, float]):
             values: new values, by the names that this table has.
             renamed: for a newer firmware, new names and factors to the new unit, by 4.6 name. The 4.6
                 names can still be read here, in 4.6's units, but stations do not see them.
+            absent: names of 4.6 that an older firmware lacks.
 
         Raises:
             KeyError: for a name that is not in the table.
@@ -68,8 +70,9 @@ class Parameters(Mapping[str, float]):
             .joinpath("parameters.csv")
             .open(encoding="ascii") as lines
         ):
-            for index, row in enumerate(csv.DictReader(lines)):
-                self._add(index, row["name"], _TYPES[row["type"]], float(row["value"]))
+            rows = [row for row in csv.DictReader(lines) if row["name"] not in absent]
+        for index, row in enumerate(rows):
+            self._add(index, row["name"], _TYPES[row["type"]], float(row["value"]))
         self._order = list(self._parameters)
         for name, value in (values or {}).items():
             self.assign(name, value)

@@ -152,6 +152,11 @@ class Copter:
         return self._submode
 
     @property
+    def goal(self) -> GuidedTarget | None:
+        """What GUIDED follows, if that is what the vehicle does."""
+        return self._submode.goal if isinstance(self._submode, GuidedSubMode) else None
+
+    @property
     def mission(self) -> MissionRun | None:
         """The mission that is running, if the vehicle is in AUTO."""
         return self._submode if isinstance(self._submode, MissionRun) else None
@@ -216,7 +221,7 @@ class Copter:
 
         Args:
             target: what to follow.
-            late_s: how long ago it was sent; a moving target has moved on since.
+            late_s: how long ago it came, less than zero if it is about to; a moving target is moved by that.
         """
         kind = submode_for(target)
         if kind is None:
@@ -224,20 +229,12 @@ class Copter:
             return
         submode = self._submode
         if type(submode) is not kind or not isinstance(submode, GuidedSubMode):
-            self._submode = submode = kind(self._flight)
+            self._submode = submode = kind(self._flight, keeps_heading=target.keeps_heading)
         submode.accept(target, late_s)
 
     def stop(self) -> None:
         """Come to rest, as GUIDED does when it is entered."""
         self._submode = GuidedVelocity(self._flight)
-
-    def goto(self, position_m: Vector) -> None:
-        """Fly to a position, as GUIDED does."""
-        self.follow(GuidedTarget(position_m=position_m))
-
-    def fly_velocity(self, velocity_m_s: Vector) -> None:
-        """Fly at a velocity, north, east, up, as GUIDED does, until it is too old."""
-        self.follow(GuidedTarget(velocity_m_s=velocity_m_s))
 
     def set_yaw(
         self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False

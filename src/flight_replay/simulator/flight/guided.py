@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import hypot
 
+from flight_replay.simulator.dynamics.auto_yaw import YawMode
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.flight_control import FlightControl
 
@@ -31,6 +32,8 @@ class GuidedTarget:
     yaw_rad: float | None = None
     yaw_rate_rad_s: float | None = None
     yaw_is_relative: bool = False
+    keeps_heading: bool = False
+    """Whether it leaves the heading to other commands, as ArduCopter 3.3 does."""
 
 
 class GuidedSubMode(ABC):
@@ -38,7 +41,7 @@ class GuidedSubMode(ABC):
 
     done = False
 
-    def __init__(self, flight: FlightControl) -> None:
+    def __init__(self, flight: FlightControl, *, keeps_heading: bool = False) -> None:
         """Begin from the present position and velocity (pva_control_start)."""
         self._flight, self._age_s, self._calm_s = flight, 0.0, _CALM_S
         self._position_m, self._velocity_m_s, self._acceleration_m_s2 = _ZERO, _ZERO, _ZERO
@@ -46,7 +49,10 @@ class GuidedSubMode(ABC):
         control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
         control.limit_correction()
         control.init_xyz()
-        flight.auto_yaw.set_default_mode()
+        if not keeps_heading:
+            flight.auto_yaw.set_default_mode()
+        elif flight.auto_yaw.mode is not YawMode.FIXED:
+            flight.auto_yaw.hold()
 
     def accept(self, target: GuidedTarget, late_s: float = 0.0) -> None:
         """Follow a target that was sent ``late_s`` ago."""
@@ -61,6 +67,8 @@ class GuidedSubMode(ABC):
     def _turn(self, target: GuidedTarget, late_s: float) -> None:
         """Turn as the target has it (set_yaw_state); without a heading, as WP_YAW_BEHAVIOR has it."""
         auto_yaw, yaw, rate = self._flight.auto_yaw, target.yaw_rad, target.yaw_rate_rad_s
+        if target.keeps_heading:
+            return
         if yaw is not None and target.yaw_is_relative:
             auto_yaw.set_fixed_yaw(yaw, relative=True)
         elif yaw is not None:
@@ -69,6 +77,11 @@ class GuidedSubMode(ABC):
             auto_yaw.set_rate(rate)
         else:
             auto_yaw.set_default_mode()
+
+    @property
+    def goal(self) -> GuidedTarget:
+        """Where the target is by now, of what this controller follows."""
+        return GuidedTarget(self._position_m, self._velocity_m_s, self._acceleration_m_s2)
 
     @property
     def timed_out(self) -> bool:
@@ -137,9 +150,9 @@ class GuidedPosition(GuidedSubMode):
         self.done = False
 
     @property
-    def position(self) -> Vector:
+    def goal(self) -> GuidedTarget:
         """Where it flies to."""
-        return self._position_m
+        return GuidedTarget(position_m=self._position_m)
 
     def _aim(self) -> None:
         self._flight.control.aim_position(self._position_m)
@@ -169,6 +182,11 @@ class GuidedMotion(GuidedSubMode):
 class GuidedVelocity(GuidedSubMode):
     """Fly at a velocity that may change (velaccel_control_run)."""
 
+    @property
+    def goal(self) -> GuidedTarget:
+        """The velocity by now, and its acceleration."""
+        return GuidedTarget(None, self._velocity_m_s, self._acceleration_m_s2)
+
     def _aim(self) -> None:
         control = self._flight.control
         if int(self._flight.limits.guided_options) & _NO_VELOCITY_CORRECTION:
@@ -179,6 +197,11 @@ class GuidedVelocity(GuidedSubMode):
 
 class GuidedAcceleration(GuidedSubMode):
     """Fly with an acceleration, and come to rest when it is not repeated (accel_control_run)."""
+
+    @property
+    def goal(self) -> GuidedTarget:
+        """The acceleration."""
+        return GuidedTarget(acceleration_m_s2=self._acceleration_m_s2)
 
     def _aim(self) -> None:
         if self.timed_out:

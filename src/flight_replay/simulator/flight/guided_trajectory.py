@@ -97,7 +97,7 @@ def simulate_targets(  # noqa: PLR0913
         The motion at every step, from the first target's time to ``after_s`` after the last; ``auto_s``
         is that span.
     """
-    rows, times = targets.rows(), targets.time_s.tolist()
+    rows = targets.rows()
     copter = Copter(
         limits,
         position_m=_first_position_m(rows) if start_m is None else start_m,
@@ -107,11 +107,17 @@ def simulate_targets(  # noqa: PLR0913
         home_amsl_m=home_amsl_m,
         step_s=step_s,
     )
+    return _fly(copter, targets.time_s.tolist(), rows, after_s)
+
+
+def _fly(copter: Copter, times: list[float], rows: list[GuidedTarget], after_s: float) -> Trajectory:
+    """Give the copter each target at its time."""
     begin, end = times[0], times[-1] + after_s
     motion, turns = [copter.motion], [(copter.yaw_rad, copter.course_rad)]
-    sent = 0
+    sent, half_step_s = 0, 0.5 * copter.step_s
     while (now := begin + copter.time_s) < end - _SAME_TIME_S:
-        while sent < len(rows) and times[sent] + _LOOPS_S <= now + 0.5 * step_s:
+        # A target comes into effect at the nearest step.
+        while sent < len(rows) and times[sent] + _LOOPS_S <= now + half_step_s:
             copter.follow(rows[sent], now - times[sent] - _LOOPS_S)
             sent += 1
         copter.step()

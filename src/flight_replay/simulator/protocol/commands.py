@@ -11,7 +11,7 @@ from collections.abc import Callable
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.stored_params import float32
-from flight_replay.simulator.protocol import command_handlers, guided_targets
+from flight_replay.simulator.protocol import command_handlers, guided_positions
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import UNSUPPORTED, CommandInt
 
@@ -86,7 +86,7 @@ COMMANDS: dict[int, CommandHandler] = {
     dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: command_handlers.return_to_launch,
     dialect.MAV_CMD_NAV_LAND: command_handlers.land,
     dialect.MAV_CMD_DO_CHANGE_SPEED: command_handlers.change_speed,
-    dialect.MAV_CMD_DO_REPOSITION: guided_targets.reposition,
+    dialect.MAV_CMD_DO_REPOSITION: guided_positions.reposition,
     dialect.MAV_CMD_CONDITION_YAW: command_handlers.condition_yaw,
     dialect.MAV_CMD_DO_SET_HOME: command_handlers.set_home,
     dialect.MAV_CMD_GET_HOME_POSITION: command_handlers.get_home_position,

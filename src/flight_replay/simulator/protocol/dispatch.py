@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.protocol import banner, guided_targets, telemetry
+from flight_replay.simulator.protocol import banner, guided_positions, guided_targets, telemetry
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import ACCEPTED, FAILED
 from flight_replay.simulator.protocol.commands import command_int, command_long
@@ -76,7 +76,7 @@ def _mission_item(autopilot: Autopilot, message: Message, sender: Sender) -> boo
     """A GUIDED target as DroneKit and old stations send it: an item with current 2, or 3 for altitude."""
     if message.current not in (2, 3) or message.mission_type != dialect.MAV_MISSION_TYPE_MISSION:
         return False
-    result = guided_targets.item(autopilot, message)
+    result = guided_positions.item(autopilot, message)
     sender.channel.send(dialect.MAVLink_mission_ack_message(sender.system, sender.component, result))
     return True
 

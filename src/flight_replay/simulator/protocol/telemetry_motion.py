@@ -7,10 +7,12 @@ from collections.abc import Callable
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.flight.guided import GuidedTarget
 
 # Everything but the position is to be ignored, and the reserved bits are set, as ArduCopter sends it.
 _POSITION_ONLY = 65016
-_LOCAL_POSITION_ONLY = 0b0000110111111000
+# Heading and yaw rate are to be ignored.
+_NO_HEADING = 0b11 << 10
 
 
 def _heading_deg(autopilot: Autopilot) -> float:
@@ -107,11 +109,13 @@ def _position_target_local_ned(autopilot: Autopilot) -> Message | None:
     target = autopilot.target_m
     if target is None:
         return None
-    north_m, east_m, up_m = target
+    goal = autopilot.flight.goal or GuidedTarget(position_m=target)
+    groups = goal.position_m, goal.velocity_m_s, goal.acceleration_m_s2
+    ignored = sum(0b111 << 3 * place for place, group in enumerate(groups) if group is None)
+    values = [value for n, e, u in (group or (0.0, 0.0, 0.0) for group in groups) for value in (n, e, -u)]
     return dialect.MAVLink_position_target_local_ned_message(
-        autopilot.time_boot_ms, dialect.MAV_FRAME_LOCAL_NED, _LOCAL_POSITION_ONLY, north_m, east_m, -up_m,
-        0, 0, 0, 0, 0, 0, 0, 0,
-    )  # fmt: skip
+        autopilot.time_boot_ms, dialect.MAV_FRAME_LOCAL_NED, _NO_HEADING | ignored, *values, 0, 0
+    )
 
 
 def _ahrs2(autopilot: Autopilot) -> Message | None:
