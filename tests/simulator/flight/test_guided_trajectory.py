@@ -147,13 +147,20 @@ def test_yaw_rates_keep_to_the_slew_limit_and_stop_with_the_stream() -> None:
 
 @pytest.mark.parametrize("option", [16, 32])
 def test_guid_options_give_up_corrections(option: int) -> None:
-    """Without correction of position, or of velocity too, a wind drives the copter off."""
+    """Without correction of position, or of velocity too, the copter does not come to the targets' place."""
     limits = replace(LIMITS, guided_options=float(option))
     targets = Targets(TIMES, column(0.0, 0.0, 30.0), column(0.0, 0.0, 0.0))
-    held = simulate_targets(targets, LIMITS, wind_m_s=(5.0, 0.0, 0.0))
-    driven = simulate_targets(targets, limits, wind_m_s=(5.0, 0.0, 0.0))
-    assert abs(held.north_m[-1]) < 0.1
-    assert driven.north_m[-1] > 0.5
+    held = simulate_targets(targets, LIMITS, start_m=(2.0, 0.0, 29.0))
+    driven = simulate_targets(targets, limits, start_m=(2.0, 0.0, 29.0))
+    assert (held.north_m[-1], held.up_m[-1]) == pytest.approx((0.0, 30.0), abs=0.05)
+    assert (driven.north_m[-1], driven.up_m[-1]) == pytest.approx((2.0, 30.0), abs=0.05)
+
+
+def test_a_hover_in_wind_begins_leaning() -> None:
+    """A copter that has hovered in the wind before is not blown off when the stream begins."""
+    targets = Targets(TIMES, column(0.0, 0.0, 30.0), column(0.0, 0.0, 0.0))
+    flown = simulate_targets(targets, LIMITS, wind_m_s=(5.0, -3.0, 0.0))
+    assert np.abs(flown.north_east_m).max() < 0.05
 
 
 def test_steps_of_any_length_fly_the_same() -> None:

@@ -18,6 +18,8 @@ from flight_replay.simulator.dynamics.vector import Vector
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
 _THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
+# Rounds in which the lean against a wind is found: each leaves a fraction of the error.
+_WIND_ROUNDS = 8
 # Time by which the airframe's lean follows the attitude controller's target, 15 to 30 ms in SITL's logs.
 _LEAN_LAG_S = 0.02
 
@@ -71,6 +73,17 @@ class Airframe:
         self._limits = limits
         self._air = air
         self.use_step(dt)
+
+    def lean_into_wind(self) -> None:
+        """Lean as a hover needs it that has lasted."""
+        hover = (0.0, 0.0, 0.0)
+        for _ in range(_WIND_ROUNDS):
+            an, ae, _ = self._air.acceleration(
+                hover, (self.lean_n, self.lean_e), self._heading_unit, GRAVITY_M_S2
+            )
+            self.lean_n -= an / GRAVITY_M_S2
+            self.lean_e -= ae / GRAVITY_M_S2
+        self._target_n, self._target_e = self.lean_n, self.lean_e
 
     def use_step(self, dt: float) -> None:
         """Use steps of another duration from now on."""

@@ -64,6 +64,8 @@ class Copter:
         self.steps = 0
         self._airframe = airframe = Airframe(limits, position_m, yaw_rad, Air(wind_m_s, home_amsl_m), step_s)
         airframe.vn, airframe.ve, airframe.vu = velocity_m_s
+        if any(wind_m_s) and not airframe.on_ground:
+            airframe.lean_into_wind()
         control = PositionControl(limits, airframe)
         self._flight = FlightControl(
             limits,
