@@ -178,6 +178,17 @@ def ignore(event: Event) -> None:
     """A listener that does nothing."""
 
 
+class Relay:
+    """A listener that passes events on to ``target``, which may change meanwhile."""
+
+    def __init__(self, target: Listener) -> None:
+        self.target = target
+
+    def __call__(self, event: Event) -> None:
+        """Pass an event on."""
+        self.target(event)
+
+
 def combine_listeners(*listeners: Listener) -> Listener:
     """One listener that calls each of ``listeners`` in order.
 

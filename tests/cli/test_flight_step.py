@@ -18,6 +18,7 @@ from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
+from flight_replay.vehicle import connect
 from flight_replay.vehicle.identity import Identity
 
 SAMPLE_HOME = Start(47.397742, 8.545594, 488.1)
@@ -79,10 +80,28 @@ def test_raised_limits_are_restored(capsys: pytest.CaptureFixture[str], vehicle:
 
 def parameters(connection: str, names: list[str]) -> dict[str, float]:
     """Some of the vehicle's parameters."""
-    from flight_replay.vehicle import connect
-
     with connect(connection, speedup=float(SPEEDUP)) as connected:
         return connected.parameters(names)
+
+
+def test_plans_are_for_the_vehicle_that_flies_them(vehicle: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """As slow as it flies; a dry run with --connect reads its limits and changes nothing."""
+    slow = {"WPNAV_SPEED": 100.0, "WPNAV_ACCEL": 50.0, "WPNAV_JERK": 0.5}
+    with connect(vehicle, speedup=float(SPEEDUP)) as connected:
+        connected.set_known_parameters(slow)
+    options = ["--connect", vehicle, "--max-points", "8", "--json"]
+    assert main([*options, "--dry-run", "--speedup", "3"]) == 0
+    planned = json.loads(capsys.readouterr().out)
+    limits = planned["route"]["limits"]
+    assert (limits["speed_m_s"], limits["accel_m_s2"], limits["jerk_m_s3"]) == (1.0, 0.5, 0.5)
+    assert planned["flight"] is None
+    assert parameters(vehicle, ["SIM_SPEEDUP"]) == {"SIM_SPEEDUP": float(SPEEDUP)}
+    assert main([*options, "--duration", "all"]) == 0
+    output = capsys.readouterr()
+    replay = json.loads(output.out)
+    assert replay["route"] == planned["route"]
+    assert replay["flight"]["auto_s"] == pytest.approx(replay["route"]["predicted_duration_s"], abs=4.0)
+    assert "Planned with the vehicle's limits: speed 1 m/s (default 10)" in output.err
 
 
 def test_a_running_simulator_is_set_to_the_speedup(vehicle: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,6 +19,7 @@ ROUTE_KEYS = {
     "length_m",
     "planned_error_m",
     "heights",
+    "limits",
     "predicted",
     "predicted_duration_s",
 }

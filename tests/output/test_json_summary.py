@@ -5,6 +5,8 @@ from dataclasses import replace
 from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.output.outcome import compare_flight
 from flight_replay.planning.heights import HeightChange, RouteHeights
+from flight_replay.planning.vehicle_limits import VehicleLimits
+from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import made_replay
 
 
@@ -57,6 +59,28 @@ def test_a_route_that_cannot_be_predicted_says_so() -> None:
     assert route_summary(route)["heights"] is None
     assert "objective_m" not in route_summary(route)
     assert route_summary(replace(route, objective_m=1.25))["objective_m"] == 1.25
+
+
+def test_the_limits_of_a_plan_are_told() -> None:
+    """Always, in m/s, m/s², m/s³, m and degrees; those of no vehicle are the defaults of ArduCopter 4.6."""
+    route, _, _ = made_replay()
+    assert route_summary(route)["limits"] == {
+        "vehicle": None,
+        "speed_m_s": 10.0,
+        "accel_m_s2": 2.5,
+        "accel_corner_m_s2": 5.0,
+        "jerk_m_s3": 1.0,
+        "radius_m": 2.0,
+        "speed_up_m_s": 2.5,
+        "speed_down_m_s": 1.5,
+        "accel_z_m_s2": 1.0,
+        "yaw_behavior": 2.0,
+        "shaping_jerk_m_s3": 5.0,
+        "lean_angle_deg": 30.0,
+    }
+    told = replace(route, limits=VehicleLimits(Limits(wp_speed_m_s=4.0), "ArduCopter 4.6.0"))
+    assert route_summary(told)["limits"]["speed_m_s"] == 4.0
+    assert route_summary(told)["limits"]["vehicle"] == "ArduCopter 4.6.0"
 
 
 def test_heights_have_their_own_object() -> None:

@@ -25,9 +25,10 @@ def heights(
 
 
 def test_a_level_route_has_nothing_to_say() -> None:
-    """Taken off to the altitude of its first waypoint."""
+    """Taken off to the altitude of its first waypoint; AUTO takes over at 95 % of it."""
     level = heights(30.0)
-    assert (level.climb_s, level.raised.fixes, level.limited.fixes, level.notes) == (0.0, 0, 0, ())
+    assert (level.raised.fixes, level.limited.fixes, level.notes) == (0, 0, ())
+    assert 1.0 < level.climb_s < 3.0
 
 
 @pytest.mark.parametrize(
@@ -40,6 +41,18 @@ def test_the_climb_to_the_first_waypoint_is_said(takeoff_m: float, text: str, at
     assert text in note
     assert "at 20.0 m" in note
     assert at_least_s < climbing.climb_s < at_least_s + 4.0
+
+
+@pytest.mark.parametrize(("first_m", "climb_s"), [(5.0, 18.6), (30.0, 1.6), (60.0, 13.6)])
+def test_the_climb_takes_as_long_as_in_a_whole_flight(first_m: float, climb_s: float) -> None:
+    """From the take-off altitude of 30 m, up and down, within a second."""
+    flight = heights(first_m)
+    assert flight.climb_s == pytest.approx(climb_s, abs=1.0)
+
+
+def test_a_climb_out_of_sight_is_not_simulated() -> None:
+    """Its time is that of the climb rate."""
+    assert heights(8000.0).climb_s == pytest.approx((8000.0 - 30.0) / 2.5)
 
 
 def test_fixes_below_the_floor_are_counted() -> None:

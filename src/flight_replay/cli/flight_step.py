@@ -1,27 +1,27 @@
-"""The flight: get a vehicle, check it, upload the mission, and fly it."""
+"""The flight: get a vehicle, plan for it, check it, upload the mission, and fly it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flight_replay import supervisor
+from flight_replay.cli import vehicle_step
 from flight_replay.cli.consent import ask_consent
 from flight_replay.cli.options import Options
-from flight_replay.errors import VehicleError
 from flight_replay.events import Finished, Listener, Notice
+from flight_replay.mission.items import Home
 from flight_replay.output.console.console import Console
 from flight_replay.output.outcome import Outcome, compare_flight
-from flight_replay.planning.altitude import home_of
 from flight_replay.planning.route import Route
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.supervisor import FlightRecord, Plan, WallClock
 
 if TYPE_CHECKING:
-    from flight_replay.logs.tlog.writer import Recorder
     from flight_replay.vehicle import ConnectedVehicle
     from flight_replay.vehicle.preflight import Briefing
 
@@ -38,17 +38,33 @@ class FlightResult:
     outcome: Outcome
 
 
-def fly_route(options: Options, route: Route, console: Console, listener: Listener) -> FlightResult:
-    """Fly the route on the vehicle that the options name, or on a simulator.
+def fly(
+    options: Options,
+    home: Home,
+    plan: Callable[[VehicleLimits], Route],
+    console: Console,
+    listener: Listener,
+) -> tuple[Route, FlightResult | None]:
+    """Plan for the vehicle that the options name, or a simulator, and fly it, but in a dry run.
+
+    Args:
+        options: which vehicle, and how to fly it.
+        home: where a simulator starts.
+        plan: makes the route, once the vehicle's limits are known.
+        console: asks for consent.
+        listener: gets the events of the flight.
 
     Raises:
         FlightReplayError: The flight ended before the mission began.
     """
     with ExitStack() as stack:
-        recorder = stack.enter_context(_recording(options))
-        connection = stack.enter_context(_vehicle_or_simulator(options, route, listener))
-        connected = stack.enter_context(_connected(connection, options, listener, recorder))
-        _set_speedup(connected, options.speedup)
+        recorder = stack.enter_context(vehicle_step.recording(options))
+        connection = stack.enter_context(vehicle_step.vehicle_or_simulator(options, home, listener))
+        vehicle = vehicle_step.connected_vehicle(connection, options, listener, recorder)
+        connected = stack.enter_context(vehicle)
+        route = plan(vehicle_step.vehicle_limits(connected, listener))
+        if options.dry_run:
+            return route, None
         _check_before_arming(options, route, connected, console, listener)
         if options.connect is not None:
             _save_mission_on_board(connected, connection, options, listener)
@@ -60,65 +76,8 @@ def fly_route(options: Options, route: Route, console: Console, listener: Listen
     if recorder:
         record = replace(record, problem=record.problem or recorder.problem)
     listener(Finished(record.ended))
-    return FlightResult(identity.name, identity.simulated, record, compare_flight(route, record))
-
-
-@contextmanager
-def _recording(options: Options) -> Iterator[Recorder | None]:
-    """The recorder of ``--record``."""
-    if options.record is None:
-        yield None
-        return
-    from flight_replay.logs.tlog.writer import Recorder
-
-    with Recorder(options.record) as recorder:
-        yield recorder
-
-
-@contextmanager
-def _vehicle_or_simulator(options: Options, route: Route, listener: Listener) -> Iterator[str]:
-    """The connection string of ``--connect``, or of a simulator that starts where the recording did."""
-    if options.connect is not None:
-        yield options.connect
-        return
-    from flight_replay.simulator.autopilot.location import Start
-    from flight_replay.vehicle.sitl import simulator
-
-    home = home_of(route.covered)
-    start = Start(home.lat_deg, home.lon_deg, home.alt_amsl_m)
-    speedup = options.speedup or 1.0
-    with simulator(options.sim, options.sitl, start, speedup=speedup, listener=listener) as connection:
-        yield connection
-
-
-@contextmanager
-def _connected(
-    connection: str, options: Options, listener: Listener, recorder: Recorder | None
-) -> Iterator[ConnectedVehicle]:
-    """The vehicle behind a connection string, with the ground stations of ``--gcs`` on the same link."""
-    from flight_replay import vehicle
-    from flight_replay.vehicle.link.ground_stations import ground_stations
-
-    with (
-        vehicle.connect(
-            connection,
-            baud=options.baud,
-            listener=listener,
-            speedup=options.speedup or 1.0,
-            recorder=recorder,
-            signing_key=options.signing_key,
-        ) as connected,
-        ground_stations(connected.link, options.gcs, allow_open=options.gcs_open),
-    ):
-        yield connected
-
-
-def _set_speedup(connected: ConnectedVehicle, speedup: float | None) -> None:
-    """Set the speedup of a simulated vehicle, or read it if None."""
-    if connected.identity.simulated:
-        connected.set_speedup(speedup)
-    elif speedup not in (None, 1.0):
-        raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --speedup")
+    outcome = compare_flight(route, record)
+    return route, FlightResult(identity.name, identity.simulated, record, outcome)
 
 
 def _check_before_arming(
@@ -128,8 +87,6 @@ def _check_before_arming(
     briefing = _briefing(options, route, connected, listener)
     if connected.identity.simulated:
         return
-    if options.limits == "recorded":
-        raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --limits recorded")
     for line in briefing.lines:
         console.print(line)
     if not options.yes:

@@ -11,8 +11,8 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
 from flight_replay.errors import FlightReplayError
-from flight_replay.events import combine_listeners
+from flight_replay.events import Relay, combine_listeners
 from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
 from flight_replay.output.console.terminal import (
@@ -33,11 +33,13 @@ from flight_replay.output.console.terminal import (
     write_line,
 )
 from flight_replay.output.event_log import EventLog
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.writing.background import Background
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
     from flight_replay.events import Listener
+    from flight_replay.mission.items import Home
     from flight_replay.planning.route import Route
 
 _ERROR_LINE_S = 1.0
@@ -105,12 +107,19 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     """From log to landing; returns the problem of a flight that did not end as asked."""
     output_step.check_outputs(options)
     event_log = EventLog()
-    listener = combine_listeners(console.listener, event_log.listener)
-    log, flights, track = plan_step.read_recording(options, listener)
-    route = plan_step.plan_route(options, track, listener)
-    output_step.save_mission(options, route)
-    with with_live_map(options, route, console, listener) as listener:
-        flight = None if options.dry_run else _fly(options, route, console, listener)
+    relay = Relay(combine_listeners(console.listener, event_log.listener))
+    log, flights, track = plan_step.read_recording(options, relay)
+    planner = plan_step.Planner(options, track, relay)
+    with ExitStack() as stack:
+
+        def plan(limits: VehicleLimits) -> Route:
+            """The route for a vehicle, saved, and on the live map until the results are written."""
+            route = planner.route(limits)
+            output_step.save_mission(options, route)
+            relay.target = stack.enter_context(with_live_map(options, route, console, relay.target))
+            return route
+
+        route, flight = _fly(options, planner.home, plan, console, relay)
         result = ReplayResult(log, flights, route, flight)
         output_step.print_result(options, result, console)
         problems = [] if flight is None else [flight.record.problem]
@@ -118,7 +127,16 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     return "; ".join(filter(None, problems)) or None
 
 
-def _fly(options: Options, route: Route, console: Console, listener: Listener) -> FlightResult:
+def _fly(
+    options: Options,
+    home: Home,
+    plan: Callable[[VehicleLimits], Route],
+    console: Console,
+    listener: Listener,
+) -> tuple[Route, FlightResult | None]:
+    """The route, and how it was flown; a dry run without a vehicle is planned with ArduCopter's defaults."""
+    if options.dry_run and options.connect is None:
+        return plan(VehicleLimits()), None
     # A dry run does not import half of the program, nor the libraries that log.
     import logging
 
@@ -128,7 +146,7 @@ def _fly(options: Options, route: Route, console: Console, listener: Listener) -
     handler.setFormatter(PrintableFormatter(logging.BASIC_FORMAT))
     logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL, handlers=[handler])
 
-    return flight_step.fly_route(options, route, console, listener)
+    return flight_step.fly(options, home, plan, console, listener)
 
 
 def _console(options: Options) -> AbstractContextManager[Console]:

@@ -134,8 +134,8 @@ def _add_flight(group: argparse._ArgumentGroup) -> None:
         "--limits",
         choices=("vehicle", "recorded"),
         default="vehicle",
-        help="recorded: for this flight, raise the speed and acceleration limits of a simulated vehicle "
-        "to those of the recording (default: %(default)s)",
+        help="vehicle: plan with the vehicle's own limits; recorded: for this flight, raise the speed and "
+        "acceleration limits of a simulated vehicle to those of the recording (default: %(default)s)",
     )
     group.add_argument(
         "--takeoff-altitude",
@@ -208,7 +208,11 @@ def _output_group(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "output", "example: flight-replay --plot replay.png --json > replay.json"
     )
-    group.add_argument("--dry-run", action="store_true", help="plan the route, but do not fly")
+    group.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="plan the route, but do not fly; with --connect, for that vehicle",
+    )
     _add_results(group)
     _add_display(group)
     _add_information(group)

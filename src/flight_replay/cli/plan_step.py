@@ -5,16 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from flight_replay.cli.options import Options
-from flight_replay.events import Listener, Notice, Progress
+from flight_replay.events import Listener, Notice, Progress, ignore
 from flight_replay.logs.flights import Flight, find_flights, select
 from flight_replay.logs.sample import default_log
 from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
-from flight_replay.planning.altitude import RECORDED
+from flight_replay.mission.items import Home
+from flight_replay.planning.altitude import RECORDED, home_of
+from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
 
 
@@ -37,14 +40,53 @@ def read_recording(options: Options, listener: Listener) -> tuple[Log, tuple[Fli
     return log, find_flights(log.track), track
 
 
-def plan_route(options: Options, track: Track, listener: Listener) -> Route:
-    """The route that the options ask for; its notes are emitted.
+class Planner:
+    """Plans the route that the options ask for, for the vehicle that will fly it.
 
-    Raises:
-        MissionError: The track cannot be flown as the options ask.
+    What needs no vehicle's limits is planned at once: a log that cannot be flown is refused before any
+    vehicle is started. It is planned again only for a vehicle that does not have ArduCopter's defaults.
     """
-    required_limits = _required_limits(track) if options.limits == "recorded" else {}
-    limits = Limits(**required_limits)
+
+    def __init__(self, options: Options, track: Track, listener: Listener) -> None:
+        """Begin.
+
+        Raises:
+            MissionError: The track cannot be flown as the options ask.
+        """
+        self._options, self._track, self._listener = options, track, listener
+        self._planned: tuple[Limits, Route] | None = None
+        if options.route == "spacing":
+            self._plan(Limits())
+
+    @property
+    def home(self) -> Home:
+        """The ground below where the route begins."""
+        return home_of(flown_part(self._track)[0] if self._options.route == "fit" else self._track)
+
+    def route(self, vehicle: VehicleLimits) -> Route:
+        """The route for a vehicle; its notes are emitted.
+
+        Raises:
+            MissionError: The track cannot be flown as the options ask.
+        """
+        route = self._plan(vehicle.limits)
+        used = replace(vehicle, limits=replace(vehicle.limits, **route.required_limits))
+        for note in (*vehicle.notes, *route.notes):
+            self._listener(Notice(f" {note}"))
+        return replace(route, limits=used)
+
+    def _plan(self, limits: Limits) -> Route:
+        """The route for a vehicle of these limits, from before if it was planned with the same."""
+        if self._planned is None or self._planned[0] != limits:
+            told = self._planned is not None
+            listener = ignore if told else self._listener
+            self._planned = limits, _planned_route(self._options, self._track, limits, listener)
+        return self._planned[1]
+
+
+def _planned_route(options: Options, track: Track, own_limits: Limits, listener: Listener) -> Route:
+    required_limits = _required_limits(track, own_limits) if options.limits == "recorded" else {}
+    limits = replace(own_limits, **required_limits)
     if options.route == "fit":
         route = _fitted_route(options, track, limits, listener)
     else:
@@ -53,9 +95,9 @@ def plan_route(options: Options, track: Track, listener: Listener) -> Route:
     route = _with_heights(options, route, limits)
     if options.heading == "recorded":
         route = _with_recorded_headings(route, limits, timed=options.speed_m_s == RECORDED)
-    for note in route.notes:
-        listener(Notice(f" {note}"))
-    return replace(with_prediction(route, limits), required_limits=required_limits)
+    return replace(
+        with_prediction(route, limits, options.takeoff_altitude_m), required_limits=required_limits
+    )
 
 
 def _with_heights(options: Options, route: Route, limits: Limits) -> Route:
@@ -77,10 +119,10 @@ def _with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Rou
     return with_recorded_headings(route, limits, timed=timed)
 
 
-def _required_limits(track: Track) -> dict[str, float]:
+def _required_limits(track: Track, limits: Limits) -> dict[str, float]:
     from flight_replay.planning.required_limits import required_limits
 
-    return required_limits(track, Limits())
+    return required_limits(track, limits)
 
 
 def _spaced_route(options: Options, track: Track, limits: Limits) -> Route:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from flight_replay.output.outcome import Outcome
     from flight_replay.planning.heights import HeightChange, RouteHeights
     from flight_replay.planning.route import Route
+    from flight_replay.planning.vehicle_limits import VehicleLimits
     from flight_replay.supervisor.flight_plan import FlightRecord
 
 Json = Mapping[str, Any]
@@ -61,6 +62,7 @@ def route_summary(route: Route) -> Json:
         "length_m": round(route.path.length_m, 3),
         "planned_error_m": _both_ways(route.planned_error, "planned"),
         **objective,
+        "limits": _limits(route.limits),
         "heights": None if route.heights is None else _heights(route.heights),
         "predicted": None if route.predicted is None else _errors(route.predicted),
         "predicted_duration_s": round(route.predicted_duration_s, 3),
@@ -128,6 +130,14 @@ def _both_ways(errors: PathErrors, path: str) -> Json:
     return {
         f"recorded_to_{path}": _statistics(errors.recorded_to_path.statistics),
         f"{path}_to_recorded": _statistics(errors.path_to_recorded.statistics),
+    }
+
+
+def _limits(limits: VehicleLimits) -> Json:
+    """The limits that a route is planned with; null as vehicle: the defaults of ArduCopter 4.6."""
+    return {
+        "vehicle": limits.vehicle,
+        **{name: round(value, 4) for name, value in limits.values.items()},
     }
 
 

@@ -41,7 +41,7 @@ class HeightChange:
 class RouteHeights:
     """What a route does with heights; metres above home.
 
-    ``climb_s`` is the time from the take-off altitude to the first waypoint's. ``floor_m`` is None where the
+    ``climb_s`` is how long AUTO takes to the first waypoint. ``floor_m`` is None where the
     altitude is constant; ``raised`` are the fixes that were recorded below it, ``limited`` those whose
     height the vehicle cannot have in time. ``notes`` are sentences for people.
     """

@@ -7,36 +7,55 @@ from dataclasses import replace
 from flight_replay.errors import MissionError
 from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
+from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.vector import Vector
 
 _STEP_S = 0.05
 _ROWS_A_SAMPLE = 2  # Ten samples a second draw a path well enough.
 _LONGEST_SIMULATED_M = 50_000.0
+_CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
 
-def with_prediction(route: Route, limits: Limits) -> Route:
-    """The route with the errors that a vehicle of these limits will have.
+def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
+    """The route with the errors that a vehicle of these limits will have, and its time in AUTO.
 
-    Without them where the model cannot fly the mission, or not in reasonable time.
+    Without errors where the model cannot fly the mission, or not in reasonable time.
+
+    Args:
+        route: at least one waypoint.
+        limits: what the vehicle may do.
+        takeoff_m: take-off altitude above home.
     """
-    if route.path.length_m > _LONGEST_SIMULATED_M:
+    climb_m = abs(route.mission.waypoints[0][1].alt_m - takeoff_m)
+    if route.path.length_m + climb_m > _LONGEST_SIMULATED_M:
         return route
     try:
-        flown, last_s = _predicted_flight(route, limits)
+        flown, last_s, auto_s = _predicted_flight(route, limits, takeoff_m)
     except MissionError:
         return route
-    return replace(route, predicted=flight_errors(route.wanted, flown, last_s=last_s))
+    predicted = flight_errors(route.wanted, flown, last_s=last_s)
+    return replace(route, predicted=predicted, predicted_duration_s=auto_s)
 
 
-def _predicted_flight(route: Route, limits: Limits) -> tuple[Movement, float]:
-    """The flight from when the first waypoint is reached, and when the last one is."""
+def after_takeoff(takeoff_m: float, limits: Limits) -> tuple[Vector, Vector]:
+    """Where a vehicle is above home, and its velocity, as the take-off hands over to AUTO: still climbing."""
+    short_m = (1.0 - TAKEOFF_REACHED_SHARE) * takeoff_m
+    climb_m_s = min(_CLIMB_LAG_SHARE * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
+    return (0.0, 0.0, takeoff_m - short_m), (0.0, 0.0, climb_m_s)
+
+
+def _predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Movement, float, float]:
+    """The flight from when the first waypoint is reached, when the last one is, and the time in AUTO."""
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import home_frame, simulate
 
-    flight = simulate(route.mission, limits, step_s=_STEP_S)
+    start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
+    flight = simulate(route.mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=_STEP_S)
     seqs = [seq for seq, _ in route.mission.waypoints]
     first_s, last_s = flight.reached_s[seqs[0]], flight.reached_s[seqs[-1]]
     ground_m = route.frame.to_metres(*home_frame(route.mission).to_degrees(flight.north_east_m))
     whole = Movement(flight.time_s - first_s, ground_m, flight.up_m, flight.heading_deg)
-    return whole.select(slice(None, None, _ROWS_A_SAMPLE)), last_s - first_s
+    begin_s, end_s = flight.auto_s
+    return whole.select(slice(None, None, _ROWS_A_SAMPLE)), last_s - first_s, end_s - begin_s

@@ -15,6 +15,7 @@ from flight_replay.mission.path import Path, planned_path
 from flight_replay.planning.duration import duration_s
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.heights import Heights, RouteHeights
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
 
 
@@ -29,7 +30,8 @@ class Route:
     error of the mission's path, ``predicted_duration_s`` the time in AUTO, ``predicted`` the errors of
     the flight where the planning simulated it. ``required_limits`` are the fields of ``Limits`` to
     raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made small;
-    ``heights`` says what the route does with them; ``notes`` are sentences for people.
+    ``limits`` are those that the plan is made with; ``heights`` says what the route does with them;
+    ``notes`` are sentences for people.
     """
 
     method: str
@@ -45,6 +47,7 @@ class Route:
     predicted: FlightErrors | None = None
     objective_m: float | None = None
     required_limits: Mapping[str, float] = field(default_factory=dict)
+    limits: VehicleLimits = field(default_factory=VehicleLimits)
     heights: RouteHeights | None = None
     notes: tuple[str, ...] = ()
 

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import copysign
+
 import numpy as np
 
 from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.mission.items import FIRST_SEQ, Mission
 from flight_replay.planning.heights import HeightChange, RouteHeights
+from flight_replay.planning.prediction import after_takeoff
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
-from flight_replay.simulator.navigation.leg_durations import straight_duration_s
 
 _LEVEL_M = 0.05
 """A first waypoint so near to the take-off altitude is at it."""
 _KEPT_M = 0.5
 """Heights that are nearer to the wanted ones than this are kept."""
 _MOST_STRETCHES = 3
+_LONGEST_SIMULATED_M = 500.0
+_STEP_S = 0.05
+_BESIDE_DEG = 1e-4
 
 
 def route_heights(route: Route, limits: Limits, *, takeoff_m: float, floor_m: float | None) -> RouteHeights:
@@ -28,7 +35,7 @@ def route_heights(route: Route, limits: Limits, *, takeoff_m: float, floor_m: fl
     """
     first_m = route.mission.waypoints[0][1].alt_m
     climbs = abs(first_m - takeoff_m) > _LEVEL_M
-    climb_s = straight_duration_s([(0.0, 0.0, takeoff_m), (0.0, 0.0, first_m)], limits) if climbs else 0.0
+    climb_s = _climb_s(route.mission, takeoff_m, limits)
     recorded_m = route.recorded.alt_m
     below_m = np.zeros(len(recorded_m)) if floor_m is None else np.nan_to_num(floor_m - recorded_m)
     raised = (below_m > 0) & (route.wanted.up_m == floor_m)
@@ -48,6 +55,27 @@ def route_heights(route: Route, limits: Limits, *, takeoff_m: float, floor_m: fl
         _change(off, off_m),
         tuple(filter(None, notes)),
     )
+
+
+def _climb_s(mission: Mission, takeoff_m: float, limits: Limits) -> float:
+    """How long AUTO takes from the take-off to the first waypoint."""
+    first = mission.waypoints[0][1]
+    climb_m = first.alt_m - takeoff_m
+    if abs(climb_m) > _LONGEST_SIMULATED_M:
+        return abs(climb_m) / (limits.wp_speed_up_m_s if climb_m > 0 else limits.wp_speed_down_m_s)
+    # The model of the whole vehicle takes as long to import as all else in a dry run.
+    from flight_replay.simulator.flight.trajectory import simulate
+
+    beside = replace(first, lat_deg=first.lat_deg - copysign(_BESIDE_DEG, first.lat_deg))
+    start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
+    flight = simulate(
+        Mission((first, beside), mission.home),
+        limits,
+        start_m=start_m,
+        velocity_m_s=velocity_m_s,
+        step_s=_STEP_S,
+    )
+    return flight.reached_s[FIRST_SEQ]
 
 
 def _change(changed: Flags, by_m: Floats) -> HeightChange:

@@ -22,7 +22,7 @@ def route_with(heading_deg: float | list[float], *, spacing_m: float = 30.0) -> 
 
 
 def error_deg(route: Route) -> float:
-    predicted = with_prediction(route, Limits()).predicted
+    predicted = with_prediction(route, Limits(), 30.0).predicted
     assert predicted is not None
     statistics = predicted.heading_deg.statistics
     assert statistics is not None

@@ -1,0 +1,96 @@
+"""The step before the flight that gets a vehicle: a simulator or ``--connect``, and its limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from flight_replay.cli.options import Options
+from flight_replay.errors import VehicleError
+from flight_replay.events import Listener, Notice
+from flight_replay.mission.items import Home
+from flight_replay.planning.vehicle_limits import PARAMETER_NAMES, VehicleLimits, limits_of
+
+if TYPE_CHECKING:
+    from flight_replay.logs.tlog.writer import Recorder
+    from flight_replay.vehicle import ConnectedVehicle
+
+
+@contextmanager
+def recording(options: Options) -> Iterator[Recorder | None]:
+    """The recorder of ``--record``."""
+    if options.record is None:
+        yield None
+        return
+    from flight_replay.logs.tlog.writer import Recorder
+
+    with Recorder(options.record) as recorder:
+        yield recorder
+
+
+@contextmanager
+def vehicle_or_simulator(options: Options, home: Home, listener: Listener) -> Iterator[str]:
+    """The connection string of ``--connect``, or of a simulator that starts where the recording did."""
+    if options.connect is not None:
+        yield options.connect
+        return
+    from flight_replay.simulator.autopilot.location import Start
+    from flight_replay.vehicle.sitl import simulator
+
+    start = Start(home.lat_deg, home.lon_deg, home.alt_amsl_m)
+    speedup = options.speedup or 1.0
+    with simulator(options.sim, options.sitl, start, speedup=speedup, listener=listener) as connection:
+        yield connection
+
+
+@contextmanager
+def connected_vehicle(
+    connection: str, options: Options, listener: Listener, recorder: Recorder | None
+) -> Iterator[ConnectedVehicle]:
+    """The vehicle behind a connection string, with the ground stations of ``--gcs`` on the same link.
+
+    Raises:
+        VehicleError: No vehicle is there, or it is a real one and the options are for simulated ones.
+    """
+    from flight_replay import vehicle
+    from flight_replay.vehicle.link.ground_stations import ground_stations
+
+    with (
+        vehicle.connect(
+            connection,
+            baud=options.baud,
+            listener=listener,
+            speedup=options.speedup or 1.0,
+            recorder=recorder,
+            signing_key=options.signing_key,
+        ) as connected,
+        ground_stations(connected.link, options.gcs, allow_open=options.gcs_open),
+    ):
+        _check_options(connected, options)
+        if connected.identity.simulated and not options.dry_run:
+            connected.set_speedup(options.speedup)
+        yield connected
+
+
+def _check_options(connected: ConnectedVehicle, options: Options) -> None:
+    """Refuse options that are for simulated vehicles."""
+    if connected.identity.simulated:
+        return
+    if options.speedup not in (None, 1.0):
+        raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --speedup")
+    if options.limits == "recorded":
+        raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --limits recorded")
+
+
+def vehicle_limits(connected: ConnectedVehicle, listener: Listener) -> VehicleLimits:
+    """The limits of a vehicle; the defaults, with a warning, where it does not tell them."""
+    limits = limits_of(connected.parameters(PARAMETER_NAMES), connected.identity.name)
+    if limits is None:
+        listener(
+            Notice(
+                "the vehicle does not send its speed limits; the plan is for the defaults of ArduCopter 4.6",
+                warning=True,
+            )
+        )
+    return limits or VehicleLimits()

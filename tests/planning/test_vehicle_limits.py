@@ -1,0 +1,91 @@
+"""The limits of a vehicle from its parameters, in the names of any version."""
+
+from math import radians
+
+import numpy as np
+import pytest
+
+from flight_replay.planning.vehicle_limits import PARAMETER_NAMES, VehicleLimits, limits_of
+from flight_replay.simulator.dynamics.limits import Limits
+
+DEFAULTS_46 = {
+    "WPNAV_SPEED": 1000.0,
+    "WPNAV_ACCEL": 250.0,
+    "WPNAV_ACCEL_C": 0.0,
+    "WPNAV_JERK": 1.0,
+    "WPNAV_RADIUS": 200.0,
+    "WPNAV_SPEED_UP": 250.0,
+    "WPNAV_SPEED_DN": 150.0,
+    "WPNAV_ACCEL_Z": 100.0,
+    "WP_YAW_BEHAVIOR": 2.0,
+    "PSC_JERK_XY": 5.0,
+    "ANGLE_MAX": 3000.0,
+}
+DEFAULTS_47 = {
+    "WP_SPD": 10.0,
+    "WP_ACC": 2.5,
+    "WP_ACC_CNR": 0.0,
+    "WP_JERK": 1.0,
+    "WP_RADIUS_M": 2.0,
+    "WP_SPD_UP": 2.5,
+    "WP_SPD_DN": 1.5,
+    "WP_ACC_Z": 1.0,
+    "PSC_NE_JERK": 5.0,
+    "ATC_ANGLE_MAX": 30.0,
+}
+
+
+@pytest.mark.parametrize("parameters", [DEFAULTS_46, DEFAULTS_47])
+def test_the_defaults_are_exactly_the_defaults(parameters: dict[str, float]) -> None:
+    """Whatever single precision makes of them: the plan made before is kept, and there is nothing to say."""
+    assert set(parameters) <= set(PARAMETER_NAMES)
+    received = {name: float(np.float32(value)) * (1 + 1e-7) for name, value in parameters.items()}
+    found = limits_of(received, "ArduCopter")
+    assert found == VehicleLimits(Limits(), "ArduCopter")
+    assert found is not None
+    assert found.notes == ()
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        DEFAULTS_46 | {"WPNAV_SPEED": 500.0, "WPNAV_SPEED_UP": 400.0, "ANGLE_MAX": 2000.0},
+        DEFAULTS_47 | {"WP_SPD": 5.0, "WP_SPD_UP": 4.0, "ATC_ANGLE_MAX": 20.0},
+    ],
+)
+def test_what_differs_is_read_and_said(changed: dict[str, float]) -> None:
+    """In metres and degrees, with the default beside it."""
+    found = limits_of(changed, "ArduCopter")
+    assert found is not None
+    assert found.limits.wp_speed_m_s == 5.0
+    assert found.limits.wp_speed_up_m_s == 4.0
+    assert found.limits.lean_angle_rad == pytest.approx(radians(20.0))
+    (note,) = found.notes
+    assert note == (
+        "Planned with the vehicle's limits: speed 5 m/s (default 10), climb rate 4 m/s (default 2.5), "
+        "lean angle 20 deg (default 30)."
+    )
+    assert found.values["lean_angle_deg"] == pytest.approx(20.0)
+
+
+def test_firmware_without_a_jerk_limit_has_none() -> None:
+    """ArduCopter 3.3: 5 m/s, 1 m/s², and the jerk of its position controller."""
+    found = limits_of({"WPNAV_SPEED": 500.0, "WPNAV_ACCEL": 100.0}, "ArduCopter 3.3.0")
+    assert found is not None
+    assert (found.limits.wp_speed_m_s, found.limits.wp_accel_m_s2) == (5.0, 1.0)
+    assert found.limits.wp_jerk_m_s3 == 17.0
+    assert found.limits.wp_speed_up_m_s == 2.5
+
+
+def test_a_vehicle_that_tells_no_speed_has_unknown_limits() -> None:
+    """Nothing, or too little, arrived."""
+    assert limits_of({}, "ArduCopter") is None
+    assert limits_of({"WPNAV_ACCEL": 100.0}, "ArduCopter") is None
+
+
+def test_corner_acceleration_is_told_as_it_is_used() -> None:
+    """0 stands for twice the acceleration."""
+    assert VehicleLimits().values["accel_corner_m_s2"] == 5.0
+    found = limits_of(DEFAULTS_46 | {"WPNAV_ACCEL": 100.0}, "ArduCopter")
+    assert found is not None
+    assert found.values["accel_corner_m_s2"] == 2.0
