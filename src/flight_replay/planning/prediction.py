@@ -12,8 +12,10 @@ from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 
-_STEP_S = 0.05
-_ROWS_A_SAMPLE = 2  # Ten samples a second draw a path well enough.
+_STEP_S, _LONG_STEP_S = 0.02, 0.05
+_LONG_M = 5_000.0
+"""Beyond this, the tenths of a second at sharp turns that long steps miss are not worth the wait."""
+_SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
 _LONGEST_SIMULATED_M = 50_000.0
 _CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
@@ -51,11 +53,13 @@ def _predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[M
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import home_frame, simulate
 
+    step_s = _STEP_S if route.path.length_m <= _LONG_M else _LONG_STEP_S
     start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
-    flight = simulate(route.mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=_STEP_S)
+    flight = simulate(route.mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=step_s)
     seqs = [seq for seq, _ in route.mission.waypoints]
     first_s, last_s = flight.reached_s[seqs[0]], flight.reached_s[seqs[-1]]
     ground_m = route.frame.to_metres(*home_frame(route.mission).to_degrees(flight.north_east_m))
     whole = Movement(flight.time_s - first_s, ground_m, flight.up_m, flight.heading_deg)
     begin_s, end_s = flight.auto_s
-    return whole.select(slice(None, None, _ROWS_A_SAMPLE)), last_s - first_s, end_s - begin_s
+    every = round(_SAMPLE_S / step_s)
+    return whole.select(slice(None, None, every)), last_s - first_s, end_s - begin_s

@@ -11,30 +11,28 @@ from flight_replay.planning.fit.draft import Draft
 
 
 def weights(draft: Draft, leg: Indices, part: Floats) -> Floats:
-    """Weights (m, n) of the n places on the points ``part`` of the way along the legs to places ``leg``.
+    """Weights (m, n) of the n places on the points ``part`` of the way along the legs to places ``leg``."""
+    places, share = shares(draft, leg, part)
+    rows = np.zeros((len(leg), len(draft)))
+    np.add.at(rows, (np.arange(len(leg))[:, None], places), share)
+    return rows
+
+
+def shares(draft: Draft, leg: Indices, part: Floats) -> tuple[Indices, Floats]:
+    """The places (m, 6) that points are weighted sums of, and their weights (m, 6), none but those.
 
     Straight legs are linear in their ends; a spline leg is a Hermite curve whose tangents are
     differences of places (see ``mission.path``). Tangents that are scaled down stay scaled alike.
     """
-    rows = np.zeros((len(leg), len(draft)))
-    index = np.arange(len(leg))
-    origin = np.maximum(leg - 1, 0)
     t = np.where(leg == 0, 1.0, part)
     straight = np.stack([1 - t, t, np.zeros_like(t), np.zeros_like(t)], axis=1)
     curved = draft.spline[leg] & (leg > 0)
-    shares = np.where(curved[:, None], curve_weights(t), straight)
+    share = np.where(curved[:, None], curve_weights(t), straight)
     (leaving_head, leaving_tail), (arriving_head, arriving_tail), scale = _tangents(draft)
-    leaving, arriving = shares[:, 2] * scale[leg], shares[:, 3] * scale[leg]
-    for share, place in (
-        (shares[:, 0], origin),
-        (shares[:, 1], leg),
-        (leaving, leaving_head[leg]),
-        (-leaving, leaving_tail[leg]),
-        (arriving, arriving_head[leg]),
-        (-arriving, arriving_tail[leg]),
-    ):
-        np.add.at(rows, (index, place), share)
-    return rows
+    leaving, arriving = share[:, 2] * scale[leg], share[:, 3] * scale[leg]
+    ends = leaving_head[leg], leaving_tail[leg], arriving_head[leg], arriving_tail[leg]
+    places = np.stack([np.maximum(leg - 1, 0), leg, *ends], axis=1)
+    return places, np.stack([share[:, 0], share[:, 1], leaving, -leaving, arriving, -arriving], axis=1)
 
 
 def _tangents(draft: Draft) -> tuple[tuple[Indices, Indices], tuple[Indices, Indices], Floats]:

@@ -70,3 +70,14 @@ class Draft:
             ],
             tolerance_m=tolerance_m,
         )
+
+
+def flown_through(hold_s: Floats, *, timed: bool = True) -> Flags:
+    """To which places (n,) splines lead at first: where the time counts, to those that are flown through.
+
+    A stop is reached straight then: what a spline's rounded numbers leave of its motion at a stop may
+    hold the next leg up for seconds.
+    """
+    through = np.asarray((hold_s == 0) | (not timed))
+    through[0] = False
+    return through

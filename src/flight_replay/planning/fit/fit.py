@@ -37,9 +37,9 @@ WORK_FIXES = 1000
 _HOVER_SHARE = 3
 # Durations of flights, and the steps of the model that can be afforded for each.
 _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
-_WORK_STEPS, _WORK_STEPS_A_FIX = 600_000, 30
+_WORK_STEPS, _WORK_STEPS_A_FIX = 800_000, 40
 """Steps of the model that the search may take, and more for each fix."""
-_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 120
+_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 170
 
 ProgressCallback = Callable[[int, int], None]
 
@@ -114,9 +114,11 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     even = first_draft(problem.recording, len(selected.draft), problem.hovers, timed=problem.timed)
     waits = np.flatnonzero(even.hold_s[1:] > 0) + 1
     line = np.column_stack([recording.north_east_m, recording.up_m])
+    curved = [selected, FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0)))]
+    if problem.timed:
+        return curved
     return [
-        selected,
-        FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0))),
+        *curved,
         FirstDraft(straight_draft(recording, douglas_peucker(line, max_points)), {}),
         FirstDraft(straight_draft(recording, decimate(flown, max_points=max_points)), {}),
     ]

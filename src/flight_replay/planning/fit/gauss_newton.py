@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.planning.fit.basis import weights
+from flight_replay.planning.fit.banded import solve_banded
+from flight_replay.planning.fit.basis import shares, weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.objective import Offsets, directions, path_error_m
 
@@ -15,6 +16,8 @@ ALONG_SHARE = 0.05
 """How much a place resists sliding along the path, against moving across it."""
 _STILL = 0.01
 _LONGEST_STEP_M = 3.0
+_BAND = 7
+"""Norths and easts of places that shape a leg together, or a third difference: those of four in a row."""
 _LEAST_WEIGHT, _MOST_WEIGHT = 0.5, 5.0
 
 
@@ -74,17 +77,37 @@ def gauss_newton_step(
     normal = np.kron(np.eye(2), smooth + _STILL * np.eye(n))
     force = -(smooth @ draft.places_m[:, :2]).T.ravel()
     for residual in residuals:
-        rows = weights(draft, residual.leg, residual.part)
-        across, along = residual.weight, residual.weight * ALONG_SHARE
-        keep = (along - across)[:, None] * residual.direction
-        metric = keep[:, :, None] * residual.direction[:, None, :] + across[:, None, None] * np.eye(2)
-        blocks = [[rows.T @ (metric[:, i, j, None] * rows) for j in (0, 1)] for i in (0, 1)]
-        normal += np.block(blocks)
-        force += (rows.T @ (metric @ residual.off_m[:, :, None])[:, :, 0]).T.ravel()
-    free = np.tile(np.arange(n) % (n - 1) != 0, 2)
-    step = np.zeros(2 * n)
-    step[free] = np.linalg.solve(normal[np.ix_(free, free)], force[free])
-    return _stepped(draft, gain * step.reshape(2, n).T)
+        more, pull = _normal_equations(draft, residual)
+        normal += more
+        force += pull
+    inner = np.arange(1, n - 1)
+    free = np.column_stack([inner, n + inner]).ravel()  # North and east of a place side by side.
+    step = solve_banded(normal[np.ix_(free, free)], force[free], _BAND).reshape(n - 2, 2)
+    return _stepped(draft, gain * np.pad(step, ((1, 1), (0, 0))))
+
+
+def _normal_equations(draft: Draft, residual: Residuals) -> tuple[Floats, Floats]:
+    """Normal matrix (2n, 2n) and force (2n,) of residuals: first norths, then easts.
+
+    Summed over the few places that shape each point, in a fixed order, so that no library's
+    number of threads changes a bit of it.
+    """
+    n = len(draft)
+    places, share = shares(draft, residual.leg, residual.part)
+    across, along = residual.weight, residual.weight * ALONG_SHARE
+    keep = (along - across)[:, None] * residual.direction
+    metric = keep[:, :, None] * residual.direction[:, None, :] + across[:, None, None] * np.eye(2)
+    pairs = (places[:, :, None] * n + places[:, None, :]).ravel()
+    both = share[:, :, None] * share[:, None, :]
+
+    def block(i: int, j: int) -> Floats:
+        summed = np.bincount(pairs, (metric[:, i, j, None, None] * both).ravel(), minlength=n * n)
+        return np.asarray(summed.reshape(n, n), float)
+
+    cross = block(0, 1)
+    pull = np.einsum("mij,mj->mi", metric, residual.off_m)
+    force = [np.bincount(places.ravel(), (share * pull[:, i, None]).ravel(), minlength=n) for i in (0, 1)]
+    return np.block([[block(0, 0), cross], [cross, block(1, 1)]]), np.concatenate(force)
 
 
 def _stepped(draft: Draft, step_m: Floats) -> Draft:

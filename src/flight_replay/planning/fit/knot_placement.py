@@ -13,7 +13,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.basis import weights
-from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
 from flight_replay.planning.fit.objective import directions, match_to_plan
 from flight_replay.planning.fit.reference import Hover, LocalTrack
@@ -81,7 +81,7 @@ def _drafted(progress: _Progress, free: Floats, fixed: Floats) -> tuple[Draft, F
     recording, n = progress.recording, len(knots)
     columns = [*recording.north_east_m.T, recording.up_m]
     places = np.column_stack([np.interp(knots, progress.share, column) for column in columns])
-    draft = Draft(places, np.arange(n) > 0, waits, np.full(n, np.nan))
+    draft = Draft(places, flown_through(waits), waits, np.full(n, np.nan))
     leg = np.clip(np.searchsorted(knots, progress.share), 1, n - 1)
     length = knots[leg] - knots[leg - 1]
     part = np.where(length > 0, (progress.share - knots[leg - 1]) / np.maximum(length, 1e-12), 1.0)

@@ -14,7 +14,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.hermite_curve import curve_weights, tangent_scale
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
-from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals
 from flight_replay.planning.fit.objective import TIME_SHARE, match_to_plan
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
@@ -50,7 +50,7 @@ def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:
     for place, hover in hovers.items():
         hold_s[place] = max(1.0, round(hover.seconds))
     places_m = np.column_stack([knots.place_m[kept], up_m])
-    draft = Draft(places_m, np.arange(len(kept)) > 0, hold_s, np.full(len(kept), np.nan))
+    draft = Draft(places_m, flown_through(hold_s, timed=problem.timed), hold_s, np.full(len(kept), np.nan))
     return FirstDraft(_moved_on_paper(draft, problem.recording), hovers)
 
 
@@ -72,6 +72,7 @@ class _Knots:
         self.first, self.last, self.hover = (list(column) for column in zip(*found, strict=True))
         self._stops = [hover is not None for hover in self.hover]
         self._stops[0] = self._stops[-1] = True
+        self._straight = [timed and hover is not None for hover in self.hover]
         self.place_m = np.array([self._fixes_m[a : b + 1].mean(axis=0) for a, b, _ in found])
         self.place_m[-1] = self._fixes_m[-1]
         self._before, self._after = list(range(-1, len(found) - 1)), list(range(1, len(found) + 1))
@@ -135,8 +136,10 @@ class _Knots:
         """The leg's curve (13, 2); see ``mission.path`` for its tangents."""
         place, chord = self.place_m, self.place_m[b] - self.place_m[a]
         none = np.zeros(2)
+        if self._straight[b]:
+            return np.asarray(place[a] + np.linspace(0.0, 1.0, len(_WEIGHTS))[:, None] * chord)
         leaving = none if self._stops[a] else place[b] - place[before]
-        arriving = none if self._stops[b] else place[after] - place[a]
+        arriving = none if self._stops[b] else place[after] - place[b if self._straight[after] else a]
         scale = tangent_scale(chord[None], leaving[None], arriving[None])[0]
         return np.asarray(_WEIGHTS @ np.array([place[a], place[b], scale * leaving, scale * arriving]))
 

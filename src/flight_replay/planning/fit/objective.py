@@ -135,7 +135,7 @@ def match_to_plan(draft: Draft, recording: LocalTrack) -> tuple[Offsets, Offsets
     ends = np.minimum(piece + 1, len(line) - 1)
     here = np.where(path.seq[ends] == path.seq[piece], progress[piece], path.seq[ends])
     here = here + share * (progress[ends] - here)
-    marks, at = _points_along(line, _BACK_SPACING_M)
+    marks, at = points_along(line, _BACK_SPACING_M)
     order = np.maximum.accumulate(here)
     mark_progress = np.interp(at, np.arange(len(line)), progress)
     back = _offsets_back(marks, np.searchsorted(order, mark_progress), recording)
@@ -175,7 +175,7 @@ def _match_to_flight(
 
     A point of the flight belongs to where the plan has the fixes that the vehicle flies by there.
     """
-    line, at = _points_along(flight.place_m[:, :2], _SPACING_M)
+    line, at = points_along(flight.place_m[:, :2], _SPACING_M)
     times = np.interp(at, np.arange(len(flight.time_s)), flight.time_s)
     foot, piece, share = _matched_points(recording.north_east_m, line)
     ends = np.minimum(piece + 1, len(times) - 1)
@@ -190,7 +190,7 @@ def _match_to_flight(
     return flown_s, (there, Offsets(*where, back))
 
 
-def _points_along(line_m: Floats, spacing_m: float) -> tuple[Floats, Floats]:
+def points_along(line_m: Floats, spacing_m: float) -> tuple[Floats, Floats]:
     """Points (k, 2) evenly along a line (m, 2), and the index of each in the line, with its fraction."""
     along = lengths_along_m(line_m)
     marks = np.linspace(0.0, along[-1], max(2, int(along[-1] / spacing_m) + 1))

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.objective import Evaluation, evaluate
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft, simulate_draft
+from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, with_speeds
 from flight_replay.simulator.dynamics.limits import Limits
+
+# Durations of flights, and the steps of the model that are exact enough and can be afforded.
+_EXACT_STEPS_S = ((1000.0, 3000.0), (0.02, 0.1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,6 +35,33 @@ class FitProblem:
     def simulate(self, draft: Draft) -> SimulatedDraft:
         """A draft as the model flies it, at its own speeds."""
         return simulate_draft(draft, self.limits, self.step_s, self.recording.home_amsl_m)
+
+    def least_leg_s(self, draft: Draft, caps_m_s: Floats) -> Floats:
+        """What each leg of a draft (n,) takes at the highest speeds (n,), waiting not counted."""
+        hurried = replace(draft, hold_s=np.minimum(draft.hold_s, LEAST_HOLD_S))
+        passed_s = self.simulate(with_speeds(hurried, caps_m_s)).passed_s
+        return np.diff(passed_s, prepend=0.0) - hurried.hold_s
+
+    @property
+    def exact(self) -> FitProblem:
+        """The same in steps that are short enough to tell how late the vehicle will be."""
+        exact_step_s = float(np.interp(self.recording.time_s[-1], *_EXACT_STEPS_S))
+        return replace(self, step_s=min(self.step_s, exact_step_s))
+
+    def calibrated(self, draft: Draft) -> FitProblem:
+        """The same, its clock set so that long steps are as good as exact ones near a draft.
+
+        Long steps take sharp turns too fast, by some hundredths of a second each, which add up: a
+        vehicle that is to be somewhere at a time has to be there sooner in long steps.
+        """
+        exact = self.exact
+        if exact.step_s == self.step_s:
+            return self
+        exact_s = exact.simulate(draft).passed_s
+        ahead_s = exact_s - self.simulate(draft).passed_s
+        times = self.recording.time_s - np.interp(self.recording.time_s, exact_s, ahead_s)
+        times = np.maximum.accumulate(times - times[0])
+        return replace(self, recording=replace(self.recording, time_s=times))
 
     def evaluate(self, draft: Draft) -> Evaluation:
         """How a draft is flown, against the recording."""

@@ -26,7 +26,7 @@ _LAG_S = 0.5
 """The vehicle passes a place so long after its target has reached it."""
 _OFF_S = 0.1
 """As a hover ends the recorded vehicle has left its circle, ``reference.HOVER_RADIUS_M``, for so long."""
-_SPEED_HEADROOM = 1.5
+_SPEED_HEADROOM = 1.4
 _SPEED_HEADROOM_M_S = 1.0
 
 
@@ -47,7 +47,7 @@ def schedule(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack, leas
         recording: at least one fix.
         least_s: what each leg takes at least, waiting not counted (n,).
     """
-    wanted_s = _recorded_passing_s(draft, hovers, recording)
+    wanted_s = recorded_passing_s(draft, hovers, recording)
     floor_s = least_s + np.minimum(draft.hold_s, LEAST_HOLD_S)
     weight = np.maximum(leg_lengths_m(draft), 0.1)
     late_s = best_lateness_s(np.diff(wanted_s, prepend=0.0), floor_s, weight)
@@ -59,7 +59,7 @@ def schedule(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack, leas
     return Schedule(replace(draft, hold_s=hold_s), leave_s)
 
 
-def _recorded_passing_s(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack) -> Floats:
+def recorded_passing_s(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack) -> Floats:
     """When the target would pass each place (n,) if the vehicle flew as recorded."""
     fixes, _ = match_to_plan(draft, recording)
     progress = np.maximum.accumulate(fixes.leg + fixes.part) + 1e-9 * np.arange(len(recording))
@@ -84,7 +84,7 @@ def speed_caps_m_s(draft: Draft, recording: LocalTrack) -> Floats:
     speed = recording.speed_m_s
     caps = np.full(len(draft), np.nan)
     for here in np.unique(leg):
-        caps[here] = np.percentile(speed[leg == here], 90)
+        caps[here] = speed[leg == here].max()
     caps = np.where(np.isnan(caps), np.nanmax(caps), caps)
     return np.clip(_SPEED_HEADROOM * caps + _SPEED_HEADROOM_M_S, 2 * SLOWEST_M_S, FASTEST_M_S)
 

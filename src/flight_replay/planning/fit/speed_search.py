@@ -7,13 +7,13 @@ model, with all that came before, that flies the finished mission.
 
 from __future__ import annotations
 
-import copy
 from dataclasses import dataclass, replace
 from math import isfinite, log
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.simulated_draft import climbing_copter, items_of
 from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule
 from flight_replay.simulator.dynamics.limits import Limits
@@ -58,11 +58,12 @@ class SpeedSearch:
         self._copter = climbing_copter(plan.draft, limits, step_s, home_amsl_m)
         self._copter.start_auto(self._items)
         self._begin_s = 0.0
+        self._snapshot = self._taken()
         self.steps = 0
 
     def run(self) -> Floats:
         """The speeds (n,) with which the places are left as nearly as can be on time."""
-        self._advance(self._steps_past(self._copied(), 0, _PATIENCE_S))
+        self._advance(self._steps_past(self._snapshot.copy(), 0, _PATIENCE_S))
         self._begin_s = self._copter.time_s
         speeds = np.full(len(self._plan.draft), np.nan)
         for place in range(1, len(speeds)):
@@ -100,7 +101,7 @@ class SpeedSearch:
     def _tried(self, place: int, speed_m_s: float) -> _Trial:
         self._ask_for(place, speed_m_s)
         allowed_s = max(float(self._plan.leave_s[place]) - self._now_s, 0.0)
-        steps = self._steps_past(self._copied(), place, 3 * allowed_s + _PATIENCE_S)
+        steps = self._steps_past(self._snapshot.copy(), place, 3 * allowed_s + _PATIENCE_S)
         left_s = self._now_s + (steps - 1) * self._step_s
         return _Trial(speed_m_s, steps, left_s - float(self._plan.leave_s[place]))
 
@@ -128,14 +129,14 @@ class SpeedSearch:
         at = self._seqs[place] - 2  # The speed's item, just before the place's.
         self._items[at] = replace(self._items[at], params=(1.0, round(speed_m_s, 2), 0.0, 0.0))
 
-    def _copied(self) -> Copter:
-        shared = {id(each): each for each in (self._items, self._limits)}
-        return copy.deepcopy(self._copter, shared)
+    def _taken(self) -> CopterSnapshot:
+        return CopterSnapshot(self._copter, (self._items, self._limits))
 
     def _advance(self, steps: int) -> None:
         """Fly on to one step before the next leg begins: its speed is asked for as it does."""
         for _ in range(steps - 1):
             self._copter.step()
+        self._snapshot = self._taken()
 
     def _steps_past(self, copter: Copter, place: int, most_s: float) -> int:
         """How many steps it takes until a copter is on the way to the place after."""

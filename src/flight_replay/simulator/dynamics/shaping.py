@@ -50,10 +50,12 @@ def kinematic_limit(direction: tuple[float, float, float], level: float, up: flo
     Source: kinematic_limit in control.cpp; 0 without a direction.
     """
     n, e, u = direction
+    if level == 0 or up == 0 or down == 0:
+        return 0.0
+    if u == 0:
+        return level if n or e else 0.0
     flat = hypot(n, e)
     length = hypot(flat, u)
-    if length == 0 or level == 0 or up == 0 or down == 0:
-        return 0.0
     rise = abs(up if u > 0 else down)
     if abs(u) * level < rise * flat:
         return level * length / flat

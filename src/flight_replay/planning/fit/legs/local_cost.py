@@ -1,0 +1,84 @@
+"""What a few legs of a draft add to the objective, linear about the errors that the draft has as a whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.matching import match_in_order
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.legs.local_flights import LocalFlight
+from flight_replay.planning.fit.objective import (
+    CURVE_TOLERANCE_M,
+    TIME_SHARE,
+    Evaluation,
+    Offsets,
+    path_error_m,
+    points_along,
+)
+from flight_replay.planning.fit.reference import LocalTrack
+
+_SPACING_M = 0.5
+_PIECE_M = 1.0
+_AROUND_FIXES = 3
+_LEAST_SCALE_M = 0.3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LocalCost:
+    """The objective of some legs of drafts like the one that was evaluated."""
+
+    evaluation: Evaluation
+    recording: LocalTrack
+    timed: bool
+    passing_leg: Floats
+    """The leg (n,) on which the draft passes each fix."""
+
+    @classmethod
+    def of(cls, evaluation: Evaluation, recording: LocalTrack, *, timed: bool) -> LocalCost:
+        """About a draft as it is flown."""
+        return cls(evaluation, recording, timed, np.maximum.accumulate(evaluation.planned[0].leg))
+
+    def of_legs(self, draft: Draft, flight: LocalFlight, first: int, last: int) -> float:
+        """What the legs to places ``first`` to ``last`` cost in metres of the objective.
+
+        Args:
+            draft: as long as the one that was evaluated.
+            flight: the legs as they are flown.
+            first: the first of the places.
+            last: the last of the places.
+        """
+        begin, end = np.searchsorted(self.passing_leg, [first, last + 1])
+        path = draft.path(CURVE_TOLERANCE_M)
+        part = (path.seq >= first) & (path.seq <= last)
+        planned = path.north_east_m[part | np.append(part[1:], False)]
+        cost = self._path_m(planned, begin, end, self.evaluation.planned) * self.evaluation.plan_share
+        cost += self._path_m(flight.north_east_m, begin, end, self.evaluation.flown)
+        return cost + (self._late_m(flight, begin, end) if self.timed else 0.0)
+
+    def _path_m(self, line_m: Floats, begin: int, end: int, both_ways: tuple[Offsets, Offsets]) -> float:
+        """What a line adds to a path error, both ways."""
+        fixes = self.recording.north_east_m
+        scale_m = max(path_error_m(both_ways), _LEAST_SCALE_M)
+        line_m = points_along(line_m, _SPACING_M)[0]
+        there = _nearest_m(fixes[begin:end], line_m)
+        near = fixes[max(0, begin - _AROUND_FIXES) : end + _AROUND_FIXES]
+        back = _nearest_m(line_m, near)
+        share = (there**4).sum() / len(fixes) + (back**4).sum() / len(both_ways[1].leg)
+        return float(share / (8 * scale_m**3))
+
+    def _late_m(self, flight: LocalFlight, begin: int, end: int) -> float:
+        """What being late or early adds on these legs."""
+        fixes, times = self.recording.north_east_m[begin:end], self.recording.time_s[begin:end]
+        there = np.column_stack([np.interp(times, flight.time_s, axis) for axis in flight.north_east_m.T])
+        off_m = np.hypot(*(there - fixes).T)
+        return TIME_SHARE * float(off_m.sum()) / len(self.recording)
+
+
+def _nearest_m(points_m: Floats, line_m: Floats) -> Floats:
+    """Distances (n,) of points (n, 2) from a line (k, 2), matched in order."""
+    if len(line_m) < 2 or not len(points_m):
+        return np.zeros(len(points_m))
+    return match_in_order(points_m, line_m, _PIECE_M).distance_m

@@ -1,0 +1,68 @@
+"""Parts of a flight are those of the whole flight, and what is changed is flown from there."""
+
+import numpy as np
+import pytest
+
+from flight_replay.errors import MissionError
+from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
+from flight_replay.planning.fit.legs.leg_moves import with_better_legs
+from flight_replay.planning.fit.legs.local_flights import LocalFlights
+from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.simulated_draft import climbing_copter, items_of
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import along, draft_of
+
+DRAFT = draft_of(
+    [(0, 0), (30, 0), (60, 10), (90, 0), (120, 0)], [False, True, True, False, True], [1, 0, 0, 3, 0]
+)
+
+
+def problem(*, timed: bool = False) -> FitProblem:
+    recording = local_track(along([(0, 0), (60, 0), (60, 60)], 4.0), 20.0)
+    return problem_for(recording, 20, Limits(), timed=timed)
+
+
+def test_a_copied_copter_flies_as_the_first_does() -> None:
+    """Copy and original are at the same place after the same steps, to the last bit."""
+    items, _ = items_of(DRAFT)
+    copter = climbing_copter(DRAFT, Limits(), 0.05)
+    copter.start_auto(items)
+    for _ in range(200):
+        copter.step()
+    copied = CopterSnapshot(copter, (items, copter.limits)).copy()
+    for _ in range(200):
+        copter.step()
+        copied.step()
+    assert copied.motion == copter.motion
+
+
+def test_legs_are_flown_as_in_the_whole_flight() -> None:
+    """Each leg begun from its snapshot passes the same places at the same times."""
+    fit = problem()
+    whole = fit.simulate(DRAFT)
+    flights = LocalFlights(fit, DRAFT, 600.0)
+    for first, last in ((1, 2), (2, 4), (1, 4)):
+        part = flights.fly(DRAFT, first, last)
+        there = [np.interp(part.time_s, whole.time_s, axis) for axis in whole.place_m[:, :2].T]
+        assert np.abs(part.north_east_m - np.column_stack(there)).max() < 0.5
+    assert flights.steps > 0
+
+
+def test_legs_that_do_not_end_are_refused() -> None:
+    """A trial that takes longer than it may is an error that its caller turns down."""
+    flights = LocalFlights(problem(), DRAFT, 600.0)
+    flights._most_steps = 10
+    with pytest.raises(MissionError, match="does not end"):
+        flights.fly(DRAFT, 1, 2)
+
+
+def test_better_legs_cost_less() -> None:
+    """A corner that is flown around a curve far outside is flown nearer to it."""
+    fit = problem()
+    draft = draft_of([(0, 0), (60, 0), (60, 60)], [False, True, True], [1, 0, 0])
+    start = fit.evaluate(draft)
+    better = fit.evaluate(with_better_legs(fit, start, {}, Budget(100, lambda done, total: None)))
+    assert better.objective_m < 0.8 * start.objective_m
+    assert not better.draft.spline.all()
