@@ -29,6 +29,8 @@ class Phase(Enum):
     ARM = "arm"
     TAKEOFF = "takeoff"
     MISSION = "mission"
+    APPROACH = "approach"
+    FOLLOW = "follow"
     RETURN = "return"
     CLOSE = "close"
 
@@ -82,6 +84,27 @@ class DistanceToWaypoint:
     seq: int
     distance_m: float | None
     last_seq: int
+
+
+@dataclass(frozen=True, slots=True)
+class DistanceToStart:
+    """Distance to where the recording begins, metres."""
+
+    distance_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """The recording's time that the vehicle is at, seconds of ``of_s``, and how far off it is, metres.
+
+    ``time_s`` is by the vehicle's clock; ``waiting`` is whether the recording waits for the vehicle.
+    """
+
+    time_s: float
+    recording_s: float
+    of_s: float
+    error_m: float
+    waiting: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +185,8 @@ Event = (
     | Climbing
     | TargetAltitudeReached
     | DistanceToWaypoint
+    | DistanceToStart
+    | Following
     | WaypointReached
     | VehicleState
     | StatusText

@@ -130,7 +130,7 @@ def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.M
     connected = SimpleNamespace(
         identity=real, wait_position=lambda limit_s, listener: positions.pop(0), fence_areas=lambda: ()
     )
-    route = SimpleNamespace(mission=Mission((waypoint(47.001, 8.0, 30.0),)))
+    route = SimpleNamespace(mission=Mission((waypoint(47.001, 8.0, 30.0),)), reference=None)
     shown: list[str] = []
     console = SimpleNamespace(print=shown.append)
     monkeypatch.setattr(flight_step, "ask_consent", lambda console: shown.append("asked"))

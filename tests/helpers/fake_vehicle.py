@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from flight_replay.events import StatusText, VehicleState
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
@@ -15,9 +19,13 @@ from flight_replay.supervisor.vehicle_interface import (
     Report,
     Request,
     RequestAck,
+    Target,
 )
 
 CLIMB_M_S = 2.5
+GOTO_M_S = 5.0
+TIMEOUT_S = 0.5
+FRAME = FlatFrame(47.0, 8.0)
 
 
 def route(points: int) -> Mission:
@@ -56,6 +64,9 @@ class FakeVehicle:
     silent: bool = False
     reports_clock: bool = True
     heading_deg: float | None = None
+    local_position: bool = True
+    follows: bool = True
+    deaf: bool = False
     schedule: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -67,6 +78,12 @@ class FakeVehicle:
         self.arms_at_s: float | None = None
         self.auto_s = 0.0
         self.heartbeat_s = 0.0
+        self.place_m = np.zeros(2)
+        self.velocity_m_s = np.zeros(3)
+        self.goal_m: Floats | None = None
+        self.target: Target | None = None
+        self.target_s = 0.0
+        self.targets: list[tuple[float, Target]] = []
 
     @property
     def time_s(self) -> float:
@@ -92,8 +109,8 @@ class FakeVehicle:
     def _move(self, step_s: float) -> None:
         if self.arms_at_s is not None and self.time_s >= self.arms_at_s:
             self.armed, self.arms_at_s = True, None
-        if self.armed and self.mode == "GUIDED" and self.climbs:
-            self.altitude_m = min(self.target_m, self.altitude_m + CLIMB_M_S * step_s)
+        if self.armed and self.mode == "GUIDED":
+            self._move_guided(step_s)
         if self.mode in ("RTL", "LAND"):
             self.altitude_m = max(0.0, self.altitude_m - CLIMB_M_S * step_s)
             self.armed = self.armed and self.altitude_m > 0
@@ -102,6 +119,25 @@ class FakeVehicle:
             self.auto_s += step_s
             if self.reports_reached and (self.seq > seq or self._complete):
                 self.queue.append(MissionItemReached(seq))
+
+    def _move_guided(self, step_s: float) -> None:
+        """Climb; then fly to the goal, or be where the latest target is until it is too old."""
+        self.velocity_m_s = np.zeros(3)
+        if self.goal_m is None:
+            if self.climbs:
+                self.altitude_m = min(self.target_m, self.altitude_m + CLIMB_M_S * step_s)
+        elif self.target is None:
+            here = np.array([*self.place_m, self.altitude_m])
+            apart_m = self.goal_m - here
+            step_m = min(GOTO_M_S * step_s / max(float(np.linalg.norm(apart_m)), 1e-6), 1.0) * apart_m
+            self.place_m, self.altitude_m = (here + step_m)[:2], float((here + step_m)[2])
+            self.velocity_m_s = step_m / max(step_s, 1e-6)
+        elif self.time_s - self.target_s <= TIMEOUT_S and self.follows:
+            self.velocity_m_s = np.array(self.target.velocity_m_s)
+            at = FRAME.to_metres(self.target.lat_deg, self.target.lon_deg)
+            late_s = self.time_s - self.target_s
+            self.place_m = at + late_s * self.velocity_m_s[:2]
+            self.altitude_m = self.target.alt_m + late_s * float(self.velocity_m_s[2])
 
     @property
     def _complete(self) -> bool:
@@ -117,13 +153,14 @@ class FakeVehicle:
             self.queue.append(MissionCurrent(seq, self.points, self._complete))
         if self.reports_clock:
             north = min(self.auto_s / self.item_s, self.points)
+            lat_deg, lon_deg = FRAME.to_degrees(self.place_m)
             self.queue.append(
                 VehicleState(
                     self.time_s,
-                    47 + 9e-5 * north,
-                    8.0,
+                    float(lat_deg) + 9e-5 * north,
+                    float(lon_deg),
                     self.altitude_m,
-                    (0, 0, 0),
+                    tuple(self.velocity_m_s.tolist()),
                     self.heading_deg,
                     self.mode,
                     self.armed,
@@ -153,6 +190,25 @@ class FakeVehicle:
     def request_takeoff(self, altitude_m: float) -> None:
         self.requested.append("takeoff")
         self.target_m = altitude_m
+
+    def request_speed(self, speed_m_s: float) -> None:
+        self.requested.append(f"speed {speed_m_s:g}")
+
+    def request_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
+        self.requested.append("position")
+        self.goal_m = np.array([*FRAME.to_metres(lat_deg, lon_deg), alt_m])
+
+    @property
+    def takes_targets(self) -> bool:
+        return self.local_position
+
+    def send_target(self, target: Target) -> None:
+        self.targets.append((self.time_s, target))
+        if self.mode == "GUIDED" and not self.deaf:
+            self.target, self.target_s = target, self.time_s
+
+    def round_trip_s(self) -> float:
+        return 0.0
 
     def request_prearm_checks(self) -> None:
         self.requested.append("report")

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
 from flight_replay.events import Event
-from flight_replay.supervisor import FlightRecord, Plan, fly
-from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
+from flight_replay.geometry.reference_motion import ReferenceMotion
+from flight_replay.mission.items import Mission
+from flight_replay.supervisor import FlightRecord, FollowPlan, Plan, fly
+from tests.helpers.fake_vehicle import FRAME, FakeClock, FakeVehicle, route
+
+RECORDED_S = 40.0
 
 Setup = Callable[[FakeVehicle], None]
 EventT = TypeVar("EventT")
@@ -16,11 +24,15 @@ EventT = TypeVar("EventT")
 class FakeFlight:
     """A flight of a fake vehicle, with the events that it emits."""
 
-    def __init__(self, vehicle: FakeVehicle, **plan: object) -> None:
-        self.vehicle = vehicle
+    def __init__(self, vehicle: FakeVehicle, plan: Plan | FollowPlan) -> None:
+        self.vehicle, self.plan = vehicle, plan
         self.events: list[Event] = []
-        self.plan = Plan(mission=route(vehicle.points), **plan)  # type: ignore[arg-type]
         self.began_s = vehicle.clock.now_s
+
+    def fly_instead(self, mission: Mission) -> None:
+        """Fly this mission, not that of the plan."""
+        assert isinstance(self.plan, Plan)
+        self.plan = replace(self.plan, mission=mission)
 
     def fly(self) -> FlightRecord:
         return fly(self.vehicle, self.vehicle.clock, self.plan, self.events.append)
@@ -36,4 +48,23 @@ class FakeFlight:
 
 
 def fake_flight(vehicle: FakeVehicle | None = None, **plan: object) -> FakeFlight:
-    return FakeFlight(vehicle or FakeVehicle(FakeClock()), **plan)
+    """A flight of a mission."""
+    flown = vehicle or FakeVehicle(FakeClock())
+    return FakeFlight(flown, Plan(mission=route(flown.points), **plan))  # type: ignore[arg-type]
+
+
+def fake_following(vehicle: FakeVehicle | None = None, **plan: object) -> FakeFlight:
+    """A flight that follows an S of 40 m in 40 s, from 20 m beside home."""
+    flown = vehicle or FakeVehicle(FakeClock())
+    return FakeFlight(flown, FollowPlan(reference=s_curve(), recorded_s=RECORDED_S, **plan))  # type: ignore[arg-type]
+
+
+def s_curve() -> ReferenceMotion:
+    """The reference of ``fake_following``: at rest at both ends, nose north."""
+    times_s = np.linspace(-5.0, RECORDED_S + 5.0, 200)
+    share = np.clip(times_s / RECORDED_S, 0.0, 1.0)
+    along = 40.0 * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    places = np.column_stack([along, 20.0 + 5.0 * np.sin(along / 6.0), np.full(len(along), 30.0)])
+    spline = make_interp_spline(times_s, places, k=5)
+    heading = make_interp_spline(times_s, np.zeros((len(times_s), 1)), k=3)
+    return ReferenceMotion(FRAME, -5.0, RECORDED_S + 5.0, spline, heading)

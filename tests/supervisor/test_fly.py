@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -159,7 +157,7 @@ def test_a_hold_is_not_a_standstill() -> None:
     """A hold of two minutes does not end the flight; an item without a position has no distance."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=3, item_s=100.0), duration_s=None)
     items = (waypoint(47.0, 8.0, 30.0, hold_s=120), change_speed(3.0), waypoint(47.001, 8.0, 30.0))
-    flight.plan = replace(flight.plan, mission=Mission(items))
+    flight.fly_instead(Mission(items))
     assert flight.fly().ended == "mission complete"
     distances = {event.seq: event.distance_m for event in flight.of(events.DistanceToWaypoint)}
     assert distances[2] is None

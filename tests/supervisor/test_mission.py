@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from flight_replay import events
@@ -30,7 +28,7 @@ def test_a_new_item_is_progress_even_without_a_position() -> None:
     """Five commands that take 50 s each, and a waypoint."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=6, item_s=50.0), duration_s=None)
     items = (*[change_speed(3.0)] * 5, waypoint(47.001, 8.0, 30.0))
-    flight.plan = replace(flight.plan, mission=Mission(items))
+    flight.fly_instead(Mission(items))
     assert flight.fly().ended == "mission complete"
 
 

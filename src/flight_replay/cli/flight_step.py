@@ -13,19 +13,23 @@ from flight_replay import supervisor
 from flight_replay.cli import vehicle_step
 from flight_replay.cli.consent import ask_consent
 from flight_replay.cli.options import Options
+from flight_replay.errors import MissionError
 from flight_replay.events import Finished, Listener, Notice
 from flight_replay.mission.items import Home
 from flight_replay.output.console.console import Console
+from flight_replay.output.json_summary import reference_summary
 from flight_replay.output.outcome import Outcome, compare_flight
 from flight_replay.planning.route import Route
 from flight_replay.planning.vehicle_limits import VehicleLimits
-from flight_replay.supervisor import FlightRecord, Plan, WallClock
+from flight_replay.supervisor import FlightRecord, FollowPlan, Plan, WallClock
 
 if TYPE_CHECKING:
     from flight_replay.vehicle import ConnectedVehicle
     from flight_replay.vehicle.preflight import Briefing
 
 _POSITION_TIMEOUT_S = 120.0
+_TARGET_TIMEOUT = {"GUID_TIMEOUT": 0.5}
+"""ArduCopter's wait for the next target, seconds; 3.3 has no such parameter."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,11 +70,7 @@ def fly(
         if options.dry_run:
             return route, None
         _check_before_arming(options, route, connected, console, listener)
-        if options.connect is not None:
-            _save_mission_on_board(connected, connection, options, listener)
-        if route.required_limits:
-            stack.enter_context(_raised_limits(connected, route.required_limits))
-        connected.upload(route.mission, listener)
+        _prepare(options, route, connected, connection, stack, listener)
         record = supervisor.fly(connected, WallClock(), _plan(options, route), listener)
         identity = connected.identity
     if recorder:
@@ -80,6 +80,25 @@ def fly(
     return route, FlightResult(identity.name, identity.simulated, record, outcome)
 
 
+def _prepare(  # noqa: PLR0913, PLR0917
+    options: Options,
+    route: Route,
+    connected: ConnectedVehicle,
+    connection: str,
+    stack: ExitStack,
+    listener: Listener,
+) -> None:
+    """Get ready what is flown: the mission on board, or a vehicle that brakes when targets stop coming."""
+    if route.reference is not None:
+        stack.enter_context(_short_target_timeout(connected))
+        return
+    if options.connect is not None:
+        _save_mission_on_board(connected, connection, options, listener)
+    if route.required_limits:
+        stack.enter_context(_raised_limits(connected, route.required_limits))
+    connected.upload(route.mission, listener)
+
+
 def _check_before_arming(
     options: Options, route: Route, connected: ConnectedVehicle, console: Console, listener: Listener
 ) -> None:
@@ -87,12 +106,33 @@ def _check_before_arming(
     briefing = _briefing(options, route, connected, listener)
     if connected.identity.simulated:
         return
-    for line in briefing.lines:
+    for line in (*briefing.lines, *_reference_lines(route)):
         console.print(line)
     if not options.yes:
         ask_consent(console)
         # Meanwhile the vehicle may have been moved, or armed.
         _briefing(options, route, connected, listener)
+
+
+def _reference_lines(route: Route) -> list[str]:
+    """What a person has to know of a reference before a real vehicle follows it.
+
+    Raises:
+        MissionError: It is faster than the vehicle's own speed setting.
+    """
+    if route.reference is None:
+        return []
+    reference, allowed_m_s = reference_summary(route.reference), route.limits.limits.wp_speed_m_s
+    if reference["top_speed_m_s"] > allowed_m_s:
+        raise MissionError(
+            f"the recording reaches {reference['top_speed_m_s']:.1f} m/s, more than the vehicle's own speed "
+            f"setting of {allowed_m_s:g} m/s; fly it slower, such as with --speed 0.5x"
+        )
+    return [
+        f"Motion: up to {reference['top_speed_m_s']:.1f} m/s and "
+        f"{reference['top_acceleration_m_s2']:.1f} m/s², "
+        f"never below {reference['lowest_m']:.0f} m above home"
+    ]
 
 
 def _briefing(options: Options, route: Route, connected: ConnectedVehicle, listener: Listener) -> Briefing:
@@ -128,7 +168,24 @@ def _raised_limits(connected: ConnectedVehicle, limits: Mapping[str, float]) -> 
     return connected.parameters_set({name: value for name, value in wanted.items() if value > current[name]})
 
 
-def _plan(options: Options, route: Route) -> Plan:
+def _short_target_timeout(connected: ConnectedVehicle) -> AbstractContextManager[None]:
+    """A vehicle whose targets stop coming brakes after this time: by itself it flies on for 3 s."""
+    known = connected.parameters(_TARGET_TIMEOUT)
+    return connected.parameters_set({name: _TARGET_TIMEOUT[name] for name in known})
+
+
+def _plan(options: Options, route: Route) -> Plan | FollowPlan:
+    if route.reference is not None:
+        return FollowPlan(
+            reference=route.reference,
+            recorded_s=float(route.wanted.time_s[-1]),
+            duration_s=options.duration_s,
+            max_error_m=options.max_error_m,
+            approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else None,
+            speed_m_s=route.limits.limits.wp_speed_m_s,
+            takeoff_altitude_m=options.takeoff_altitude_m,
+            land=options.land,
+        )
     return Plan(
         mission=route.mission,
         duration_s=options.duration_s,

@@ -56,6 +56,13 @@ def _log_group(parser: argparse.ArgumentParser) -> None:
 def _route_group(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("route", "example: flight-replay --route fit --altitude recorded")
     group.add_argument(
+        "--mode",
+        choices=("auto", "guided"),
+        default="auto",
+        help="auto: fly a mission; guided: follow the recording in step with it, at its place, time, height "
+        "and heading (default: %(default)s)",
+    )
+    group.add_argument(
         "--route",
         choices=("spacing", "fit"),
         default="spacing",
@@ -85,32 +92,33 @@ def _add_motion(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--altitude",
         dest="altitude_m",
-        metavar="{M,recorded}",
+        metavar="{M,recorded,recorded+M}",
         type=option_types.altitude,
-        default=30.0,
-        help="altitude of the waypoints: metres above home, or as recorded (default: 30)",
+        default=(30.0, 0.0),
+        help="altitude to fly at: metres above home, as recorded, or so many metres higher (default: 30)",
     )
     group.add_argument(
         "--floor",
         dest="floor_m",
         metavar="M",
         type=option_types.height,
-        help="lowest altitude to fly at in metres above home, for --altitude recorded (default: 5)",
+        help="lowest altitude to fly at in metres above home, for recorded altitudes (default: 5)",
     )
     group.add_argument(
         "--speed",
         dest="speed_m_s",
-        metavar="{vehicle,recorded,M_PER_S}",
+        metavar="{vehicle,recorded,M_PER_S,FACTORx}",
         type=option_types.speed,
+        default=(None, 1.0),
         help="vehicle: its own speed setting; recorded: the recorded speed; or metres per second "
-        "(default: vehicle)",
+        "(default: vehicle); with --mode guided, that of the way to the first fix, or 0.5x for half "
+        "the recorded speed",
     )
     group.add_argument(
         "--heading",
         choices=("vehicle", "recorded"),
-        default="vehicle",
         help="vehicle: its own way, mostly along the path; recorded: as the recorded vehicle pointed "
-        "(default: %(default)s)",
+        "(default: vehicle, with --mode guided recorded)",
     )
 
 
@@ -128,7 +136,7 @@ def _add_flight(group: argparse._ArgumentGroup) -> None:
         metavar="{S,all}",
         type=option_types.duration,
         default=60.0,
-        help="time in AUTO: seconds of vehicle time, or all for the whole mission (default: 60)",
+        help="time in AUTO, or of the recording with --mode guided: seconds, or all (default: 60)",
     )
     group.add_argument(
         "--limits",
@@ -161,6 +169,15 @@ def _add_safety(group: argparse._ArgumentGroup) -> None:
         type=option_types.positive,
         default=1000.0,
         help="maximum distance of the first waypoint from home in metres (default: 1000)",
+    )
+    group.add_argument(
+        "--max-error",
+        dest="max_error_m",
+        metavar="M",
+        type=option_types.positive,
+        default=3.0,
+        help="with --mode guided, the recording waits for a vehicle farther away from it than this, and "
+        "three times as far ends the flight (default: 3)",
     )
     group.add_argument(
         "--yes", action="store_true", help="arm a real vehicle without asking for confirmation"

@@ -14,6 +14,7 @@ _MAX_BAUD = 10_000_000
 _MIN_SPEEDUP, _MAX_SPEEDUP = 0.01, 1_000
 _MAX_HEIGHT_M = 80_000  # ArduPilot stores centimetres in 24 bits (AP_Mission).
 _MIN_SPEED_M_S, _MAX_SPEED_M_S = 0.1, 300
+_MIN_PACE, _MAX_PACE = 0.1, 10
 _MAX_DURATION_S = 1_000_000  # 11 days.
 
 
@@ -87,18 +88,24 @@ def height(text: str) -> float:
     return _at_most(positive(text), _MAX_HEIGHT_M)
 
 
-def altitude(text: str) -> float | Recorded:
-    """Metres above home, or ``RECORDED``."""
-    return RECORDED if text == RECORDED else height(text)
+def altitude(text: str) -> tuple[float | Recorded, float]:
+    """Metres above home, or ``RECORDED``; and how many metres to fly above that (recorded+10)."""
+    if text == RECORDED:
+        return RECORDED, 0.0
+    if text.startswith(f"{RECORDED}+"):
+        return RECORDED, height(text.removeprefix(f"{RECORDED}+"))
+    return height(text), 0.0
 
 
-def speed(text: str) -> float | Recorded | None:
-    """Metres per second, ``RECORDED``, or None for the vehicle's own setting."""
+def speed(text: str) -> tuple[float | Recorded | None, float]:
+    """Metres per second, ``RECORDED``, or None for the vehicle's own setting; and the pace (0.5x)."""
     if text == "vehicle":
-        return None
-    return (
-        RECORDED if text == RECORDED else _at_least(_at_most(positive(text), _MAX_SPEED_M_S), _MIN_SPEED_M_S)
-    )
+        return None, 1.0
+    if text == RECORDED:
+        return RECORDED, 1.0
+    if text.endswith("x"):
+        return RECORDED, _at_least(_at_most(positive(text.removesuffix("x")), _MAX_PACE), _MIN_PACE)
+    return _at_least(_at_most(positive(text), _MAX_SPEED_M_S), _MIN_SPEED_M_S), 1.0
 
 
 def duration(text: str) -> float | None:

@@ -36,13 +36,17 @@ class Options:
     flight: int | None
     from_s: float | None
     to_s: float | None
+    mode: Literal["auto", "guided"]
     route: Literal["spacing", "fit"]
     spacing_m: float
     max_points: int
     altitude_m: float | Recorded
     floor_m: float
+    raise_m: float
     speed_m_s: float | Recorded | None
+    pace: float
     heading: Literal["vehicle", "recorded"]
+    max_error_m: float
     duration_s: float | None
     limits: Literal["vehicle", "recorded"]
     takeoff_altitude_m: float
@@ -77,9 +81,12 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
     """
     parser = build_parser()
     values = vars(parser.parse_args(argv))
+    values["altitude_m"], values["raise_m"] = values["altitude_m"]
+    values["speed_m_s"], values["pace"] = values["speed_m_s"]
     _check_combinations(parser, values)
     values["floor_m"] = FLOOR_M if values["floor_m"] is None else values["floor_m"]
     values["sim"] = values["sim"] or ("sitl" if values["sitl"] else "auto")
+    values["heading"] = values["heading"] or ("recorded" if values["mode"] == "guided" else "vehicle")
     values["save"] = tuple(values["save"] or ())
     values["gcs"] = tuple(values["gcs"] or ())
     return Options(**values)
@@ -112,6 +119,7 @@ def _check_combinations(parser: argparse.ArgumentParser, values: dict[str, objec
         parser.error("--signing-key is for a vehicle given with --connect")
     if values["floor_m"] is not None and values["altitude_m"] != RECORDED:
         parser.error("--floor is for recorded altitudes and needs --altitude recorded")
+    _check_mode(parser, values)
     if values["sitl"] and values["sim"] == "builtin":
         parser.error("--sitl starts ArduPilot SITL and cannot be used with --sim builtin")
     if values["verbose"] and values["quiet"]:
@@ -119,3 +127,13 @@ def _check_combinations(parser: argparse.ArgumentParser, values: dict[str, objec
     begin, end = values["from_s"], values["to_s"]
     if isinstance(begin, float) and isinstance(end, float) and begin >= end:
         parser.error(f"--from {begin:g} must be less than --to {end:g}")
+
+
+def _check_mode(parser: argparse.ArgumentParser, values: dict[str, object]) -> None:
+    """Refuse options that are for the other mode."""
+    if values["mode"] == "auto" and values["pace"] != 1.0:
+        parser.error("--speed with a factor needs --mode guided")
+    if values["mode"] == "guided" and values["limits"] == "recorded":
+        parser.error("--limits recorded is for missions and cannot be used with --mode guided")
+    if values["mode"] == "guided" and values["route"] == "fit":
+        parser.error("--mode guided follows the recording without waypoints; leave out --route fit")

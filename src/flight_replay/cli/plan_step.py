@@ -11,7 +11,7 @@ from flight_replay.logs.sample import default_log
 from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Home
-from flight_replay.planning.altitude import RECORDED, home_of
+from flight_replay.planning.altitude import RECORDED, altitudes_m, home_of, raised
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
@@ -33,7 +33,7 @@ def read_recording(options: Options, listener: Listener) -> tuple[Log, tuple[Fli
         vehicle=None if options.vehicle is None else VehicleId(*options.vehicle),
         progress=lambda done, total: listener(Progress("log", done, total, "bytes")),
     )
-    track = select(log.track, options.flight, options.from_s, options.to_s)
+    track = raised(select(log.track, options.flight, options.from_s, options.to_s), options.raise_m)
     if options.vehicle is None and len(log.vehicles) > 1:
         others = ", ".join(f"{each.id} ({each.fixes} fixes)" for each in log.vehicles[1:])
         listener(Notice(f" Replaying vehicle {log.vehicle.id}; choose others with --vehicle: {others}"))
@@ -61,7 +61,8 @@ class Planner:
     @property
     def home(self) -> Home:
         """The ground below where the route begins."""
-        return home_of(flown_part(self._track)[0] if self._options.route == "fit" else self._track)
+        whole = self._options.route == "fit" or self._options.mode == "guided"
+        return home_of(flown_part(self._track)[0] if whole else self._track)
 
     def route(self, vehicle: VehicleLimits) -> Route:
         """The route for a vehicle; its notes are emitted.
@@ -85,6 +86,8 @@ class Planner:
 
 
 def _planned_route(options: Options, track: Track, own_limits: Limits, listener: Listener) -> Route:
+    if options.mode == "guided":
+        return _followed_route(options, track, own_limits)
     required_limits = _required_limits(track, own_limits) if options.limits == "recorded" else {}
     limits = replace(own_limits, **required_limits)
     if options.route == "fit":
@@ -98,6 +101,21 @@ def _planned_route(options: Options, track: Track, own_limits: Limits, listener:
     return replace(
         with_prediction(route, limits, options.takeoff_altitude_m), required_limits=required_limits
     )
+
+
+def _followed_route(options: Options, track: Track, limits: Limits) -> Route:
+    # The solver's libraries take longer to import than all else of a dry run.
+    from flight_replay.planning.following.follow_prediction import with_prediction
+    from flight_replay.planning.following.followed_route import FollowOptions, followed_route
+
+    follow = FollowOptions(
+        pace=options.pace,
+        headings=options.heading == "recorded",
+        floor_m=options.floor_m,
+        approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else limits.wp_speed_m_s,
+    )
+    heights_m = altitudes_m(track, options.altitude_m, options.floor_m)
+    return with_prediction(followed_route(track, heights_m, limits, follow), limits)
 
 
 def _with_heights(options: Options, route: Route, limits: Limits) -> Route:

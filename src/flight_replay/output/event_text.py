@@ -6,9 +6,11 @@ from functools import singledispatch
 
 from flight_replay.events import (
     Climbing,
+    DistanceToStart,
     DistanceToWaypoint,
     Event,
     Finished,
+    Following,
     LinkLost,
     LinkRestored,
     Notice,
@@ -29,6 +31,8 @@ _PHASES = {
     Phase.ARM: " Waiting for arming...",
     Phase.TAKEOFF: " Taking off!",
     Phase.MISSION: "Starting mission",
+    Phase.APPROACH: " Flying to where the recording begins",
+    Phase.FOLLOW: "Following the recording",
     Phase.RETURN: "Return to launch",
     Phase.CLOSE: "Close vehicle object",
 }
@@ -87,6 +91,17 @@ def _target_altitude_reached(event: TargetAltitudeReached) -> str:
 def _distance_to_waypoint(event: DistanceToWaypoint) -> str:
     distance = "unknown" if event.distance_m is None else f"{event.distance_m:.2f}"
     return f"Distance to waypoint ({event.seq}): {distance}"
+
+
+@event_line.register
+def _distance_to_start(event: DistanceToStart) -> str:
+    return f" Distance to the beginning: {event.distance_m:.1f} m"
+
+
+@event_line.register
+def _following(event: Following) -> str:
+    waiting = ", waiting for the vehicle" if event.waiting else ""
+    return f" {event.recording_s:.0f} of {event.of_s:.0f} s, {event.error_m:.2f} m off{waiting}"
 
 
 @event_line.register

@@ -16,6 +16,7 @@ from flight_replay.mission.items import FIRST_SEQ, MissionItem
 if TYPE_CHECKING:
     from flight_replay.geometry.distances import ErrorStatistics
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
+    from flight_replay.geometry.reference_motion import ReferenceMotion
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.tlog import Log
     from flight_replay.output.outcome import Outcome
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from flight_replay.supervisor.flight_plan import FlightRecord
 
 Json = Mapping[str, Any]
+
+_REFERENCE_STEP_S = 0.1
 
 
 def log_summary(log: Log, flights: Sequence[Flight]) -> Json:
@@ -56,8 +59,7 @@ def route_summary(route: Route) -> Json:
     objective = {} if route.objective_m is None else {"objective_m": round(route.objective_m, 4)}
     return {
         "method": route.method,
-        "points": len(route.mission.waypoints),
-        "items": [_item(seq, item) for seq, item in enumerate(route.mission.items, FIRST_SEQ)],
+        **_what_is_flown(route),
         "fixes_covered": len(route.covered),
         "length_m": round(route.path.length_m, 3),
         "planned_error_m": _both_ways(route.planned_error, "planned"),
@@ -66,6 +68,31 @@ def route_summary(route: Route) -> Json:
         "heights": None if route.heights is None else _heights(route.heights),
         "predicted": None if route.predicted is None else _errors(route.predicted),
         "predicted_duration_s": round(route.predicted_duration_s, 3),
+    }
+
+
+def _what_is_flown(route: Route) -> Json:
+    """The mission, or the reference that is followed in GUIDED."""
+    if route.reference is None:
+        return {
+            "points": len(route.mission.waypoints),
+            "items": [_item(seq, item) for seq, item in enumerate(route.mission.items, FIRST_SEQ)],
+        }
+    return {"points": 0, "items": [], "reference": reference_summary(route.reference)}
+
+
+def reference_summary(reference: ReferenceMotion) -> Json:
+    """How long, fast, hard and low a reference flies."""
+    times_s = reference.times_s(_REFERENCE_STEP_S)
+    velocity, acceleration = reference.velocities_m_s(times_s), reference.accelerations_m_s2(times_s)
+    return {
+        "duration_s": round(reference.end_s - reference.begin_s, 3),
+        "top_speed_m_s": round(float(np.hypot(*velocity[:, :2].T).max()), 3),
+        "top_climb_m_s": round(float(velocity[:, 2].max()), 3),
+        "top_descent_m_s": round(float(-velocity[:, 2].min()), 3),
+        "top_acceleration_m_s2": round(float(np.linalg.norm(acceleration, axis=1).max()), 3),
+        "lowest_m": round(float(reference.positions_m(times_s)[:, 2].min()), 3),
+        "highest_m": round(float(reference.positions_m(times_s)[:, 2].max()), 3),
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flight_replay.supervisor.flight_plan import FlightRecord
 
 _TOLERANCE_M = 0.001
+_TOLERANCE_S = 0.3  # Positions come ten times a second.
 _BEYOND_M = 5.0
 """So much recorded line beyond the last waypoint is measured from: vehicles report a waypoint behind it."""
 
@@ -72,6 +73,8 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
     A flight that ended before the final waypoint is compared only with what the route covers up to
     the last waypoint reached.
     """
+    if record.recording_s is not None:
+        return _compare_following(route, record, record.recording_s)
     reached_s = dict(record.reached)
     passed = [reached_s[seq] for seq, _ in route.mission.waypoints if seq in reached_s]
     first_s = reached_s.get(route.mission.waypoints[0][0])
@@ -86,6 +89,23 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
         line=line,
     )
     return Outcome(errors, _coverage(route, fixes), first_s)
+
+
+def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) -> Outcome:
+    """The errors of a flight that followed the recording, by the reference's clock.
+
+    Where the reference went back to a vehicle that had lost it, the second time over counts.
+    """
+    known = np.isfinite(recording_s)
+    flown, recording_s = record.flown.select(known), recording_s[known]
+    latest_s = np.minimum.accumulate(recording_s[::-1])[::-1]
+    kept = recording_s <= latest_s
+    movement = replace(movement_of(flown, route.frame), time_s=recording_s).select(kept)
+    end_s = float(recording_s.max(initial=0.0))
+    fixes = _count_up_to(route.wanted.time_s, end_s + _TOLERANCE_S)
+    errors = flight_errors(route.wanted, movement, last_s=end_s, fixes=fixes, line=fixes)
+    begun = flown.time_s[kept][movement.time_s >= 0.0]
+    return Outcome(errors, _coverage(route, fixes), float(begun[0]) if len(begun) else None)
 
 
 def _coverage(route: Route, fixes: int) -> Coverage:

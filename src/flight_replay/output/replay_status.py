@@ -11,6 +11,7 @@ from flight_replay.events import (
     DistanceToWaypoint,
     Event,
     Finished,
+    Following,
     LinkLost,
     LinkRestored,
     Notice,
@@ -38,6 +39,7 @@ class ReplayStatus:
     waiting: str = ""
     target_altitude_m: float | None = None
     current_waypoint: DistanceToWaypoint | None = None
+    following: Following | None = None
     reached: list[int] = field(default_factory=list)
     vehicle: VehicleState | None = None
     status_texts: tuple[StatusText, ...] = ()
@@ -78,6 +80,10 @@ class ReplayStatus:
     @update.register
     def _distance_to_waypoint(self, event: DistanceToWaypoint) -> None:
         self.current_waypoint = event
+
+    @update.register
+    def _following(self, event: Following) -> None:
+        self.following = event
 
     @update.register
     def _waypoint_reached(self, event: WaypointReached) -> None:

@@ -28,12 +28,20 @@ def route_lines(route: Route, fixes_in_log: int) -> list[str]:
 def flight_lines(route: Route, record: FlightRecord, outcome: Outcome) -> list[str]:
     """The flight: what it covered, what flies the rest, and its errors."""
     return [
-        f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
-        f"in {record.auto_s:.1f} s of AUTO",
+        _reached_line(route, record),
         *coverage_lines(outcome.coverage, told_how=record.problem is None),
         *error_lines("", outcome.errors),
-        *alignment_lines(outcome),
+        *alignment_lines(outcome, in_step=record.recording_s is not None),
     ]
+
+
+def _reached_line(route: Route, record: FlightRecord) -> str:
+    if route.reference is not None:
+        return f" Followed the recording for {record.auto_s:.1f} s in GUIDED"
+    return (
+        f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
+        f"in {record.auto_s:.1f} s of AUTO"
+    )
 
 
 def coverage_lines(coverage: Coverage, *, told_how: bool = True) -> list[str]:
@@ -77,14 +85,14 @@ def path_lines(name: str, errors: PathErrors, path: str) -> list[str]:
     ]
 
 
-def alignment_lines(outcome: Outcome) -> list[str]:
+def alignment_lines(outcome: Outcome, *, in_step: bool) -> list[str]:
     """What the errors at equal times put on what."""
     position = outcome.errors.position_m
+    what = "by the recording's clock" if in_step else "the first flown fix at waypoint 1"
     if not len(position):
         return []
     return [
-        f" At equal times: the first flown fix at waypoint 1, {len(position)} fixes, "
-        f"{position.time_s[-1] - position.time_s[0]:.0f} s"
+        f" At equal times: {what}, {len(position)} fixes, {position.time_s[-1] - position.time_s[0]:.0f} s"
     ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -25,6 +26,13 @@ def home_of(track: Track) -> Home:
     return Home(
         float(track.lat_deg[0]), float(track.lon_deg[0]), ground_m if math.isfinite(ground_m) else 0.0
     )
+
+
+def raised(track: Track, raise_m: float) -> Track:
+    """The track, higher by some metres, over the same home."""
+    if raise_m == 0:
+        return track
+    return replace(track, alt_m=track.alt_m + raise_m, amsl_m=track.amsl_m + raise_m)
 
 
 def altitudes_m(track: Track, altitude_m: float | Recorded, floor_m: float = FLOOR_M) -> Floats:

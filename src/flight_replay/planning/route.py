@@ -9,6 +9,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flight_errors import FlightErrors, PathErrors, path_errors
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.movement import Movement
+from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.mission.path import Path, planned_path
@@ -28,7 +29,8 @@ class Route:
     are those that the mission asks for at its fixes, where the vehicle cannot climb as fast as wanted.
     ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path
     error of the mission's path, ``predicted_duration_s`` the time in AUTO, ``predicted`` the errors of
-    the flight where the planning simulated it. ``required_limits`` are the fields of ``Limits`` to
+    the flight where the planning simulated it. ``reference`` is the motion to follow in GUIDED, where the
+    mission is only its outline, and is not uploaded. ``required_limits`` are the fields of ``Limits`` to
     raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made small;
     ``limits`` are those that the plan is made with; ``heights`` says what the route does with them;
     ``notes`` are sentences for people.
@@ -46,6 +48,7 @@ class Route:
     predicted_duration_s: float
     predicted: FlightErrors | None = None
     objective_m: float | None = None
+    reference: ReferenceMotion | None = None
     required_limits: Mapping[str, float] = field(default_factory=dict)
     limits: VehicleLimits = field(default_factory=VehicleLimits)
     heights: RouteHeights | None = None

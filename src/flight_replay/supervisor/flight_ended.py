@@ -41,3 +41,9 @@ def failsafe(mode: str | None, reason: str) -> FlightEnded:
 def rebooted() -> FlightEnded:
     """The autopilot rebooted."""
     return FlightEnded("reboot", "the autopilot rebooted; find out why before flying again")
+
+
+def disarmed(reason: str) -> FlightEnded:
+    """The vehicle disarmed; ``reason`` is its status text, or empty."""
+    why = f': it says "{reason}"' if reason else ""
+    return FlightEnded("disarmed", f"the vehicle disarmed in flight{why}; find out why before flying again")

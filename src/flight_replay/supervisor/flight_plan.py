@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 
@@ -28,14 +30,20 @@ class Deadlines:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """A flight: ``duration_s`` is vehicle time in AUTO, None for the whole mission."""
+class FlightPlan:
+    """What every flight has, however it is flown: a take-off, deadlines, and an end."""
 
-    mission: Mission
-    duration_s: float | None = 60.0
     takeoff_altitude_m: float = 30.0
     land: bool = False
     deadlines: Deadlines = field(default_factory=Deadlines)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan(FlightPlan):
+    """A mission flown in AUTO: ``duration_s`` is vehicle time in AUTO, None for the whole mission."""
+
+    mission: Mission
+    duration_s: float | None = 60.0
 
     @property
     def last_seq(self) -> int:
@@ -44,13 +52,43 @@ class Plan:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlightRecord:
-    """How a flight that reached AUTO went; times are seconds of the vehicle's clock.
+class FollowPlan(FlightPlan):
+    """A recording followed in GUIDED: ``duration_s`` is the recording's time, None for all of it.
 
-    ``ended`` is "duration", "final waypoint", "mission complete", "pilot", "failsafe", "link lost",
-    "reboot", "disarmed", "mission changed" or "no progress"; ``problem`` is None if the flight ended
-    as planned, else one sentence. ``reached`` holds (sequence number, time) of each item in the order
-    reached, ``flown`` the positions reported in AUTO, ``auto_start_s`` the time when AUTO began.
+    ``recorded_s`` is when the last fix was recorded. The reference waits for a vehicle that is farther
+    from it than ``max_error_m``; three times that ends the flight. The way to the recording's begin is
+    flown at ``approach_m_s``, by None at the vehicle's own ``speed_m_s``.
+    """
+
+    reference: ReferenceMotion
+    recorded_s: float
+    duration_s: float | None = 60.0
+    max_error_m: float = 3.0
+    approach_m_s: float | None = None
+    speed_m_s: float = 10.0
+
+    @property
+    def end_s(self) -> float:
+        """The recording's time at which the flight ends."""
+        return self.recorded_s if self.duration_s is None else min(self.duration_s, self.recorded_s)
+
+    @property
+    def ended(self) -> str:
+        """Why it ends there."""
+        whole = self.duration_s is None or self.duration_s >= self.recorded_s
+        return "recording complete" if whole else "duration"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightRecord:
+    """How a flight that reached AUTO, or the recording's begin, went; times are of the vehicle's clock.
+
+    ``ended`` is "duration", "final waypoint", "mission complete", "recording complete", "pilot",
+    "failsafe", "link lost", "reboot", "disarmed", "mission changed", "off course" or "no progress";
+    ``problem`` is None if the flight ended as planned, else one sentence. ``reached`` holds (sequence
+    number, time) of each item in the order reached, ``flown`` the positions reported in AUTO or while
+    following, ``auto_start_s`` the time when that began. ``recording_s`` (n,) is the recording's time at
+    each flown position, None for a mission.
     """
 
     waypoints_reached: int
@@ -62,3 +100,4 @@ class FlightRecord:
     landed: bool
     reached: tuple[tuple[int, float], ...]
     flown: Track
+    recording_s: Floats | None = None

@@ -9,15 +9,16 @@ from contextlib import contextmanager
 import numpy as np
 
 from flight_replay.errors import VehicleError
-from flight_replay.events import Listener, Phase, PhaseStarted, VehicleState, combine_listeners, ignore
+from flight_replay.events import Listener, VehicleState, combine_listeners, ignore
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.supervisor.flight_ended import FlightEnded
-from flight_replay.supervisor.flight_plan import FlightRecord, Plan
-from flight_replay.supervisor.mission_phases import command_rtl, fly_mission, wait_landed
-from flight_replay.supervisor.takeoff_phases import arm_and_takeoff, change_mode, verify_mission, wait_prearm
+from flight_replay.supervisor.flight_plan import FlightPlan, FlightRecord, FollowPlan, Plan
+from flight_replay.supervisor.mission_phases import command_rtl, wait_landed
+from flight_replay.supervisor.takeoff_phases import arm_and_takeoff, change_mode, wait_prearm
 from flight_replay.supervisor.vehicle_interface import Clock, Vehicle
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
+from flight_replay.supervisor.ways_of_flying import FollowingFlight, MissionFlight, WayOfFlying
 
 _log = logging.getLogger(__name__)
 
@@ -26,29 +27,29 @@ _TAKEN_OVER = frozenset({"pilot", "failsafe"})
 """``FlightRecord.ended`` where a pilot or failsafe has control: no more commands are sent."""
 
 
-def fly(vehicle: Vehicle, clock: Clock, plan: Plan, listener: Listener = ignore) -> FlightRecord:
-    """Fly ``plan`` on a vehicle with the mission on board: pre-arm, GUIDED, arm, take-off, AUTO, RTL.
+def fly(vehicle: Vehicle, clock: Clock, plan: Plan | FollowPlan, listener: Listener = ignore) -> FlightRecord:
+    """Fly ``plan``: pre-arm, GUIDED, arm, take-off, then the mission on board or the recording, RTL.
 
     Once arming was requested, every way out (an error, Ctrl-C, a ``SystemExit`` raised on SIGTERM)
     commands RTL first and emits whether the vehicle confirmed it; only a pilot or a failsafe that
     changed the mode is not overruled. The caller emits ``Finished``, after closing the vehicle. A
-    flight that reached AUTO returns its record even if it ended early: see ``FlightRecord.problem``.
+    flight that reached AUTO, or the recording's begin, returns its record even if it ended early: see
+    ``FlightRecord.problem``.
 
     Raises:
-        PhaseTimeoutError: A phase before AUTO timed out; the message has the vehicle's own reason.
-        VehicleError: The vehicle, its pilot or its link ended the flight before AUTO.
+        PhaseTimeoutError: A phase before that timed out; the message has the vehicle's own reason.
+        VehicleError: The vehicle, its pilot or its link ended the flight before that.
     """
     monitor = VehicleMonitor(vehicle, clock, combine_listeners(listener), plan.deadlines)
+    way = MissionFlight(monitor, plan) if isinstance(plan, Plan) else FollowingFlight(monitor, plan)
     with _rtl_on_exception(monitor):
         wait_prearm(monitor)
         change_mode(monitor, "GUIDED")
-        verify_mission(monitor)
+        way.verify()
         arm_and_takeoff(monitor, plan.takeoff_altitude_m)
-        verify_mission(monitor)
-        monitor.emit(PhaseStarted(Phase.MISSION))
-        monitor.record_auto()
-        change_mode(monitor, "AUTO")
-        return _fly_auto(monitor, plan)
+        way.verify()
+        way.begin()
+        return _fly_and_return(monitor, way, plan)
 
 
 @contextmanager
@@ -87,12 +88,12 @@ def _rtl_despite_errors(monitor: VehicleMonitor) -> None:
         raise interrupt
 
 
-def _fly_auto(monitor: VehicleMonitor, plan: Plan) -> FlightRecord:
-    """Supervise AUTO and RTL; the record of the flight."""
+def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan) -> FlightRecord:
+    """Supervise the flight and RTL; the record of the flight."""
     start_s = monitor.auto_start_s if monitor.auto_start_s is not None else monitor.time_s
     problem, landed = None, False
     try:
-        ended = fly_mission(monitor, plan, start_s)
+        ended = way.fly(start_s)
     except FlightEnded as end:
         ended, problem = end.ended, end.problem
     end_s, flown = monitor.time_s, tuple(monitor.flown)
@@ -106,9 +107,9 @@ def _fly_auto(monitor: VehicleMonitor, plan: Plan) -> FlightRecord:
             landed = True
         except FlightEnded as end:
             problem = problem or end.problem
-    places = {seq for seq, _ in plan.mission.waypoints}
+    track = _track(flown)
     return FlightRecord(
-        waypoints_reached=len(places & monitor.reached.keys()),
+        waypoints_reached=way.waypoints_reached,
         ended=ended,
         problem=problem,
         auto_start_s=start_s,
@@ -116,7 +117,8 @@ def _fly_auto(monitor: VehicleMonitor, plan: Plan) -> FlightRecord:
         rtl_confirmed=confirmed,
         landed=landed,
         reached=tuple((seq, time_s) for seq, time_s in monitor.reached.items() if seq >= FIRST_SEQ),
-        flown=_track(flown),
+        flown=track,
+        recording_s=way.recording_s(track.time_s),
     )
 
 

@@ -12,6 +12,7 @@ from flight_replay.events import (
 )
 from flight_replay.geometry.geodesy import distance_m
 from flight_replay.mission.items import FIRST_SEQ, Command
+from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import Plan
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
@@ -41,7 +42,7 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
         if ended and not monitor.unexpected_mode:
             return ended
         if monitor.certainly_disarmed:
-            raise _disarmed(monitor)
+            raise flight_ended.disarmed(monitor.reason)
         total = total or monitor.mission.total
         if monitor.mission.total != total or monitor.mission_replaced:
             raise FlightEnded(
@@ -57,13 +58,6 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
         if seq >= FIRST_SEQ and progress.due():
             monitor.emit(DistanceToWaypoint(seq, ahead_m, plan.last_seq))
         monitor.step()
-
-
-def _disarmed(monitor: VehicleMonitor) -> FlightEnded:
-    reason = f': it says "{monitor.reason}"' if monitor.reason else ""
-    return FlightEnded(
-        "disarmed", f"the vehicle disarmed in flight{reason}; find out why before flying again"
-    )
 
 
 def _planned_end(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str | None:

@@ -13,6 +13,8 @@ from typing import Protocol
 
 from flight_replay.events import StatusText, VehicleState
 
+Vector = tuple[float, float, float]
+
 
 class Request(Enum):
     """What the supervisor requests of a vehicle."""
@@ -75,6 +77,22 @@ class Rebooted:
     """The autopilot rebooted: its clock restarted, and nothing known before holds any longer."""
 
 
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Where to be and how to move in GUIDED: degrees, metres above home, m/s and m/s² north, east, up.
+
+    ``heading_deg`` is clockwise from north, its rate degrees/s; None leaves the heading to the vehicle.
+    """
+
+    lat_deg: float
+    lon_deg: float
+    alt_m: float
+    velocity_m_s: Vector
+    acceleration_m_s2: Vector
+    heading_deg: float | None
+    heading_rate_deg_s: float
+
+
 Report = (
     Heartbeat
     | VehicleState
@@ -112,6 +130,22 @@ class Vehicle(Protocol):
         The download can take long: ``while_waiting`` is called repeatedly meanwhile, and an
         exception that it raises ends the download.
         """
+
+    def request_speed(self, speed_m_s: float) -> None:
+        """Request a ground speed for flying to places in GUIDED."""
+
+    def request_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
+        """Request to fly to a place in GUIDED, at a height above home; positions show whether it does."""
+
+    @property
+    def takes_targets(self) -> bool:
+        """Whether enough is known of the vehicle's own frame to send it targets."""
+
+    def send_target(self, target: Target) -> None:
+        """Send a target that moves, to be followed until the next."""
+
+    def round_trip_s(self) -> float:
+        """Wall-clock seconds from a message to the vehicle until its answer."""
 
 
 class Clock(Protocol):

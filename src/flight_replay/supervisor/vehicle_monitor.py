@@ -130,6 +130,10 @@ class VehicleMonitor:
         self.mission = MissionCurrent(0)
         self.reached.clear()
 
+    def record_from_now(self) -> None:
+        """Record positions from now on."""
+        self.auto_start_s = self.time_s
+
     def _auto_entered(self) -> None:
         if self._recording and self.auto_start_s is None:
             self.auto_start_s = self.time_s

@@ -22,7 +22,7 @@ from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mission.fence import FenceArea, active_fence_types, areas_from_items
 from flight_replay.mission.items import Mission
-from flight_replay.supervisor.vehicle_interface import Report
+from flight_replay.supervisor.vehicle_interface import Report, Target
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
 from flight_replay.vehicle.link.connection_string import open_transport
@@ -33,6 +33,7 @@ from flight_replay.vehicle.link.vehicle_link import DroneKitLink
 from flight_replay.vehicle.protocol.commands import CommandSender
 from flight_replay.vehicle.protocol.mission_download import FENCE, MissionDownloader
 from flight_replay.vehicle.protocol.mission_storage import MissionStorage
+from flight_replay.vehicle.protocol.motion_targets import MotionTargets
 from flight_replay.vehicle.protocol.parameters import (
     limits_as_parameters,
     parameters_set,
@@ -48,6 +49,7 @@ _NO_DATA_S = 30.0  # As long as a flight waits for a lost link.
 _SPEEDUP = "SIM_SPEEDUP"
 _POLYGONS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
+_ROUND_TRIP_EVERY_S = 0.5
 _KEY_WANTED = "the vehicle signs its messages and may ignore unsigned ones; give its key with --signing-key"
 _UNBOUNDED_SPEEDUP = 100.0  # Assumed where SIM_SPEEDUP is 0 or less: as fast as possible.
 
@@ -70,6 +72,9 @@ class ConnectedVehicle:
         self._streams = StreamRequests(self._vehicle_link, self._telemetry)
         self._streams.renew(link.speedup)
         self.identity: Identity = identify(self._vehicle_link, vehicle)
+        self._measured_s = float("-inf")
+        self._targets = MotionTargets(self._vehicle_link, self.identity.version_numbers)
+        link.add_receiver(self._targets.receive)
         self._storage = MissionStorage(self._vehicle_link, as_int=self.identity.takes_item_int)
 
     def reports(self, timeout_s: float) -> Sequence[Report]:
@@ -93,6 +98,31 @@ class ConnectedVehicle:
     def request_prearm_checks(self) -> None:
         """Request the pre-arm checks; failures arrive as ``StatusText``."""
         self._commands.run_prearm_checks()
+
+    def request_speed(self, speed_m_s: float) -> None:
+        """Request a ground speed for flying to places in GUIDED."""
+        self._commands.change_speed(speed_m_s)
+
+    def request_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
+        """Request to fly to a place in GUIDED, at a height above home."""
+        self._targets.send_position(lat_deg, lon_deg, alt_m)
+
+    @property
+    def takes_targets(self) -> bool:
+        """Whether the vehicle told where its local frame is."""
+        return self._targets.ready
+
+    def send_target(self, target: Target) -> None:
+        """Send a target to follow until the next."""
+        self._targets.send(target)
+
+    def round_trip_s(self) -> float:
+        """Wall-clock seconds from a message to the vehicle until its answer, measured again and again."""
+        now_s = self._vehicle_link.now_s()
+        if now_s - self._measured_s >= _ROUND_TRIP_EVERY_S:
+            self._measured_s = now_s
+            self._commands.measure_round_trip()
+        return self._vehicle_link.round_trip.from_freshest_s
 
     def upload(self, mission: Mission, listener: Listener = ignore) -> None:
         """Upload a mission, download it and compare.

@@ -46,6 +46,11 @@ class Identity:
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
+    def version_numbers(self) -> tuple[int, ...]:
+        """The version as numbers, such as (4, 6, 0); empty where it is unknown."""
+        return tuple(int(part) for part in self.version.split(".") if part)
+
+    @property
     def is_multicopter(self) -> bool:
         """Whether it is a multicopter with ArduPilot."""
         return self.vehicle_type in _MULTICOPTERS and self.is_ardupilot

@@ -40,6 +40,7 @@ _SUMMARIES = {
     "duration": "Flown for the requested duration.",
     "final waypoint": "Flown until the vehicle headed for the final waypoint.",
     "mission complete": "The whole mission was flown.",
+    "recording complete": "The whole recording was followed.",
 }
 
 
@@ -163,9 +164,12 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
     if flight is not None:
         tables["Flight"] = [
             ("vehicle", str(flight["vehicle"])),
-            ("waypoints reached", f"{flight['waypoints_reached']} of {summary['route']['points']}"),
+            *_waypoint_rows(summary),
             ("ended", str(flight["ended"])),
-            ("time in AUTO", f"{flight['auto_s']:.1f} s"),
+            (
+                "time in AUTO" if "items" in summary["route"] else "time in GUIDED",
+                f"{flight['auto_s']:.1f} s",
+            ),
             ("RTL confirmed", "yes" if flight["rtl_confirmed"] else "no"),
             *_coverage_rows(flight["coverage"]),
             *_error_rows(flight),
@@ -173,6 +177,14 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
         if record is not None and record.problem:
             tables["Flight"].append(("problem", record.problem))
     return tables
+
+
+def _waypoint_rows(summary: Summary) -> list[tuple[str, str]]:
+    if "reference" in summary["route"]:
+        return []
+    return [
+        ("waypoints reached", f"{summary['flight']['waypoints_reached']} of {summary['route']['points']}")
+    ]
 
 
 def _log_rows(log: Summary) -> list[tuple[str, str]]:
@@ -235,7 +247,8 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
     reached = dict(record.reached) if record is not None else {}
     start_s = flown_start_s(route, record) if record is not None else math.nan
     rows = []
-    for seq, item in enumerate(route.mission.items, FIRST_SEQ):
+    items = () if route.reference is not None else route.mission.items
+    for seq, item in enumerate(items, FIRST_SEQ):
         row = {"seq": str(seq), "item": _item_text(item), "lat": "", "lon": "", "alt": "", "reached": ""}
         if item.is_waypoint:
             row |= {"lat": f"{item.lat_deg:.7f}", "lon": f"{item.lon_deg:.7f}", "alt": f"{item.alt_m:.1f}"}

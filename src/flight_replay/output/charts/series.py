@@ -99,7 +99,11 @@ def replay_series(
 ) -> ReplaySeries:
     """The series of a route, and of the flight that followed it if there was one."""
     frame, waypoints = route.frame, route.mission.waypoints
-    planned = path_through(destinations(route.mission.items, frame), tolerance_m=CURVE_TOLERANCE_M)
+    planned = route.path
+    if route.reference is None:
+        planned = path_through(destinations(route.mission.items, frame), tolerance_m=CURVE_TOLERANCE_M)
+    else:
+        waypoints = ()
     covered = slice(None if outcome is None else outcome.coverage.fixes)
     series = ReplaySeries(
         recording=_recorded_series(route.recording, frame),
@@ -129,6 +133,9 @@ def _with_errors(series: ReplaySeries, errors: FlightErrors) -> ReplaySeries:
 
 def flown_start_s(route: Route, record: FlightRecord) -> float:
     """The vehicle's time when it reached the first waypoint, or when AUTO began if it never did."""
+    if record.recording_s is not None:
+        begun = record.flown.time_s[record.recording_s >= 0.0]
+        return float(begun[0]) if len(begun) else record.auto_start_s
     return dict(record.reached).get(route.mission.waypoints[0][0], record.auto_start_s)
 
 

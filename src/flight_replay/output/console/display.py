@@ -8,7 +8,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from flight_replay.events import DistanceToWaypoint, Phase, Progress, Severity, VehicleState
+from flight_replay.events import DistanceToWaypoint, Following, Phase, Progress, Severity, VehicleState
 from flight_replay.output.replay_status import ReplayStatus, battery_text
 
 _PHASE_NAMES = {
@@ -18,9 +18,13 @@ _PHASE_NAMES = {
     Phase.ARM: "Arm",
     Phase.TAKEOFF: "Takeoff",
     Phase.MISSION: "Mission",
+    Phase.APPROACH: "Approach",
+    Phase.FOLLOW: "Follow",
     Phase.RETURN: "Return",
     Phase.CLOSE: "Close",
 }
+_OF_MISSIONS = frozenset({Phase.UPLOAD, Phase.MISSION})
+_OF_FOLLOWING = frozenset({Phase.APPROACH, Phase.FOLLOW})
 _MARKS = {"done": "✔", "now": "▶", "ahead": "·"}
 _ASCII_MARKS = {"done": "+", "now": ">", "ahead": "-"}
 _MARK_STYLES = {"done": "green", "now": "bold cyan", "ahead": "dim"}
@@ -45,6 +49,8 @@ class Display:
             parts.append(_progress(status.progress))
         if status.current_waypoint is not None:
             parts.append(_waypoint(status.current_waypoint, flying=status.ended is None))
+        if status.following is not None:
+            parts.append(_following(status.following))
         if status.ended is None:
             parts += _readings(status, options.max_width)
         if status.warning:
@@ -67,7 +73,11 @@ def _readings(status: ReplayStatus, width: int) -> list[RenderableType]:
 
 def _phases(status: ReplayStatus, marks: dict[str, str]) -> list[Text]:
     phases = []
+    follows = Phase.PREARM in status.started and Phase.UPLOAD not in status.started
+    left_out = _OF_MISSIONS if follows else _OF_FOLLOWING
     for phase, name in _PHASE_NAMES.items():
+        if phase in left_out:
+            continue
         state = "ahead" if phase not in status.started else "done"
         if phase is status.phase and status.ended is None:
             state = "now"
@@ -100,6 +110,12 @@ def _waypoint(waypoint: DistanceToWaypoint, *, flying: bool) -> RenderableType:
     if flying and waypoint.distance_m is not None:
         amount += f", {waypoint.distance_m:.1f} m ahead"
     return _bar("Waypoint", amount, waypoint.seq, waypoint.last_seq)
+
+
+def _following(following: Following) -> RenderableType:
+    done_s, of_s = max(following.recording_s, 0.0), following.of_s
+    amount = f"{done_s:.0f} of {of_s:.0f} s, {following.error_m:.2f} m off"
+    return _bar("Waiting" if following.waiting else "Following", amount, round(done_s), round(of_s))
 
 
 def _bar(label: str, amount: str, done: int, total: int) -> RenderableType:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.events import Event, VehicleState, WaypointReached
+from flight_replay.events import Event, Following, VehicleState, WaypointReached
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments
 from flight_replay.output.replay_status import ReplayStatus
@@ -47,7 +47,8 @@ class MapData:
         self._wanted = route.wanted
         self._path_error = LivePathError(route.wanted.north_east_m)
         self._first_seq = route.mission.waypoints[0][0]
-        self._waypoints = {seq: (item.lat_deg, item.lon_deg) for seq, item in route.mission.waypoints}
+        waypoints = route.mission.waypoints if route.reference is None else ()
+        self._waypoints = {seq: (item.lat_deg, item.lon_deg) for seq, item in waypoints}
         self._start_s: float | None = None
         self._points: list[MapPoint] = []
         self._lock = threading.Lock()
@@ -56,6 +57,8 @@ class MapData:
     def listener(self, event: Event) -> None:
         """Add an event to the status, and a position to the points."""
         self.status.update(event)
+        if isinstance(event, Following):
+            self._start_s = event.time_s - event.recording_s
         if isinstance(event, WaypointReached) and event.seq == self._first_seq and self._start_s is None:
             self._start_s = event.time_s
         if isinstance(event, VehicleState):
@@ -79,7 +82,7 @@ class MapData:
     def _point(self, state: VehicleState) -> MapPoint:
         position_m = self._frame.to_metres(state.lat_deg, state.lon_deg)
         north_m, east_m = float(position_m[0]), float(position_m[1])
-        if self._start_s is None or state.mode != "AUTO":
+        if self._start_s is None or state.mode not in ("AUTO", "GUIDED"):
             return MapPoint(north_m, east_m, *[math.nan] * 5)
         elapsed_s = state.time_s - self._start_s
         path_error_m = self._path_error.update(position_m)

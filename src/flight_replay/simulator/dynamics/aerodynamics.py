@@ -29,7 +29,7 @@ def air_density_kg_m3(amsl_m: float) -> float:
     return 1.225 * float((1.0 - 2.25577e-5 * min(amsl_m, _TROPOPAUSE_M)) ** 4.25588)
 
 
-def _drag_coefficients(amsl_m: float) -> tuple[float, float]:
+def drag_coefficients(amsl_m: float) -> tuple[float, float]:
     """Linear drag, 1/s, and square drag, 1/m, at an altitude (SIM_Frame.cpp: Frame::init)."""
     reference = air_density_kg_m3(_REFERENCE_AMSL_M)
     momentum_n = (
@@ -51,7 +51,7 @@ class Air:
 
     def __init__(self, wind_m_s: Vector = (0.0, 0.0, 0.0), home_amsl_m: float = 0.0) -> None:
         self.wind_m_s = wind_m_s
-        self._linear, self._square = _drag_coefficients(home_amsl_m)
+        self._linear, self._square = drag_coefficients(home_amsl_m)
 
     def acceleration(
         self, velocity: Vector, lean: tuple[float, float], heading: tuple[float, float], lift: float

@@ -34,6 +34,11 @@ class RoundTrip:
         return median(self._times_s) if self._times_s else _INITIAL_S
 
     @property
+    def from_freshest_s(self) -> float:
+        """From the freshest answer, which was delayed least, until a message sent now is there, seconds."""
+        return (min(self._times_s) + self.median_s) / 2 if self._times_s else _INITIAL_S
+
+    @property
     def retry_s(self) -> float:
         """Seconds after which an unanswered request is sent again; backs off while requests are lost."""
         wait_s = max(self.median_s * _RETRY_FACTOR, _MIN_RETRY_S)

@@ -42,6 +42,7 @@ class CommandSender:
         self._pending: Request | None = None
         self._pings: frozenset[int] = frozenset()
         self._pinged_s = 0.0
+        self._measuring_ns = 0
 
     def set_mode(self, mode: int) -> None:
         """Command a flight mode by its number."""
@@ -68,8 +69,14 @@ class CommandSender:
         if wanted and self._link.now_s() - self._pinged_s >= self._link.round_trip.retry_s:
             self._ping()
 
+    def measure_round_trip(self) -> None:
+        """Measure the link's round trip again."""
+        self._measuring_ns = timesync.ping(self._link)
+
     def on_timesync(self, message: Message) -> RequestLost | None:
         """A TIMESYNC reply: the command sent before it was not acked."""
+        if message.tc1 != 0 and message.ts1 == self._measuring_ns:
+            timesync.measure(self._link, message)
         request = self._pending
         if request is None or message.tc1 == 0 or message.ts1 not in self._pings:
             return None
@@ -86,6 +93,10 @@ class CommandSender:
     def take_off(self, altitude_m: float) -> None:
         """Command a take-off to ``altitude_m`` above home."""
         self._link.send(command_long(self._link, dialect.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, altitude_m))
+
+    def change_speed(self, speed_m_s: float) -> None:
+        """Command a ground speed, metres per second."""
+        self._link.send(command_long(self._link, dialect.MAV_CMD_DO_CHANGE_SPEED, 1, speed_m_s))
 
     def run_prearm_checks(self) -> None:
         """Command the pre-arm checks; firmware that does not know this sends failures now and then."""

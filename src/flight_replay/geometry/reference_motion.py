@@ -1,0 +1,94 @@
+"""The reference: the smooth motion that a vehicle follows in step with a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.flat_earth import FlatFrame
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+
+@dataclass(frozen=True, slots=True)
+class MotionState:
+    """Position, velocity and acceleration at one time: metres and seconds, north, east, up of the frame."""
+
+    position_m: Floats
+    velocity_m_s: Floats
+    acceleration_m_s2: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceMotion:
+    """A smooth motion over the recording's time, at rest before ``begin_s`` and after ``end_s``.
+
+    The recording's first fix is at 0 s; ``begin_s`` is earlier where the vehicle needs a run-up.
+    ``position`` gives metres (3,) north and east in ``frame`` and up above home; ``heading`` gives
+    degrees (1,), clockwise from north and not wrapped, or is None if the vehicle turns as it wants.
+    """
+
+    frame: FlatFrame
+    begin_s: float
+    end_s: float
+    position: BSpline
+    heading: BSpline | None = None
+
+    def state(self, time_s: float) -> MotionState:
+        """Position, velocity and acceleration at a time; at rest beyond both ends."""
+        inside_s = min(max(time_s, self.begin_s), self.end_s)
+        rest = inside_s != time_s
+        return MotionState(
+            self.position(inside_s),
+            np.zeros(3) if rest else self._velocity(inside_s),
+            np.zeros(3) if rest else self._acceleration(inside_s),
+        )
+
+    def heading_deg(self, time_s: float) -> tuple[float, float] | None:
+        """Heading, 0 to 360 degrees, and its rate, degrees/s, if the reference has one."""
+        if self.heading is None or self._heading_rate is None:
+            return None
+        inside_s = min(max(time_s, self.begin_s), self.end_s)
+        rate = 0.0 if inside_s != time_s else float(self._heading_rate(inside_s)[0])
+        return float(self.heading(inside_s)[0]) % 360.0, rate
+
+    def times_s(self, step_s: float) -> Floats:
+        """Times from begin to end, at most ``step_s`` apart."""
+        return np.linspace(
+            self.begin_s, self.end_s, max(int(np.ceil((self.end_s - self.begin_s) / step_s)), 1) + 1
+        )
+
+    def positions_m(self, times_s: Floats) -> Floats:
+        """Positions (n, 3) at times (n,)."""
+        return np.asarray(self.position(np.clip(times_s, self.begin_s, self.end_s)))
+
+    def velocities_m_s(self, times_s: Floats) -> Floats:
+        """Velocities (n, 3) at times (n,) between begin and end."""
+        return np.asarray(self._velocity(times_s))
+
+    def accelerations_m_s2(self, times_s: Floats) -> Floats:
+        """Accelerations (n, 3) at times (n,) between begin and end."""
+        return np.asarray(self._acceleration(times_s))
+
+    def headings_deg(self, times_s: Floats) -> tuple[Floats, Floats] | None:
+        """Headings (n,), not wrapped, and their rates (n,), if the reference has them."""
+        if self.heading is None or self._heading_rate is None:
+            return None
+        return np.asarray(self.heading(times_s))[:, 0], np.asarray(self._heading_rate(times_s))[:, 0]
+
+    @cached_property
+    def _velocity(self) -> BSpline:
+        return self.position.derivative(1)
+
+    @cached_property
+    def _acceleration(self) -> BSpline:
+        return self.position.derivative(2)
+
+    @cached_property
+    def _heading_rate(self) -> BSpline | None:
+        return None if self.heading is None else self.heading.derivative(1)

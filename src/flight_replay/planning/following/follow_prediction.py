@@ -1,0 +1,51 @@
+"""How near to the recording the model of ArduCopter follows a reference: its predicted errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.geometry.flight_errors import flight_errors
+from flight_replay.geometry.movement import Movement
+from flight_replay.geometry.reference_motion import ReferenceMotion
+from flight_replay.planning.altitude import home_of
+from flight_replay.planning.route import Route
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.flight.guided_trajectory import Targets, simulate_targets
+from flight_replay.supervisor.follower import Follower, MotionTarget
+
+_TARGET_S = 0.1
+_ROWS_A_SAMPLE = 5  # Ten samples a second.
+
+
+def with_prediction(route: Route, limits: Limits) -> Route:
+    """The route with the errors that a vehicle of these limits will have, on a link without delay."""
+    if route.reference is None:
+        return route
+    reference = route.reference
+    times_s = np.arange(reference.begin_s, reference.end_s, _TARGET_S)
+    flight = simulate_targets(
+        _targets(reference, times_s), limits, home_amsl_m=home_of(route.covered).alt_amsl_m
+    )
+    kept = slice(None, None, _ROWS_A_SAMPLE)
+    places_m = np.column_stack([flight.north_m, flight.east_m])[kept]
+    ground_m = route.frame.to_metres(*reference.frame.to_degrees(places_m))
+    flown = Movement(flight.time_s[kept], ground_m, flight.up_m[kept], flight.heading_deg[kept])
+    errors = flight_errors(route.wanted, flown, last_s=float(route.wanted.time_s[-1]))
+    return replace(route, predicted=errors)
+
+
+def _targets(reference: ReferenceMotion, times_s: np.ndarray) -> Targets:
+    """The targets that are sent to a vehicle that keeps up."""
+    follower = Follower(reference, max_error_m=np.inf)
+    sent: list[MotionTarget] = [follower.target(float(time_s)) for time_s in times_s]
+    headings_deg = np.array([np.nan if each.heading_deg is None else each.heading_deg for each in sent])
+    return Targets(
+        times_s,
+        np.array([each.position_m for each in sent]),
+        np.array([each.velocity_m_s for each in sent]),
+        np.array([each.acceleration_m_s2 for each in sent]),
+        np.radians(headings_deg),
+        np.radians([each.heading_rate_deg_s if each.heading_deg is not None else np.nan for each in sent]),
+    )

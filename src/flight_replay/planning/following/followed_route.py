@@ -1,0 +1,135 @@
+"""The route of a recording that is followed in step: its reference, and what is to be said of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.flat_earth import FlatFrame
+from flight_replay.geometry.flight_errors import path_errors
+from flight_replay.geometry.movement import Movement
+from flight_replay.geometry.reference_motion import ReferenceMotion
+from flight_replay.logs.track import Track
+from flight_replay.mission.items import FIRST_SEQ, Mission, waypoint
+from flight_replay.mission.path import Path
+from flight_replay.planning.altitude import FLOOR_M, home_of
+from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.following.lean import Drag
+from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
+from flight_replay.planning.following.samples import Bridge, times_with_bridges
+from flight_replay.planning.route import Route
+from flight_replay.simulator.dynamics.aerodynamics import drag_coefficients
+from flight_replay.simulator.dynamics.limits import Limits
+
+_OUTLINE_STEP_S = 1.0
+_PATH_STEP_S = 0.1
+_WORTH_TELLING_M = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FollowOptions:
+    """How to follow: ``pace`` times as fast as recorded, with the recorded headings or without.
+
+    ``floor_m`` above home is the lowest that is flown; ``approach_m_s`` is the speed of the way to the
+    first fix.
+    """
+
+    pace: float = 1.0
+    headings: bool = True
+    floor_m: float = FLOOR_M
+    approach_m_s: float = 10.0
+
+
+def followed_route(track: Track, heights_m: Floats, limits: Limits, options: FollowOptions) -> Route:
+    """The route of a track that is followed in GUIDED.
+
+    Args:
+        track: what to follow; its flown part is.
+        heights_m: metres above home to fly at each fix (n,).
+        limits: of the vehicle.
+        options: how to follow.
+
+    Raises:
+        MissionError: no motion within the limits follows the track.
+    """
+    recorded, notes = flown_part(track)
+    commanded, _ = flown_part(replace(track, alt_m=heights_m))
+    motion, bridges = _motion(commanded, options.pace, limits.wp_speed_m_s)
+    reference = plan_reference(
+        motion,
+        ReferenceBounds.of(limits),
+        Drag(*drag_coefficients(home_of(recorded).alt_amsl_m)),
+        headings=options.headings,
+        floor_m=min(options.floor_m, float(heights_m.min())),
+    )
+    times_s = motion.time_s
+    wanted = Movement(times_s, recorded.north_east_m(track.frame), commanded.alt_m, recorded.heading_deg)
+    planned_m = reference.positions_m(times_s)
+    path = _path(reference, track, float(times_s[-1]))
+    return Route(
+        method="guided",
+        mission=_outline(reference, track),
+        covered=track,
+        recorded=recorded,
+        wanted=wanted,
+        planned_up_m=planned_m[:, 2],
+        recording=recorded,
+        path=path,
+        planned_error=path_errors(wanted, path.north_east_m),
+        predicted_duration_s=float(times_s[-1]),
+        reference=reference,
+        notes=(*notes, *_notes(options, bridges, times_s, planned_m - motion.position_m)),
+    )
+
+
+def _motion(recorded: Track, pace: float, speed_m_s: float) -> tuple[RecordedMotion, tuple[Bridge, ...]]:
+    """The recorded motion on the clock that it is followed by, and the jumps that need more time."""
+    frame = FlatFrame(float(recorded.lat_deg[0]), float(recorded.lon_deg[0]))
+    places_m = frame.to_metres(recorded.lat_deg, recorded.lon_deg)
+    since_s = (recorded.time_s - recorded.time_s[0]) / pace
+    times_s, bridges = times_with_bridges(since_s, places_m, speed_m_s)
+    position_m = np.column_stack([places_m, recorded.alt_m])
+    return RecordedMotion(frame, times_s, position_m, recorded.heading_deg), bridges
+
+
+def _path(reference: ReferenceMotion, track: Track, recorded_s: float) -> Path:
+    """The line that the reference draws while the recording lasts."""
+    times_s = np.linspace(0.0, recorded_s, max(int(np.ceil(recorded_s / _PATH_STEP_S)), 1) + 1)
+    places_m = reference.positions_m(times_s)
+    ground_m = track.frame.to_metres(*reference.frame.to_degrees(places_m[:, :2]))
+    n = len(times_s)
+    return Path(ground_m, places_m[:, 2], np.full(n, FIRST_SEQ, np.intp), np.zeros(n))
+
+
+def _outline(reference: ReferenceMotion, track: Track) -> Mission:
+    """Waypoints every second of the reference, for fences, maps and files; they are not uploaded."""
+    places_m = reference.positions_m(reference.times_s(_OUTLINE_STEP_S))
+    lat_deg, lon_deg = reference.frame.to_degrees(places_m[:, :2])
+    items = tuple(
+        waypoint(float(lat), float(lon), float(up))
+        for lat, lon, up in zip(lat_deg, lon_deg, places_m[:, 2], strict=True)
+    )
+    return Mission(items, home_of(track))
+
+
+def _notes(
+    options: FollowOptions, bridges: tuple[Bridge, ...], times_s: Floats, apart_m: Floats
+) -> tuple[str, ...]:
+    """What a person should know before it flies; ``apart_m`` (n, 3) is from the fixes to the reference."""
+    off_m = np.linalg.norm(apart_m, axis=1)
+    notes = [f"The way to the first fix is flown at {options.approach_m_s:g} m/s."]
+    notes += [
+        f"At {bridge.time_s:.0f} s the recording jumps by {bridge.distance_m:.0f} m; "
+        f"the vehicle flies there in {bridge.seconds:.0f} s."
+        for bridge in bridges
+    ]
+    worst = int(np.argmax(off_m))
+    if off_m[worst] > _WORTH_TELLING_M:
+        share = 100.0 * float(np.mean(off_m > _WORTH_TELLING_M))
+        notes.append(
+            f"The vehicle's limits keep it from following {share:.0f} % of the fixes within "
+            f"{_WORTH_TELLING_M:.0f} m: by {off_m[worst]:.1f} m at most, at {times_s[worst]:.0f} s."
+        )
+    return tuple(notes)

@@ -1,0 +1,196 @@
+"""Follows a reference in step: what target to send when, and when the reference has to wait.
+
+The reference's clock runs with the vehicle's. Where the vehicle falls behind, or the stream of targets
+broke off, the clock goes back to where the vehicle is on the way, and the target moves from the vehicle
+to the reference at walking speed: whatever happened, the vehicle is never sent off in a rush.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.reference_motion import MotionState, ReferenceMotion
+
+_CLOCK_CHANGE_PER_S = 0.4  # A clock that starts or stops faster throws the vehicle off by itself.
+_SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 1.0, 2.5  # Drag helps to slow down.
+_REJOIN_M_S, _REJOIN_M_S2 = 2.0, 1.0
+_SEARCH_STEP_S, _SEARCH_AHEAD_S = 0.05, 0.5
+_STOPPING_S = 1.0  # A metre per second in another direction counts as much as a metre.
+_CAUGHT_UP, _LOST = 0.5, 2.0
+"""The reference waits until the error is half of what it may be, and begins anew at twice that."""
+_REMEMBERED_S = 3.0
+LONGEST_GAP_S = 1.0
+"""Vehicles that had no target for so long are braking."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leads:
+    """How far ahead of the vehicle's time targets are taken, seconds, for what it takes to follow them."""
+
+    position_s: float = 0.05
+    velocity_s: float = 0.15
+    acceleration_s: float = 0.05
+    heading_s: float = 0.07
+
+
+@dataclass(frozen=True, slots=True)
+class MotionTarget:
+    """Where to be and how to move: metres north, east, up in the reference's frame; heading in degrees."""
+
+    position_m: Floats
+    velocity_m_s: Floats
+    acceleration_m_s2: Floats
+    heading_deg: float | None
+    heading_rate_deg_s: float
+
+
+class Follower:
+    """The reference's clock beside the vehicle's, and the targets that follow from both."""
+
+    def __init__(self, reference: ReferenceMotion, max_error_m: float, leads: Leads | None = None) -> None:
+        """Begin.
+
+        Args:
+            reference: what to follow.
+            max_error_m: the reference waits for a vehicle that is farther away from its target.
+            leads: those of the firmware that flies.
+        """
+        self.reference, self.max_error_m, self.leads = reference, max_error_m, leads or Leads()
+        self.recording_s = reference.begin_s
+        """The recording's time that the vehicle is to be at now."""
+        self.rate = 1.0
+        """How fast that time runs: 0 while the reference waits."""
+        self._change = 0.0
+        self._offset_m = np.zeros(3)
+        self._rejoin_m_s = 0.0
+        self._behind = False
+        self._time_s: float | None = None
+        self._past: deque[tuple[float, float, Floats]] = deque()
+        self.clock: list[tuple[float, float]] = []
+        """Vehicle time and recording's time of each target."""
+        self.error_m = 0.0
+        """How far the vehicle was from its target when it was last looked at."""
+
+    @property
+    def offset_m(self) -> float:
+        """How far targets are from the reference, on the way back to it."""
+        return float(np.linalg.norm(self._offset_m))
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the reference waits for the vehicle."""
+        return self.rate < 1.0
+
+    def target(self, time_s: float) -> MotionTarget:
+        """The target for the vehicle's time ``time_s``, which is later than that of the target before."""
+        step_s = 0.0 if self._time_s is None else max(time_s - self._time_s, 0.0)
+        self._time_s = time_s
+        self._advance(step_s)
+        target = self._moved(self.recording_s)
+        self._past.append((time_s, self.recording_s, self._position_m(self.recording_s)))
+        while time_s - self._past[0][0] > _REMEMBERED_S:
+            self._past.popleft()
+        self.clock.append((time_s, self.recording_s))
+        return target
+
+    def gap_s(self, time_s: float) -> float:
+        """How long there was no target, at the vehicle's time ``time_s``."""
+        return 0.0 if self._time_s is None else time_s - self._time_s
+
+    def observe(self, time_s: float, position_m: Floats, velocity_m_s: Floats) -> None:
+        """Where the vehicle was at its time ``time_s``; it rejoins the reference if it is too far off."""
+        wanted_m = self._wanted_m(time_s)
+        if wanted_m is None:
+            return
+        self.error_m = float(np.linalg.norm(position_m - wanted_m))
+        self._behind = self.error_m > self.max_error_m * (_CAUGHT_UP if self._behind else 1.0)
+        if self.error_m > _LOST * self.max_error_m:
+            self.rejoin(position_m, velocity_m_s, ahead_s=_SEARCH_AHEAD_S)
+
+    def resume(self, time_s: float, position_m: Floats, velocity_m_s: Floats) -> None:
+        """Go on after a gap, with a target for ``time_s``, from where the vehicle is by then."""
+        gap_s = self.gap_s(time_s)
+        self._time_s = time_s
+        self.rejoin(position_m, velocity_m_s, ahead_s=gap_s + _SEARCH_AHEAD_S)
+
+    def rejoin(self, position_m: Floats, velocity_m_s: Floats, ahead_s: float) -> None:
+        """Go on from where the vehicle is: the clock where its way is nearest to how it moves, at its pace.
+
+        Args:
+            position_m: of the vehicle (3,).
+            velocity_m_s: of the vehicle (3,).
+            ahead_s: how far ahead of the last target the vehicle may have come.
+        """
+        reference = self.reference
+        begin_s = max(self.recording_s - _REMEMBERED_S, reference.begin_s)
+        times_s = np.arange(begin_s, min(self.recording_s + ahead_s, reference.end_s) + 1e-9, _SEARCH_STEP_S)
+        apart_m = reference.positions_m(times_s) - position_m
+        paths_m_s = reference.velocities_m_s(times_s)
+        pace = paths_m_s @ velocity_m_s / np.maximum((paths_m_s**2).sum(axis=1), 1e-3)
+        pace = np.clip(pace, 0.0, 1.0)
+        aside_m_s = velocity_m_s - pace[:, None] * paths_m_s
+        best = int(np.argmin((apart_m**2).sum(axis=1) + (_STOPPING_S * aside_m_s**2).sum(axis=1)))
+        self.recording_s, self.rate, self._change = float(times_s[best]), float(pace[best]), 0.0
+        self._offset_m, self._rejoin_m_s = -apart_m[best], 0.0
+        self._behind = False
+        self._past.clear()
+
+    def _advance(self, step_s: float) -> None:
+        wanted = 0.0 if self._behind or self.offset_m > self.max_error_m else 1.0
+        speed_m_s = max(float(np.linalg.norm(self._at(self.recording_s).velocity_m_s)), 1e-3)
+        faster = min(_CLOCK_CHANGE_PER_S, _SPEED_UP_M_S2 / speed_m_s) * step_s
+        slower = min(_CLOCK_CHANGE_PER_S, _SLOW_DOWN_M_S2 / speed_m_s) * step_s
+        change = min(max(wanted - self.rate, -slower), faster)
+        self._change = change / step_s if step_s > 0 else 0.0
+        self.recording_s += (self.rate + change / 2) * step_s
+        self.rate += change
+        self._approach(step_s)
+
+    def _approach(self, step_s: float) -> None:
+        """Move the offset towards zero, slower near the end."""
+        apart_m = self.offset_m
+        allowed = min(_REJOIN_M_S, float(np.sqrt(2 * _REJOIN_M_S2 * apart_m)) / 2)
+        self._rejoin_m_s = min(self._rejoin_m_s + _REJOIN_M_S2 * step_s, allowed)
+        if apart_m <= self._rejoin_m_s * step_s or apart_m < 1e-3:
+            self._offset_m, self._rejoin_m_s = np.zeros(3), 0.0
+        else:
+            self._offset_m = self._offset_m * (1.0 - self._rejoin_m_s * step_s / apart_m)
+
+    def _moved(self, recording_s: float) -> MotionTarget:
+        """The target at the recording's time, with each quantity ahead by its lead."""
+        leads, rate, reference = self.leads, self.rate, self.reference
+        at = self._at
+        velocity = rate * at(recording_s + rate * leads.velocity_s).velocity_m_s
+        ahead = at(recording_s + rate * leads.acceleration_s)
+        acceleration = rate * rate * ahead.acceleration_m_s2 + self._change * ahead.velocity_m_s
+        apart_m = self.offset_m
+        if apart_m > 0:
+            velocity = velocity - self._offset_m * (self._rejoin_m_s / apart_m)
+        heading = reference.heading_deg(recording_s + rate * leads.heading_s)
+        return MotionTarget(
+            at(recording_s + rate * leads.position_s).position_m + self._offset_m,
+            velocity,
+            acceleration,
+            None if heading is None else heading[0],
+            0.0 if heading is None else rate * heading[1],
+        )
+
+    def _at(self, recording_s: float) -> MotionState:
+        return self.reference.state(recording_s)
+
+    def _position_m(self, recording_s: float) -> Floats:
+        return self._at(recording_s).position_m + self._offset_m
+
+    def _wanted_m(self, time_s: float) -> Floats | None:
+        """Where the vehicle was to be at its time ``time_s``; None before the first target."""
+        past = self._past
+        after = min(bisect_left([at_s for at_s, _, _ in past], time_s), len(past) - 1)
+        if after < 1:
+            return None
+        (begin_s, _, begin_m), (end_s, _, end_m) = past[after - 1], past[after]
+        return np.asarray(begin_m + (end_m - begin_m) * (time_s - begin_s) / (end_s - begin_s))

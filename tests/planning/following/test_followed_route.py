@@ -1,0 +1,65 @@
+"""Routes that are followed in GUIDED, with what the flight model says of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flight_replay.logs.track import Track, track_from_columns
+from flight_replay.planning.following.follow_prediction import with_prediction
+from flight_replay.planning.following.followed_route import FollowOptions, followed_route
+from flight_replay.simulator.dynamics.limits import Limits
+
+
+def _track(speed_m_s: float = 4.0) -> Track:
+    times_s = np.arange(100.0, 160.0, 0.25)
+    angle = speed_m_s / 20.0 * (times_s - 100.0)
+    lat_deg = 47.0 + 20 * np.sin(angle) / 111319.0
+    lon_deg = 8.0 + (20 - 20 * np.cos(angle)) / (111319.0 * np.cos(np.radians(47.0)))
+    return track_from_columns(
+        times_s, lat_deg, lon_deg, np.full(len(times_s), 12.0), heading_deg=np.degrees(angle) % 360
+    )
+
+
+def test_predicted_in_step_with_the_recording() -> None:
+    track = _track()
+    route = with_prediction(followed_route(track, track.alt_m, Limits(), FollowOptions()), Limits())
+    assert route.method == "guided"
+    assert route.predicted is not None
+    position, heading = route.predicted.position_m.statistics, route.predicted.heading_deg.statistics
+    assert position is not None
+    assert heading is not None
+    assert position.mean < 0.2
+    assert heading.mean < 3.0
+    assert route.predicted_duration_s == pytest.approx(59.75)
+
+
+def test_half_the_pace_takes_twice_as_long() -> None:
+    track = _track()
+    route = followed_route(track, track.alt_m, Limits(), FollowOptions(pace=0.5))
+    assert route.predicted_duration_s == pytest.approx(119.5)
+    assert route.reference is not None
+    speed = np.hypot(*route.reference.velocities_m_s(np.linspace(5.0, 100.0, 200))[:, :2].T)
+    assert speed.max() == pytest.approx(2.0, abs=0.2)
+
+
+def test_what_cannot_be_followed_is_said() -> None:
+    track = _track(speed_m_s=12.0)
+    route = followed_route(track, track.alt_m, Limits(), FollowOptions())
+    assert any("limits keep it from following" in note for note in route.notes)
+
+
+def test_the_outline_stays_above_the_floor() -> None:
+    track = _track()
+    route = followed_route(track, np.full(len(track), 6.0), Limits(), FollowOptions(floor_m=6.0))
+    assert min(item.alt_m for _, item in route.mission.waypoints) >= 6.0 - 1e-6
+
+
+def test_a_jump_is_bridged_and_said() -> None:
+    track = _track()
+    far = replace(track, lat_deg=track.lat_deg + np.where(track.time_s > 130.0, 0.002, 0.0))
+    route = followed_route(far, far.alt_m, Limits(), FollowOptions())
+    assert any("the recording jumps by 22" in note for note in route.notes)
+    assert route.predicted_duration_s > 80.0

@@ -1,0 +1,166 @@
+"""Flights that follow a recording in GUIDED, on a scripted vehicle and a virtual clock."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flight_replay.errors import PhaseTimeoutError, VehicleError
+from flight_replay.events import Following, Phase, PhaseStarted, ReturnCommanded
+from tests.helpers.fake_vehicle import FRAME, FakeClock, FakeVehicle
+from tests.helpers.supervised import RECORDED_S, FakeFlight, fake_following, s_curve
+
+
+def _vehicle(**rules: object) -> FakeVehicle:
+    return FakeVehicle(FakeClock(), **rules)  # type: ignore[arg-type]
+
+
+def _error_m(flight: FakeFlight, time_s: float) -> float:
+    """How far the vehicle's latest target before a vehicle time is from the reference at that time."""
+    at_s, target = [each for each in flight.vehicle.targets if each[0] <= time_s][-1]
+    place_m = FRAME.to_metres(target.lat_deg, target.lon_deg)
+    began_s = flight.vehicle.targets[0][0] + 5.0
+    return float(np.linalg.norm(place_m - s_curve().state(at_s - began_s).position_m[:2]))
+
+
+@pytest.mark.parametrize("speedup", [1.0, 10.0])
+def test_follows_the_whole_recording_in_step_then_returns(speedup: float) -> None:
+    flight = fake_following(_vehicle(speedup=speedup), duration_s=None)
+    record = flight.fly()
+    assert (record.ended, record.problem, record.rtl_confirmed) == ("recording complete", None, True)
+    assert "AUTO" not in flight.vehicle.requested
+    assert "verify" not in flight.vehicle.requested
+    assert record.recording_s is not None
+    assert record.recording_s[-1] == pytest.approx(RECORDED_S, abs=1.5)
+    assert record.auto_s == pytest.approx(RECORDED_S + 5.0, abs=1.5)
+    assert _error_m(flight, record.auto_start_s + 30.0) < 0.3 * max(1.0, speedup / 5)
+    phases = [event.phase for event in flight.of(PhaseStarted)]
+    assert phases[-3:] == [Phase.APPROACH, Phase.FOLLOW, Phase.RETURN]
+
+
+def test_a_duration_is_the_recordings_time() -> None:
+    record = fake_following(duration_s=10.0).fly()
+    assert record.ended == "duration"
+    assert record.auto_s == pytest.approx(15.0, abs=0.5)
+
+
+def test_targets_come_ten_times_a_second_of_the_vehicles_clock() -> None:
+    flight = fake_following(duration_s=20.0)
+    flight.fly()
+    steps_s = np.diff([time_s for time_s, _ in flight.vehicle.targets])
+    assert np.median(steps_s) == pytest.approx(0.1, abs=0.02)
+    assert steps_s.max() < 0.25
+
+
+def test_a_pilot_who_takes_over_ends_the_stream_for_good() -> None:
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+    taken_s: list[float] = []
+
+    def take_over() -> None:
+        vehicle.mode = "LOITER"
+        taken_s.append(vehicle.time_s)
+
+    vehicle.schedule.append((50.0, take_over))
+    record = flight.fly()
+    assert record.ended == "pilot"
+    assert vehicle.requested[-1] != "RTL"
+    assert not flight.of(ReturnCommanded)
+    assert vehicle.targets[-1][0] <= taken_s[0] + 1.2  # Until the next heartbeat tells.
+
+
+def test_a_vehicle_that_is_back_in_guided_by_itself_is_left_alone() -> None:
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+    modes = iter(("LOITER", "GUIDED"))
+
+    def change() -> None:
+        vehicle.mode = next(modes)
+
+    vehicle.schedule += [(50.0, change), (51.1, change)]
+    record = flight.fly()
+    assert record.ended == "pilot"
+    assert "RTL" not in vehicle.requested
+
+
+def test_the_reference_waits_for_a_vehicle_that_does_not_follow() -> None:
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+
+    def follow(follows: bool) -> None:
+        vehicle.follows = follows
+
+    vehicle.schedule += [(52.0, lambda: follow(False)), (57.0, lambda: follow(True))]
+    record = flight.fly()
+    assert record.ended == "recording complete"
+    assert any(event.waiting for event in flight.of(Following))
+    assert record.auto_s > RECORDED_S + 6.0
+
+
+def test_a_vehicle_far_off_course_is_sent_home() -> None:
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+
+    def blow_away() -> None:
+        vehicle.follows = False
+        vehicle.place_m = vehicle.place_m + np.array([0.0, 30.0])
+
+    vehicle.schedule.append((50.0, blow_away))
+    record = flight.fly()
+    assert record.ended == "off course"
+    assert record.rtl_confirmed
+    assert "--max-error" in str(record.problem)
+
+
+def test_a_silent_vehicle_gets_no_targets_and_rejoins_where_it_is() -> None:
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+    silent_s: list[float] = []
+
+    def silence(silent: bool) -> None:
+        vehicle.silent = silent
+        silent_s.append(vehicle.time_s)
+
+    vehicle.schedule += [(50.0, lambda: silence(True)), (58.0, lambda: silence(False))]
+    record = flight.fly()
+    assert record.ended == "recording complete"
+    between = [time_s for time_s, _ in vehicle.targets if silent_s[0] + 1.2 < time_s < silent_s[1]]
+    assert not between
+    places = np.array([FRAME.to_metres(t.lat_deg, t.lon_deg) for _, t in vehicle.targets])
+    assert np.linalg.norm(np.diff(places, axis=0), axis=1).max() < 1.0
+
+
+def test_a_vehicle_that_does_not_get_to_the_beginning_is_sent_home() -> None:
+    vehicle = _vehicle()
+    vehicle.request_position = lambda *_: None  # type: ignore[method-assign]
+    flight = fake_following(vehicle)
+    with pytest.raises(PhaseTimeoutError, match="m from where the recording begins"):
+        flight.fly()
+    assert vehicle.requested[-1] == "RTL"
+
+
+def test_a_vehicle_that_does_not_tell_its_local_position_is_not_followed() -> None:
+    vehicle = _vehicle(local_position=False)
+    with pytest.raises(PhaseTimeoutError, match="LOCAL_POSITION_NED"):
+        fake_following(vehicle).fly()
+    assert vehicle.requested[-1] == "RTL"
+
+
+def test_a_pilot_on_the_way_to_the_beginning_is_not_overruled() -> None:
+    vehicle = _vehicle()
+
+    def take_over() -> None:
+        vehicle.mode = "LOITER"
+
+    vehicle.schedule.append((20.0, take_over))
+    with pytest.raises(VehicleError, match="LOITER"):
+        fake_following(vehicle).fly()
+    assert "RTL" not in vehicle.requested
+
+
+def test_the_way_to_the_beginning_is_flown_at_the_asked_speed() -> None:
+    flight = fake_following(approach_m_s=3.0, speed_m_s=8.0, duration_s=1.0)
+    flight.fly()
+    speeds = [each for each in flight.vehicle.requested if each.startswith("speed")]
+    assert speeds[0] == "speed 3"
+    assert speeds[-1] == "speed 8"

@@ -1,0 +1,102 @@
+"""The reference's clock beside the vehicle's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flight_replay.supervisor.follower import Follower, Leads
+from tests.helpers.supervised import s_curve
+
+NO_LEADS = Leads(0.0, 0.0, 0.0, 0.0)
+
+
+def _follower(until_s: float) -> Follower:
+    """A follower that has sent targets up to a recording's time; vehicle time is 100 s later."""
+    follower = Follower(s_curve(), 3.0, NO_LEADS)
+    for time_s in np.arange(95.0, 100.0 + until_s + 1e-6, 0.1):
+        follower.target(float(time_s))
+    return follower
+
+
+def test_targets_are_the_reference_in_step() -> None:
+    follower = _follower(20.0)
+    target, state = follower.target(120.1), s_curve().state(20.1)
+    assert follower.recording_s == pytest.approx(20.1)
+    assert target.position_m == pytest.approx(state.position_m, abs=1e-6)
+    assert target.velocity_m_s == pytest.approx(state.velocity_m_s, abs=1e-6)
+    assert target.acceleration_m_s2 == pytest.approx(state.acceleration_m_s2, abs=1e-6)
+    assert target.heading_deg == pytest.approx(0.0)
+
+
+def test_leads_are_taken_of_each_quantity() -> None:
+    follower = Follower(s_curve(), 3.0, Leads(0.1, 0.2, 0.3, 0.0))
+    follower.target(95.0)
+    for time_s in np.arange(95.1, 115.05, 0.1):
+        target = follower.target(float(time_s))
+    assert target.position_m == pytest.approx(s_curve().state(15.1).position_m, abs=1e-6)
+    assert target.velocity_m_s == pytest.approx(s_curve().state(15.2).velocity_m_s, abs=1e-6)
+    assert target.acceleration_m_s2 == pytest.approx(s_curve().state(15.3).acceleration_m_s2, abs=1e-6)
+
+
+def test_waits_for_a_vehicle_that_falls_behind_and_goes_on_when_it_is_back() -> None:
+    follower = _follower(20.0)
+    aside_m = s_curve().state(20.0).position_m + np.array([0.0, 4.0, 0.0])
+    follower.observe(120.0, aside_m, np.zeros(3))
+    assert follower.error_m == pytest.approx(4.0, abs=0.01)
+    for step in range(1, 60):
+        follower.target(120.0 + 0.1 * step)
+    assert follower.rate == 0.0
+    waited_s = follower.recording_s
+    follower.observe(125.9, s_curve().state(waited_s).position_m, np.zeros(3))
+    for step in range(60, 120):
+        follower.target(120.0 + 0.1 * step)
+    assert follower.rate == 1.0
+    assert follower.recording_s > waited_s + 2.0
+
+
+def test_its_clock_changes_gently() -> None:
+    follower = _follower(20.0)
+    follower.observe(120.0, s_curve().state(20.0).position_m + np.array([0.0, 4.0, 0.0]), np.zeros(3))
+    rates = []
+    for step in range(1, 60):
+        follower.target(120.0 + 0.1 * step)
+        rates.append(follower.rate)
+    assert np.abs(np.diff([1.0, *rates])).max() <= 0.04 + 1e-9
+
+
+def test_after_a_gap_it_goes_on_where_the_vehicle_is() -> None:
+    follower = _follower(20.0)
+    late = s_curve().state(21.2)
+    follower.resume(123.0, late.position_m, late.velocity_m_s)
+    target = follower.target(123.0)
+    assert follower.recording_s == pytest.approx(21.2, abs=0.1)
+    assert follower.rate == pytest.approx(1.0, abs=0.1)
+    assert target.position_m == pytest.approx(late.position_m, abs=0.05)
+
+
+def test_after_a_gap_a_vehicle_at_rest_is_fetched_at_walking_speed() -> None:
+    follower = _follower(20.0)
+    aside_m = s_curve().state(20.5).position_m + np.array([3.0, -4.0, 0.0])
+    follower.resume(130.0, aside_m, np.zeros(3))
+    targets = [follower.target(130.0 + 0.1 * step) for step in range(80)]
+    places = np.array([target.position_m for target in targets])
+    assert places[0] == pytest.approx(aside_m, abs=1e-6)
+    assert np.linalg.norm(np.diff(places, axis=0), axis=1).max() <= 0.1 * (2.0 + 2.5)
+    assert follower.offset_m < 0.01
+
+
+def test_a_path_that_turns_back_is_rejoined_in_the_direction_of_flight() -> None:
+    follower = _follower(18.0)
+    forward = s_curve().state(19.0)
+    follower.resume(119.5, forward.position_m, forward.velocity_m_s)
+    assert follower.recording_s == pytest.approx(19.0, abs=0.1)
+    follower.resume(121.0, forward.position_m, -forward.velocity_m_s)
+    assert follower.rate == 0.0
+
+
+def test_far_off_it_begins_anew_from_the_vehicle() -> None:
+    follower = _follower(20.0)
+    follower.observe(120.0, s_curve().state(20.0).position_m + np.array([0.0, 7.0, 0.0]), np.zeros(3))
+    assert follower.offset_m > 5.0
+    assert follower.error_m == pytest.approx(7.0, abs=0.01)

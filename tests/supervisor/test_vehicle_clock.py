@@ -1,0 +1,41 @@
+"""Vehicle time between positions."""
+
+from __future__ import annotations
+
+import pytest
+
+from flight_replay.supervisor.vehicle_clock import VehicleClock
+
+
+@pytest.mark.parametrize("rate", [1.0, 10.0])
+def test_goes_on_between_positions_at_the_vehicles_rate(rate: float) -> None:
+    clock = VehicleClock()
+    for i in range(100):
+        clock.received(50.0 + 0.1 * i, 7.0 + 0.1 * i / rate)
+    assert clock.rate == pytest.approx(rate, rel=0.01)
+    assert clock.now_s(7.0 + 9.95 / rate) == pytest.approx(59.95, abs=0.01)
+
+
+def test_late_positions_do_not_set_it_back() -> None:
+    clock = VehicleClock()
+    for i in range(50):
+        delay_s = 0.1 if i % 5 else 0.0
+        clock.received(50.0 + 0.1 * i, 7.0 + 0.1 * i + delay_s)
+    now_s = clock.now_s(7.0 + 4.9 + 0.1)
+    assert now_s is not None
+    assert now_s == pytest.approx(55.0, abs=0.02)
+
+
+def test_knows_nothing_before_the_first_position_or_long_after_the_last() -> None:
+    clock = VehicleClock()
+    assert clock.now_s(1.0) is None
+    clock.received(50.0, 1.0)
+    assert clock.now_s(1.5) == pytest.approx(50.5)
+    assert clock.now_s(3.0) is None
+
+
+def test_positions_out_of_order_are_ignored() -> None:
+    clock = VehicleClock()
+    clock.received(50.0, 1.0)
+    clock.received(49.0, 1.1)
+    assert clock.now_s(1.1) == pytest.approx(50.1)
