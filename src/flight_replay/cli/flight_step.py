@@ -25,11 +25,10 @@ from flight_replay.supervisor import FlightRecord, FollowPlan, Plan, WallClock
 
 if TYPE_CHECKING:
     from flight_replay.vehicle import ConnectedVehicle
+    from flight_replay.vehicle.identity import Identity
     from flight_replay.vehicle.preflight import Briefing
 
 _POSITION_TIMEOUT_S = 120.0
-_TARGET_TIMEOUT = {"GUID_TIMEOUT": 0.5}
-"""ArduCopter's wait for the next target, seconds; 3.3 has no such parameter."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +70,7 @@ def fly(
             return route, None
         _check_before_arming(options, route, connected, console, listener)
         _prepare(options, route, connected, connection, stack, listener)
-        record = supervisor.fly(connected, WallClock(), _plan(options, route), listener)
+        record = supervisor.fly(connected, WallClock(), _plan(options, route, connected.identity), listener)
         identity = connected.identity
     if recorder:
         record = replace(record, problem=record.problem or recorder.problem)
@@ -90,7 +89,9 @@ def _prepare(  # noqa: PLR0913, PLR0917
 ) -> None:
     """Get ready what is flown: the mission on board, or a vehicle that brakes when targets stop coming."""
     if route.reference is not None:
-        stack.enter_context(_short_target_timeout(connected))
+        from flight_replay.vehicle.following import parameters_for_following
+
+        stack.enter_context(connected.parameters_set(parameters_for_following(connected)))
         return
     if options.connect is not None:
         _save_mission_on_board(connected, connection, options, listener)
@@ -168,19 +169,16 @@ def _raised_limits(connected: ConnectedVehicle, limits: Mapping[str, float]) -> 
     return connected.parameters_set({name: value for name, value in wanted.items() if value > current[name]})
 
 
-def _short_target_timeout(connected: ConnectedVehicle) -> AbstractContextManager[None]:
-    """A vehicle whose targets stop coming brakes after this time: by itself it flies on for 3 s."""
-    known = connected.parameters(_TARGET_TIMEOUT)
-    return connected.parameters_set({name: _TARGET_TIMEOUT[name] for name in known})
-
-
-def _plan(options: Options, route: Route) -> Plan | FollowPlan:
+def _plan(options: Options, route: Route, identity: Identity) -> Plan | FollowPlan:
     if route.reference is not None:
+        from flight_replay.vehicle.following import leads
+
         return FollowPlan(
             reference=route.reference,
             recorded_s=float(route.wanted.time_s[-1]),
             duration_s=options.duration_s,
             max_error_m=options.max_error_m,
+            leads=leads(identity),
             approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else None,
             speed_m_s=route.limits.limits.wp_speed_m_s,
             takeoff_altitude_m=options.takeoff_altitude_m,

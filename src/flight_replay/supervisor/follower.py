@@ -38,6 +38,10 @@ class Leads:
     heading_s: float = 0.07
 
 
+DEFAULT_LEADS = Leads()
+"""Those of ArduCopter 4.1 and later."""
+
+
 @dataclass(frozen=True, slots=True)
 class MotionTarget:
     """Where to be and how to move: metres north, east, up in the reference's frame; heading in degrees."""
@@ -52,7 +56,7 @@ class MotionTarget:
 class Follower:
     """The reference's clock beside the vehicle's, and the targets that follow from both."""
 
-    def __init__(self, reference: ReferenceMotion, max_error_m: float, leads: Leads | None = None) -> None:
+    def __init__(self, reference: ReferenceMotion, max_error_m: float, leads: Leads = DEFAULT_LEADS) -> None:
         """Begin.
 
         Args:
@@ -60,7 +64,7 @@ class Follower:
             max_error_m: the reference waits for a vehicle that is farther away from its target.
             leads: those of the firmware that flies.
         """
-        self.reference, self.max_error_m, self.leads = reference, max_error_m, leads or Leads()
+        self.reference, self.max_error_m, self.leads = reference, max_error_m, leads
         self.recording_s = reference.begin_s
         """The recording's time that the vehicle is to be at now."""
         self.rate = 1.0
@@ -110,24 +114,25 @@ class Follower:
         self.error_m = float(np.linalg.norm(position_m - wanted_m))
         self._behind = self.error_m > self.max_error_m * (_CAUGHT_UP if self._behind else 1.0)
         if self.error_m > _LOST * self.max_error_m:
-            self.rejoin(position_m, velocity_m_s, ahead_s=_SEARCH_AHEAD_S)
+            self.rejoin(position_m, velocity_m_s, back_s=_REMEMBERED_S, ahead_s=_SEARCH_AHEAD_S)
 
     def resume(self, time_s: float, position_m: Floats, velocity_m_s: Floats) -> None:
         """Go on after a gap, with a target for ``time_s``, from where the vehicle is by then."""
         gap_s = self.gap_s(time_s)
         self._time_s = time_s
-        self.rejoin(position_m, velocity_m_s, ahead_s=gap_s + _SEARCH_AHEAD_S)
+        self.rejoin(position_m, velocity_m_s, back_s=0.0, ahead_s=gap_s + _SEARCH_AHEAD_S)
 
-    def rejoin(self, position_m: Floats, velocity_m_s: Floats, ahead_s: float) -> None:
+    def rejoin(self, position_m: Floats, velocity_m_s: Floats, *, back_s: float, ahead_s: float) -> None:
         """Go on from where the vehicle is: the clock where its way is nearest to how it moves, at its pace.
 
         Args:
             position_m: of the vehicle (3,).
             velocity_m_s: of the vehicle (3,).
-            ahead_s: how far ahead of the last target the vehicle may have come.
+            back_s: how far behind the last target the vehicle may be.
+            ahead_s: how far ahead of it the vehicle may have come.
         """
         reference = self.reference
-        begin_s = max(self.recording_s - _REMEMBERED_S, reference.begin_s)
+        begin_s = max(self.recording_s - back_s, reference.begin_s)
         times_s = np.arange(begin_s, min(self.recording_s + ahead_s, reference.end_s) + 1e-9, _SEARCH_STEP_S)
         apart_m = reference.positions_m(times_s) - position_m
         paths_m_s = reference.velocities_m_s(times_s)

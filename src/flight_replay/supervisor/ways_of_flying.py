@@ -78,7 +78,7 @@ class FollowingFlight:
 
     def __init__(self, monitor: VehicleMonitor, plan: FollowPlan) -> None:
         self._monitor, self._plan = monitor, plan
-        self._follower = Follower(plan.reference, plan.max_error_m)
+        self._follower = Follower(plan.reference, plan.max_error_m, plan.leads)
 
     def verify(self) -> None:
         """Nothing is on board."""

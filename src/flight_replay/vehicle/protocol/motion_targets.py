@@ -20,7 +20,8 @@ from flight_replay.vehicle.protocol.commands import command_long
 
 _IGNORE_VELOCITY, _IGNORE_ACCELERATION = 0b111 << 3, 0b111 << 6
 _IGNORE_HEADING = (1 << 10) | (1 << 11)
-_TAKES_ACCELERATION = (4, 1)
+TAKES_ACCELERATION = (4, 1)
+"""The first version that follows position, velocity and acceleration together."""
 _TAKES_HEADING = (3, 4)
 _SAME_TIME_MS, _AT_REST_M_S = 5, 0.5
 _KEPT = 15
@@ -99,7 +100,7 @@ class MotionTargets:
 
     def send(self, target: Target) -> None:
         """A target to follow until the next."""
-        mask = 0 if self._version >= _TAKES_ACCELERATION else _IGNORE_ACCELERATION
+        mask = 0 if self._version >= TAKES_ACCELERATION else _IGNORE_ACCELERATION
         heading_deg, rate_deg_s = target.heading_deg, target.heading_rate_deg_s
         if heading_deg is None or self._version < _TAKES_HEADING:
             mask |= _IGNORE_HEADING
