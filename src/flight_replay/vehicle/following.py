@@ -1,8 +1,8 @@
 """What following needs of each firmware: how far ahead targets are taken, and parameters for the flight.
 
-Leads make up for what a controller adds to the delay of the link; they were measured in SITL, by flying the
-same references with several leads. Firmware before 4.1 takes no acceleration with position and velocity, and bounds
-targets by its speed and acceleration settings.
+Leads make up for what a controller adds to the delay of the link; they were measured in SITL, by flying
+the same references with several leads. Firmware before 4.1 takes no acceleration with position and
+velocity, and bounds targets by its speed and acceleration settings.
 """
 
 from __future__ import annotations
