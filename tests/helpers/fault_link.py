@@ -1,7 +1,8 @@
 """A TCP link between program and vehicle that can lose, delay, duplicate, reorder and corrupt MAVLink frames.
 
-Every delivered frame is also kept, decoded, so that a test can check what the vehicle received. A
-``Trigger`` waits for a message to pass, and then acts on the link.
+Every delivered frame is also kept, decoded, so that a test can check what the vehicle received; ``log``
+has those of both directions in order, with whether each was to the vehicle. A ``Trigger`` waits for a
+message to pass, and then acts on the link.
 """
 
 from __future__ import annotations
@@ -61,6 +62,7 @@ class FaultLink:
         self.triggers = triggers
         self.to_vehicle: list[Message] = []
         self.from_vehicle: list[Message] = []
+        self.log: list[tuple[bool, Message]] = []
         self._address = (host, int(port))
         self._random = random.Random(seed)
         self._cut_until_s = 0.0
@@ -70,6 +72,7 @@ class FaultLink:
         self._directions: list[_Direction] = []
         self._in_flight: list[tuple[float, int, _Direction, bytes]] = []
         self._count = 0
+        self._another = ardupilotmega.MAVLink(None, srcSystem=254, srcComponent=190)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -88,6 +91,13 @@ class FaultLink:
             self._selector.unregister(direction.source)
             direction.source.close()
         self._directions.clear()
+
+    def send_as_another(self, message: Message) -> None:
+        """Let another ground station send the vehicle a message; from a ``Trigger`` only."""
+        packed = message.pack(self._another)
+        for direction in self._directions:
+            if direction.to_vehicle:
+                direction.sink.sendall(packed)
 
     def start(self) -> None:
         self._thread.start()
@@ -166,7 +176,9 @@ class FaultLink:
         decoder = ardupilotmega.MAVLink(None)
         decoder.robust_parsing = True
         kept = self.to_vehicle if direction.to_vehicle else self.from_vehicle
-        kept += [m for m in decoder.parse_buffer(frame) or () if m.get_type() != "BAD_DATA"]
+        messages = [m for m in decoder.parse_buffer(frame) or () if m.get_type() != "BAD_DATA"]
+        kept += messages
+        self.log += [(direction.to_vehicle, message) for message in messages]
 
 
 def _frames(data: bytearray) -> Iterator[bytes]:

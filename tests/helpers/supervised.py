@@ -10,6 +10,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from flight_replay.events import Event
+from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.mission.items import Mission
 from flight_replay.supervisor import FlightRecord, FollowPlan, Plan, fly
@@ -59,12 +60,13 @@ def fake_following(vehicle: FakeVehicle | None = None, **plan: object) -> FakeFl
     return FakeFlight(flown, FollowPlan(reference=s_curve(), recorded_s=RECORDED_S, **plan))  # type: ignore[arg-type]
 
 
-def s_curve() -> ReferenceMotion:
+def s_curve(frame: FlatFrame = FRAME, length_m: float = 40.0, alt_m: float = 30.0) -> ReferenceMotion:
     """The reference of ``fake_following``: at rest at both ends, nose north."""
     times_s = np.linspace(-5.0, RECORDED_S + 5.0, 200)
     share = np.clip(times_s / RECORDED_S, 0.0, 1.0)
-    along = 40.0 * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-    places = np.column_stack([along, 20.0 + 5.0 * np.sin(along / 6.0), np.full(len(along), 30.0)])
+    along = length_m * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    aside = 20.0 + 5.0 * np.sin(along * 40.0 / 6.0 / length_m)
+    places = np.column_stack([along, aside, np.full(len(along), alt_m)])
     spline = make_interp_spline(times_s, places, k=5)
     heading = make_interp_spline(times_s, np.zeros((len(times_s), 1)), k=3)
-    return ReferenceMotion(FRAME, -5.0, RECORDED_S + 5.0, spline, heading)
+    return ReferenceMotion(frame, -5.0, RECORDED_S + 5.0, spline, heading)

@@ -158,6 +158,53 @@ def test_a_pilot_on_the_way_to_the_beginning_is_not_overruled() -> None:
     assert "RTL" not in vehicle.requested
 
 
+def test_a_pilot_who_was_there_on_the_way_to_the_beginning_has_the_vehicle() -> None:
+    vehicle = _vehicle()
+    modes = iter(("LOITER", "GUIDED"))
+
+    def change() -> None:
+        vehicle.mode = next(modes)
+
+    vehicle.schedule += [(20.0, change), (21.1, change)]
+    with pytest.raises(VehicleError, match="LOITER"):
+        fake_following(vehicle).fly()
+    assert vehicle.requested[-1] == "position"
+    assert "RTL" not in vehicle.requested
+
+
+@pytest.mark.parametrize("begin_s", [20.0, 50.0], ids=["approach", "following"])
+def test_a_vehicle_that_disarms_ends_the_flight_at_once(begin_s: float) -> None:
+    vehicle = _vehicle()
+    vehicle.schedule.append((begin_s, lambda: setattr(vehicle, "armed", False)))
+    flight = fake_following(vehicle, duration_s=None)
+    problem = _problem(flight)
+    assert "disarmed in flight" in problem
+    assert flight.wall_s < begin_s + 5.0
+
+
+def _problem(flight: FakeFlight) -> str:
+    try:
+        return flight.fly().problem or ""
+    except VehicleError as error:
+        return str(error)
+
+
+def test_a_vehicle_that_drifts_away_is_sent_home() -> None:
+    """Slowly, as in a storm: its targets are near it, but the reference is not."""
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+
+    def drift() -> None:
+        vehicle.follows = False
+        vehicle.place_m = vehicle.place_m + np.array([0.0, 0.3])
+        vehicle.schedule.insert(0, (vehicle.clock.now_s - vehicle.began_s + 0.1, drift))
+
+    vehicle.schedule.append((50.0, drift))
+    record = flight.fly()
+    assert record.ended == "off course"
+    assert record.rtl_confirmed
+
+
 def test_the_way_to_the_beginning_is_flown_at_the_asked_speed() -> None:
     flight = fake_following(approach_m_s=3.0, speed_m_s=8.0, duration_s=1.0)
     flight.fly()

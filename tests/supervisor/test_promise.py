@@ -5,20 +5,29 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from flight_replay.events import Event
-from flight_replay.supervisor import Plan, fly
+from flight_replay.supervisor import FollowPlan, Plan, fly
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
+from tests.helpers.supervised import RECORDED_S, s_curve
 
 FAULTS: tuple[type[BaseException], ...] = (
     OSError, RuntimeError, AttributeError, TypeError, ValueError, KeyError, MemoryError, RecursionError,
     struct.error, AssertionError, KeyboardInterrupt, SystemExit, GeneratorExit,
 )  # fmt: skip
 POINTS = 8
+MISSION = Plan(mission=route(POINTS), duration_s=20.0, takeoff_altitude_m=10.0)
+FOLLOWING = FollowPlan(reference=s_curve(), recorded_s=RECORDED_S, duration_s=5.0, takeoff_altitude_m=10.0)
+PLANS: dict[str, Plan | FollowPlan] = {"auto": MISSION, "guided": FOLLOWING}
+PARTS = (
+    "reports", "request_mode", "request_arm", "request_takeoff", "mission_verified",
+    "request_speed", "request_position", "send_target", "round_trip_s",
+)  # fmt: skip
 
 
 class Faults:
@@ -44,16 +53,15 @@ class Faults:
         return counted
 
 
-def flown(faults: Faults) -> FakeVehicle:
+def flown(faults: Faults, plan: Plan | FollowPlan) -> FakeVehicle:
     """A vehicle after a flight in which every part was called through ``faults``."""
     clock = FakeClock()
     vehicle = FakeVehicle(clock, points=POINTS)
-    plan = Plan(mission=route(POINTS), duration_s=20.0, takeoff_altitude_m=10.0)
 
     def listen(_event: Event) -> None:
         return
 
-    for name in ("reports", "request_mode", "request_arm", "request_takeoff", "mission_verified"):
+    for name in PARTS:
         setattr(vehicle, name, faults.around(getattr(vehicle, name)))
     watched = FakeClock()
     watched.monotonic_s = faults.around(lambda: clock.now_s)  # type: ignore[method-assign]
@@ -68,15 +76,16 @@ def assert_sent_home(vehicle: FakeVehicle, story: object) -> None:
         assert vehicle.mode == "RTL" and "RTL" in vehicle.requested, story
 
 
-def calls_of_a_whole_flight() -> int:
+def calls_of_a_whole_flight(plan: Plan | FollowPlan) -> int:
     faults = Faults({})
-    vehicle = flown(faults)
+    vehicle = flown(faults, plan)
     assert vehicle.requested[-1] == "RTL"
     return faults.calls
 
 
-def injected(seed: int, count: int, calls: int) -> None:
+def injected(seed: int, count: int, plan: Plan | FollowPlan) -> None:
     """Fly ``count`` times with one to three faults at random calls, some that stay."""
+    calls = calls_of_a_whole_flight(plan)
     chance = np.random.default_rng(seed)
     for number in range(count):
         chosen = {
@@ -86,19 +95,38 @@ def injected(seed: int, count: int, calls: int) -> None:
         if chance.random() < 0.3:
             first, stays = min(chosen), int(chance.integers(2, 6))
             chosen |= dict.fromkeys(range(first, first + stays), chosen[first])
-        assert_sent_home(flown(Faults(chosen, before=bool(chance.random() < 0.5))), (seed, number, chosen))
+        faults = Faults(chosen, before=bool(chance.random() < 0.5))
+        assert_sent_home(flown(faults, plan), (seed, number, chosen))
 
 
-def test_rtl_is_commanded_whatever_is_raised() -> None:
-    """Three hundred flights with faults injected into vehicle, clock and listener."""
-    injected(1, 300, calls_of_a_whole_flight())
+@pytest.mark.parametrize(("way", "count"), [("auto", 300), ("guided", 100)])
+def test_rtl_is_commanded_whatever_is_raised(way: str, count: int) -> None:
+    """Flights with faults injected into vehicle, clock and listener."""
+    injected(1, count, PLANS[way])
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("way", PLANS)
 @pytest.mark.parametrize("seed", range(2, 12))
-def test_rtl_is_commanded_whatever_is_raised_often(seed: int) -> None:
+def test_rtl_is_commanded_whatever_is_raised_often(seed: int, way: str) -> None:
     """The same six hundred times for every seed."""
-    injected(seed, 600, calls_of_a_whole_flight())
+    injected(seed, 600, PLANS[way])
+
+
+@pytest.mark.parametrize("part", ["send_target", "request_position", "request_speed", "round_trip_s"])
+def test_rtl_is_commanded_when_a_part_of_following_fails(part: str) -> None:
+    """At its first call, and at its last before the flight would have ended."""
+    counts = Faults({})
+    vehicle = FakeVehicle(FakeClock())
+    setattr(vehicle, part, counts.around(getattr(vehicle, part)))
+    plan = replace(FOLLOWING, approach_m_s=3.0)
+    fly(vehicle, vehicle.clock, plan)
+    for number in (1, counts.calls):
+        vehicle = FakeVehicle(FakeClock())
+        setattr(vehicle, part, Faults({number: OSError}).around(getattr(vehicle, part)))
+        with pytest.raises(OSError, match="injected"):
+            fly(vehicle, vehicle.clock, plan)
+        assert_sent_home(vehicle, number)
 
 
 @pytest.mark.parametrize("fault", [OSError, AttributeError, KeyboardInterrupt])

@@ -13,7 +13,7 @@ from flight_replay import supervisor
 from flight_replay.cli import vehicle_step
 from flight_replay.cli.consent import ask_consent
 from flight_replay.cli.options import Options
-from flight_replay.errors import MissionError
+from flight_replay.errors import MissionError, VehicleError
 from flight_replay.events import Finished, Listener, Notice
 from flight_replay.mission.items import Home
 from flight_replay.output.console.console import Console
@@ -69,14 +69,27 @@ def fly(
         if options.dry_run:
             return route, None
         _check_before_arming(options, route, connected, console, listener)
-        _prepare(options, route, connected, connection, stack, listener)
-        record = supervisor.fly(connected, WallClock(), _plan(options, route, connected.identity), listener)
+        record = _flown(options, route, connected, connection, listener)
         identity = connected.identity
     if recorder:
         record = replace(record, problem=record.problem or recorder.problem)
     listener(Finished(record.ended))
     outcome = compare_flight(route, record)
     return route, FlightResult(identity.name, identity.simulated, record, outcome)
+
+
+def _flown(
+    options: Options, route: Route, connected: ConnectedVehicle, connection: str, listener: Listener
+) -> FlightRecord:
+    """The record of the flight, even if a parameter cannot be put back after it."""
+    with ExitStack() as changed:
+        _prepare(options, route, connected, connection, changed, listener)
+        record = supervisor.fly(connected, WallClock(), _plan(options, route, connected.identity), listener)
+        try:
+            changed.close()
+        except VehicleError as error:
+            record = replace(record, problem=record.problem or str(error))
+    return record
 
 
 def _prepare(  # noqa: PLR0913, PLR0917

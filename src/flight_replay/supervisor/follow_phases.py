@@ -30,6 +30,7 @@ _TARGET_S = 0.1  # Vehicle time between targets: ten a second follow as closely 
 _STEP_WALL_S, _MIN_STEP_WALL_S = 0.05, 0.001
 _OFF_COURSE = 3.0  # So many times the error that the reference waits for ends the flight.
 _LONGEST_ROUND_TRIP_S = 1.0
+_NOT_BACK = "the vehicle does not get back to the recording; check its fence, wind, limits and load"
 
 
 def approach(monitor: VehicleMonitor, plan: FollowPlan) -> None:
@@ -37,6 +38,7 @@ def approach(monitor: VehicleMonitor, plan: FollowPlan) -> None:
 
     Raises:
         PhaseTimeoutError: The vehicle stops on the way, or does not tell where its frame is.
+        FlightEnded: It disarms, or somebody else takes over.
     """
     monitor.emit(PhaseStarted(Phase.APPROACH))
     reference = plan.reference
@@ -44,6 +46,7 @@ def approach(monitor: VehicleMonitor, plan: FollowPlan) -> None:
     progress, retry = ProgressTimer(monitor), RetryTimer(monitor)
     deadline, nearest_m = Deadline(monitor, monitor.deadlines.no_progress_s), np.inf
     while True:
+        _check_still_ours(monitor)
         apart_m = float(np.linalg.norm(_position_m(reference, monitor.state) - start_m))
         if _at_rest(monitor, apart_m) and monitor.vehicle.takes_targets:
             break
@@ -52,7 +55,7 @@ def approach(monitor: VehicleMonitor, plan: FollowPlan) -> None:
             deadline.restart()
         if deadline.passed:
             raise PhaseTimeoutError(_stopped_on_the_way(monitor, apart_m))
-        if not monitor.unexpected_mode and retry.due(_RETRY_S):
+        if retry.due(_RETRY_S):
             _request_start(monitor, plan, start_m)
         if progress.due():
             monitor.emit(DistanceToStart(apart_m))
@@ -100,23 +103,27 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
             furthest_s = follower.recording_s
             deadline.restart()
         if deadline.passed:
-            raise FlightEnded("no progress", "the vehicle does not get back to the recording; find out why")
+            raise FlightEnded("no progress", _NOT_BACK)
         if progress.due():
             monitor.emit(_following(monitor, follower, plan))
     return plan.ended
 
 
 def _check_still_following(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> None:
+    _check_still_ours(monitor)
+    if follower.apart_m > _OFF_COURSE * plan.max_error_m:
+        raise FlightEnded(
+            "off course",
+            f"the vehicle was {follower.apart_m:.1f} m from where it was to be; "
+            "check wind, fence, limits and load, or allow more with --max-error",
+        )
+
+
+def _check_still_ours(monitor: VehicleMonitor) -> None:
     if monitor.unexpected_mode:
         _wait_for_verdict(monitor)
     if monitor.certainly_disarmed:
         raise flight_ended.disarmed(monitor.reason)
-    if follower.error_m > _OFF_COURSE * plan.max_error_m:
-        raise FlightEnded(
-            "off course",
-            f"the vehicle was {follower.error_m:.1f} m from where it was to be; "
-            "check wind, limits and load, or allow more with --max-error",
-        )
 
 
 def _wait_for_verdict(monitor: VehicleMonitor) -> None:

@@ -79,6 +79,8 @@ class Follower:
         """Vehicle time and recording's time of each target."""
         self.error_m = 0.0
         """How far the vehicle was from its target when it was last looked at."""
+        self.apart_m = 0.0
+        """How far it was from the reference itself, wherever its targets were."""
 
     @property
     def offset_m(self) -> float:
@@ -112,6 +114,7 @@ class Follower:
         if wanted_m is None:
             return
         self.error_m = float(np.linalg.norm(position_m - wanted_m))
+        self.apart_m = float(np.linalg.norm(position_m - wanted_m + self._offset_m))
         self._behind = self.error_m > self.max_error_m * (_CAUGHT_UP if self._behind else 1.0)
         if self.error_m > _LOST * self.max_error_m:
             self.rejoin(position_m, velocity_m_s, back_s=_REMEMBERED_S, ahead_s=_SEARCH_AHEAD_S)
@@ -142,6 +145,7 @@ class Follower:
         best = int(np.argmin((apart_m**2).sum(axis=1) + (_STOPPING_S * aside_m_s**2).sum(axis=1)))
         self.recording_s, self.rate, self._change = float(times_s[best]), float(pace[best]), 0.0
         self._offset_m, self._rejoin_m_s = -apart_m[best], 0.0
+        self.apart_m = self.offset_m
         self._behind = False
         self._past.clear()
 

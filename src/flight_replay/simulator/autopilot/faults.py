@@ -194,8 +194,8 @@ Action = PilotMode | FailsafeMode | SetParameter | Reboot | MoveItem
 class ScriptedFault:
     """``action`` takes place ``after_s`` seconds of vehicle time after ``trigger``.
 
-    A trigger is "boot", "upload" (a mission was received), "armed", "takeoff" (commanded) or the name
-    of a mode that is entered ("AUTO", "RTL").
+    A trigger is "boot", "upload" (a mission was received), "armed", "takeoff" (commanded), "target"
+    (one that moves was followed) or the name of a mode that is entered ("AUTO", "RTL").
     """
 
     trigger: str

@@ -118,6 +118,8 @@ def _follow(autopilot: Autopilot, target: GuidedTarget) -> None:
         _reject(autopilot)
     elif target.position_m is None or autopilot.allows_target(target.position_m):
         autopilot.flight.follow(target)
+        if target.velocity_m_s is not None:
+            autopilot.trigger("target")
 
 
 def _makes_sense(target: GuidedTarget) -> bool:

@@ -20,7 +20,7 @@ _MIN_RETRY_S = 0.1  # ArduPilot reads parameters in a thread that is slower than
 _REQUEST_INTERVAL_S = 0.01  # Between requests, so that a slow radio keeps up.
 _TOLERANCE = 1e-4  # Relative: parameters are float32.
 _MAX_ERROR = 1e-3  # Probability of taking a lost answer for an unknown name.
-_RESTORE_S = 4.0
+_RESTORE_S, _RESTORE_UNANSWERED_S = 4.0, 1.0
 _MAX_INTEGER_UNIT = 0.1
 
 
@@ -93,14 +93,20 @@ class _ParameterReader:
                 awaited.discard(message.param_id)
 
 
-def write_parameters(link: VehicleLink, wanted: Mapping[str, float], limit_s: float = 10.0) -> None:
-    """Set parameters, each confirmed by the vehicle.
+def write_parameters(
+    link: VehicleLink,
+    wanted: Mapping[str, float],
+    limit_s: float = 10.0,
+    unanswered_s: float = math.inf,
+) -> None:
+    """Set parameters, each confirmed by the vehicle; one that never answers is left after ``unanswered_s``.
 
     Raises:
         VehicleError: The vehicle does not confirm all values in time.
     """
     reported: dict[str, float] = {}
-    end_s = link.now_s() + limit_s
+    began_s = link.now_s()
+    end_s = began_s + min(limit_s, unanswered_s)
     with link.inbox("PARAM_VALUE") as inbox:
         while missing := [name for name, value in wanted.items() if not _equal(reported.get(name), value)]:
             if link.now_s() >= end_s:
@@ -110,6 +116,7 @@ def write_parameters(link: VehicleLink, wanted: Mapping[str, float], limit_s: fl
             retry_at_s = min(end_s, link.now_s() + _retry_s(link))
             while missing and (message := inbox.get(retry_at_s - link.now_s())) is not None:
                 reported[message.param_id] = message.param_value
+                end_s = began_s + limit_s
                 missing = [name for name in missing if not _equal(reported.get(name), wanted[name])]
 
 
@@ -139,16 +146,16 @@ def parameters_set(link: VehicleLink, wanted: Mapping[str, float]) -> Iterator[N
     unknown = [name for name in wanted if name not in before]
     if unknown:
         raise VehicleError(
-            f"the vehicle has no parameter {', '.join(unknown)}: its firmware is too old or too new; "
-            "fly without --limits recorded"
+            f"the vehicle has no parameter {', '.join(unknown)}: its firmware is too old or too new, "
+            "or the link loses its answers; check both"
         )
     try:
         write_parameters(link, wanted)
         yield
     except BaseException:
-        # The first error counts; and Ctrl-C has to end the program within 10 s.
+        # The first error counts; and Ctrl-C has to end the program within 10 s, of which RTL may take 8.
         with suppress(VehicleError):
-            write_parameters(link, before, _RESTORE_S)
+            write_parameters(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S)
         raise
     write_parameters(link, before)
 
