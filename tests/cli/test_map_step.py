@@ -12,6 +12,7 @@ from flight_replay.cli.options import parse_options
 from flight_replay.events import Event, Notice
 from flight_replay.output.console.console import PlainConsole
 from flight_replay.planning.spacing import spaced_route
+from tests.helpers.made_replays import made_following
 from tests.helpers.made_tracks import straight_track
 
 
@@ -37,3 +38,14 @@ def test_the_map_is_served_and_opened_in_a_browser(monkeypatch: pytest.MonkeyPat
         with urlopen(url, timeout=10) as page:
             assert page.status == 200
     assert received == [Notice(f"Live map: {url}"), Notice("hello")]
+
+
+def test_a_recording_that_is_followed_has_a_map() -> None:
+    """Without waypoints."""
+    route, console = made_following()[0], PlainConsole(io.StringIO())
+    received: list[Event] = []
+    with with_live_map(parse_options(["--map", "--mode", "guided"]), route, console, received.append):
+        (notice,) = received
+        assert isinstance(notice, Notice)
+        with urlopen(notice.text.removeprefix("Live map: "), timeout=10) as page:
+            assert page.status == 200

@@ -71,6 +71,22 @@ def test_the_sample_is_replayed(speedup: str, capsys: pytest.CaptureFixture[str]
     assert flight["waypoints_reached"] >= 20
 
 
+@pytest.mark.parametrize("speedup", ["1", "10"])
+def test_the_sample_is_followed(speedup: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """In step, as near as the flight model predicts for this firmware from 4.1 on; GUID_TIMEOUT restored."""
+    options = ["--tlog", str(SAMPLE), "--from", "85", "--to", "125", "--duration", "all"]
+    assert main([*options, "--mode", "guided", "--sim", "sitl", "--speedup", speedup, "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    flight, predicted = summary["flight"], summary["route"]["predicted"]
+    assert flight["ended"] == "recording complete"
+    assert flight["rtl_confirmed"]
+    assert flight["height_error_m"]["max"] < 0.5
+    assert flight["alignment"]["waited_s"] < 1.0
+    old = "3." in flight["vehicle"]
+    largest_m = 4.0 if old else predicted["position_error_m"]["mean"] + 0.15
+    assert flight["position_error_m"]["mean"] < largest_m
+
+
 @pytest.mark.parametrize(
     "conditions",
     [LinkConditions(loss=0.2), LinkConditions(delay_s=0.2), LinkConditions(duplicated=0.2, corrupt=0.05)],

@@ -8,8 +8,10 @@ from flight_replay.events import VehicleState
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.output.outcome import Outcome, compare_flight
+from flight_replay.planning.following.followed_route import FollowOptions, followed_route
 from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.supervisor.flight_plan import FlightRecord
 
 FRAME = LocalFrame(47.3977, 8.5456)
@@ -42,6 +44,43 @@ def made_replay() -> tuple[Route, FlightRecord, Outcome]:
         landed=False,
         reached=tuple((seq, 1000.0 + 2.0 * seq) for seq, _ in route.mission.waypoints[:-1]),
         flown=flown,
+    )
+    return route, record, compare_flight(route, record)
+
+
+def made_following(
+    *, waits_at_s: float = np.inf, waits_s: float = 0.0, back_s: float = 0.0, end_s: float = 110.0
+) -> tuple[Route, FlightRecord, Outcome]:
+    """The figure of eight followed in GUIDED, a metre north of its reference.
+
+    Args:
+        waits_at_s: the recording's time at which it waits.
+        waits_s: for how long.
+        back_s: how far it goes back after that.
+        end_s: the recording's time at which the flight ends.
+    """
+    track = figure_of_eight()
+    route = followed_route(track, np.full(len(track), 30.0), Limits(), FollowOptions())
+    assert route.reference is not None
+    began_s = -route.reference.begin_s
+    since_s = np.arange(0.0, end_s + began_s + waits_s + back_s, 0.1)
+    free_s = since_s - began_s
+    recording_s = np.where(
+        free_s < waits_at_s, free_s, np.maximum(free_s - waits_s, waits_at_s) - back_s * (free_s > waits_at_s)
+    )
+    places_m = route.reference.positions_m(recording_s) + np.array([1.0, 0.0, 0.0])
+    lat_deg, lon_deg = route.reference.frame.to_degrees(places_m[:, :2])
+    record = FlightRecord(
+        waypoints_reached=0,
+        ended="duration",
+        problem=None,
+        auto_start_s=1000.0,
+        auto_s=float(since_s[-1]),
+        rtl_confirmed=True,
+        landed=False,
+        reached=(),
+        flown=track_from_columns(1000.0 + since_s, lat_deg, lon_deg, places_m[:, 2]),
+        recording_s=recording_s,
     )
     return route, record, compare_flight(route, record)
 

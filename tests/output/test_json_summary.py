@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import pytest
+
 from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.output.outcome import compare_flight
 from flight_replay.planning.heights import HeightChange, RouteHeights
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.made_replays import made_replay
+from tests.helpers.made_replays import made_following, made_replay
 
 
 def test_items_are_numbered_from_1_without_home() -> None:
@@ -97,3 +99,18 @@ def test_heights_have_their_own_object() -> None:
         "raised_to_floor": {"fixes": 12, "max_m": 3.25},
         "not_kept": {"fixes": 0, "max_m": 0.0},
     }
+
+
+def test_a_motion_that_is_followed_has_its_own_object() -> None:
+    """Instead of items; the flight says how long the recording waited."""
+    route, record, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
+    summary = route_summary(route)
+    assert (summary["method"], summary["points"], summary["items"]) == ("guided", 0, [])
+    motion = summary["reference"]
+    assert motion["duration_s"] == pytest.approx(summary["predicted_duration_s"] + 5.0, abs=0.3)
+    assert motion["lowest_m"] == motion["highest_m"] == 30.0
+    assert 3.0 < motion["top_speed_m_s"] < 6.0
+    assert "reference" not in route_summary(made_replay()[0])
+    alignment = flight_summary("ArduCopter V4.6.0", True, record, outcome)["alignment"]
+    assert alignment["waited_s"] == 7.0
+    assert alignment["flown_s"] == 1005.0

@@ -12,6 +12,7 @@ from flight_replay.output.outcome import compare_flight
 from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.supervisor.flight_plan import FlightRecord
+from tests.helpers.made_replays import made_following
 from tests.helpers.made_tracks import FRAME, straight_track
 
 
@@ -153,3 +154,59 @@ def test_a_flight_without_positions_is_compared() -> None:
     outcome = compare_flight(route, replace(record, flown=record.flown.select(slice(0))))
     assert outcome.errors.position_m.statistics is None
     assert "path_error_m" in outcome.not_measured
+
+
+def test_a_flight_in_step_is_compared_by_the_recordings_clock() -> None:
+    """A metre beside the reference is a metre at equal times, which need no waypoint."""
+    route, _, outcome = made_following()
+    errors = outcome.errors
+    assert statistics(errors.position_m).mean == pytest.approx(1.0, abs=0.1)
+    assert statistics(errors.height_m).max < 0.01
+    assert errors.position_m.time_s[0] == 0.0
+    assert outcome.first_waypoint_s == pytest.approx(1005.0, abs=0.1)
+    assert outcome.waited_s == pytest.approx(0.0, abs=1e-6)
+    assert outcome.not_measured == {"heading_error_deg": "one of both flights has no heading"}
+    coverage = outcome.coverage
+    assert coverage.recorded_s == pytest.approx(110.0, abs=0.5)
+    assert coverage.of_fixes == len(route.recording) == 300
+    assert coverage.fly_all == ("--duration all",)
+
+
+def test_waiting_is_no_error_but_is_told() -> None:
+    """A recording that waits 7 s has the same errors as one that does not."""
+    _, _, free = made_following()
+    _, _, waited = made_following(waits_at_s=40.0, waits_s=7.0)
+    assert waited.waited_s == pytest.approx(7.0, abs=0.1)
+    assert statistics(waited.errors.position_m).max == pytest.approx(
+        statistics(free.errors.position_m).max, abs=0.05
+    )
+    assert len(waited.errors.position_m) == len(free.errors.position_m)
+
+
+def test_after_a_rejoin_the_second_time_over_counts() -> None:
+    """A clock that goes back 4 s makes times that rise, and no fix is compared twice."""
+    _, record, outcome = made_following(waits_at_s=40.0, waits_s=3.0, back_s=4.0)
+    assert record.recording_s is not None and np.diff(record.recording_s).min() < -3.0
+    assert outcome.waited_s == pytest.approx(7.0, abs=0.2)
+    times_s = outcome.errors.position_m.time_s
+    assert np.all(np.diff(times_s) > 0)
+    assert statistics(outcome.errors.position_m).max < 2.0
+
+
+def test_a_follower_that_never_began_has_no_error() -> None:
+    """It was stopped during the run-up: the reason is told in words of following."""
+    route, record, _ = made_following()
+    assert record.recording_s is not None
+    begun = int(np.searchsorted(record.recording_s, -0.5))
+    early = replace(record, flown=record.flown.select(slice(begun)), recording_s=record.recording_s[:begun])
+    outcome = compare_flight(route, early)
+    assert outcome.errors.position_m.statistics is None
+    assert set(outcome.not_measured.values()) == {"the first fix was not reached"}
+    assert outcome.waited_s == 0.0
+
+
+def test_a_slower_replay_covers_recorded_seconds() -> None:
+    """At half the pace the coverage is still in the recording's seconds."""
+    route, record, _ = made_following()
+    slow = replace(route, wanted=replace(route.wanted, time_s=2.0 * route.wanted.time_s))
+    assert compare_flight(slow, record).coverage.recorded_s == pytest.approx(55.0, abs=0.5)

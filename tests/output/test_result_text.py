@@ -7,7 +7,7 @@ import pytest
 from flight_replay.geometry.distances import ErrorStatistics
 from flight_replay.output.outcome import Coverage
 from flight_replay.output.result_text import coverage_lines, duration_text, flight_lines, statistics_text
-from tests.helpers.made_replays import made_replay
+from tests.helpers.made_replays import made_following, made_replay
 
 
 @pytest.mark.parametrize(
@@ -44,3 +44,13 @@ def test_numbers_have_their_units() -> None:
     assert statistics_text(error) == "mean 1.23 m, p95 2.00 m, max 123.46 m"
     assert statistics_text(error, "deg") == "mean 1.2 deg, p95 2.0 deg, max 123.5 deg"
     assert statistics_text(None) == "nothing to compare"
+
+
+def test_a_recording_that_is_followed_has_words_of_its_own() -> None:
+    """Seconds instead of waypoints; what it waited is told where it did."""
+    lines = flight_lines(*made_following())
+    assert lines[0] == " Followed 110.0 s of the recording in 114.9 s of GUIDED"
+    assert any(line.startswith(" At equal times: by the recording's clock, ") for line in lines)
+    assert not any("waited" in line for line in lines)
+    waited = flight_lines(*made_following(waits_at_s=40.0, waits_s=7.0))
+    assert waited[-1] == " The recording waited 7.0 s for the vehicle"

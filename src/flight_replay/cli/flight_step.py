@@ -189,7 +189,7 @@ def _plan(options: Options, route: Route, identity: Identity) -> Plan | FollowPl
         return FollowPlan(
             reference=route.reference,
             recorded_s=float(route.wanted.time_s[-1]),
-            duration_s=options.duration_s,
+            duration_s=None if options.duration_s is None else options.duration_s / options.pace,
             max_error_m=options.max_error_m,
             leads=leads(identity),
             approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else None,

@@ -11,8 +11,10 @@ from flight_replay.logs.sample import default_log
 from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Home
+from flight_replay.output.json_summary import reference_summary
 from flight_replay.planning.altitude import RECORDED, altitudes_m, home_of, raised
 from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.heights import RouteHeights
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.route_heights import route_heights
@@ -27,7 +29,8 @@ def read_recording(options: Options, listener: Listener) -> tuple[Log, tuple[Fli
     Raises:
         LogError: The log cannot be read, or has no fix in the selected part.
     """
-    listener(Notice("Generating waypoints from tlog..."))
+    what = "the motion" if options.mode == "guided" else "waypoints"
+    listener(Notice(f"Generating {what} from tlog..."))
     log = read_log(
         default_log() if options.tlog is None else options.tlog,
         vehicle=None if options.vehicle is None else VehicleId(*options.vehicle),
@@ -72,7 +75,7 @@ class Planner:
         """
         route = self._plan(vehicle.limits)
         used = replace(vehicle, limits=replace(vehicle.limits, **route.required_limits))
-        for note in (*vehicle.notes, *route.notes):
+        for note in (*vehicle.notes, *_motion_notes(route), *route.notes):
             self._listener(Notice(f" {note}"))
         return replace(route, limits=used)
 
@@ -115,19 +118,38 @@ def _followed_route(options: Options, track: Track, limits: Limits) -> Route:
         approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else limits.wp_speed_m_s,
     )
     heights_m = altitudes_m(track, options.altitude_m, options.floor_m)
-    return with_prediction(followed_route(track, heights_m, limits, follow), limits)
+    route = with_prediction(followed_route(track, heights_m, limits, follow), limits)
+    heights = _heights(options, route, limits)
+    return replace(route, heights=heights, notes=(*route.notes, *heights.notes))
+
+
+def _motion_notes(route: Route) -> list[str]:
+    """What the motion that is followed in GUIDED asks of the vehicle."""
+    if route.reference is None:
+        return []
+    motion = reference_summary(route.reference)
+    low_m, high_m = f"{motion['lowest_m']:.0f}", f"{motion['highest_m']:.0f}"
+    heights = low_m if low_m == high_m else f"{low_m} to {high_m}"
+    return [
+        f"Generated a motion of {route.path.length_m:.0f} m, up to {motion['top_speed_m_s']:.1f} m/s and "
+        f"{motion['top_acceleration_m_s2']:.1f} m/s², {heights} m above home"
+    ]
 
 
 def _with_heights(options: Options, route: Route, limits: Limits) -> Route:
     """The route with what it does with heights, and with the time of the climb to its first waypoint."""
-    floor_m = options.floor_m if options.altitude_m == RECORDED else None
-    heights = route_heights(route, limits, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m)
+    heights = _heights(options, route, limits)
     return replace(
         route,
         heights=heights,
         predicted_duration_s=route.predicted_duration_s + heights.climb_s,
         notes=(*route.notes, *heights.notes),
     )
+
+
+def _heights(options: Options, route: Route, limits: Limits) -> RouteHeights:
+    floor_m = options.floor_m if options.altitude_m == RECORDED else None
+    return route_heights(route, limits, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m)
 
 
 def _with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Route:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import singledispatch
 
 from flight_replay.events import (
@@ -31,7 +32,7 @@ _PHASES = {
     Phase.ARM: " Waiting for arming...",
     Phase.TAKEOFF: " Taking off!",
     Phase.MISSION: "Starting mission",
-    Phase.APPROACH: " Flying to where the recording begins",
+    Phase.APPROACH: "Flying to where the recording begins",
     Phase.FOLLOW: "Following the recording",
     Phase.RETURN: "Return to launch",
     Phase.CLOSE: "Close vehicle object",
@@ -101,6 +102,8 @@ def _distance_to_start(event: DistanceToStart) -> str:
 @event_line.register
 def _following(event: Following) -> str:
     waiting = ", waiting for the vehicle" if event.waiting else ""
+    if event.recording_s < 0:
+        return f" Begins in {math.ceil(-event.recording_s)} s, {event.error_m:.2f} m off{waiting}"
     return f" {event.recording_s:.0f} of {event.of_s:.0f} s, {event.error_m:.2f} m off{waiting}"
 
 

@@ -127,13 +127,15 @@ def _coverage(outcome: Outcome) -> Json:
 def _alignment(outcome: Outcome) -> Json:
     """What the errors at equal times put on what, and for how many fixes there are such errors.
 
-    ``flown_s`` of the vehicle's clock is put on ``recorded_s`` seconds since the first flown fix.
+    ``flown_s`` of the vehicle's clock is put on ``recorded_s`` seconds since the first flown fix;
+    ``waited_s`` is how long a recording that is followed waited for the vehicle.
     """
     errors = outcome.errors
     first_s = outcome.first_waypoint_s
     return {
         "recorded_s": 0.0,
         "flown_s": None if first_s is None else round(first_s, 3),
+        "waited_s": None if outcome.waited_s is None else round(outcome.waited_s, 3),
         "seconds": round(float(np.ptp(errors.position_m.time_s)), 3) if len(errors.position_m) else 0.0,
         "fixes": len(errors.position_m),
         "heights": len(errors.height_m),

@@ -43,19 +43,23 @@ class Outcome:
     """A flight beside the recording.
 
     ``first_waypoint_s`` is when, by the vehicle's clock, it reached the first waypoint, which the
-    recording's first fix is put on for errors at equal times; None if it never did.
+    recording's first fix is put on for errors at equal times; None if it never did. ``waited_s`` is how
+    long the recording waited for a vehicle that followed it; None for a mission, which does not wait.
     """
 
     errors: FlightErrors
     coverage: Coverage
     first_waypoint_s: float | None
+    waited_s: float | None = None
 
     @property
     def not_measured(self) -> Mapping[str, str]:
         """Why there is no error of a kind: the kind's name in ``--json``, and the reason."""
-        errors, never = self.errors, "the first waypoint was not reached"
+        errors, in_step = self.errors, self.waited_s is not None
+        never = f"the first {'fix' if in_step else 'waypoint'} was not reached"
+        when = "while following" if in_step else "in AUTO"
         reasons = {
-            "path_error_m": (errors.path_m.recorded_to_path, "no position was received in AUTO"),
+            "path_error_m": (errors.path_m.recorded_to_path, f"no position was received {when}"),
             "position_error_m": (errors.position_m, "there is no time that both flights have"),
             "height_error_m": (errors.height_m, "the recording has no height at times that both have"),
             "heading_error_deg": (errors.heading_deg, "one of both flights has no heading"),
@@ -94,7 +98,8 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
 def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) -> Outcome:
     """The errors of a flight that followed the recording, by the reference's clock.
 
-    Where the reference went back to a vehicle that had lost it, the second time over counts.
+    Where the reference went back to a vehicle that had lost it, the second time over counts. What the
+    vehicle's clock is ahead of the reference's in the end, the recording waited for it.
     """
     known = np.isfinite(recording_s)
     flown, recording_s = record.flown.select(known), recording_s[known]
@@ -104,8 +109,14 @@ def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) 
     end_s = float(recording_s.max(initial=0.0))
     fixes = _count_up_to(route.wanted.time_s, end_s + _TOLERANCE_S)
     errors = flight_errors(route.wanted, movement, last_s=end_s, fixes=fixes, line=fixes)
+    late_s = (flown.time_s - recording_s)[recording_s >= 0.0]
     begun = flown.time_s[kept][movement.time_s >= 0.0]
-    return Outcome(errors, _coverage(route, fixes), float(begun[0]) if len(begun) else None)
+    return Outcome(
+        errors,
+        _coverage(route, fixes),
+        float(begun[0]) if len(begun) else None,
+        waited_s=max(float(late_s[-1] - late_s[0]), 0.0) if len(late_s) else 0.0,
+    )
 
 
 def _coverage(route: Route, fixes: int) -> Coverage:
@@ -117,7 +128,7 @@ def _coverage(route: Route, fixes: int) -> Coverage:
     return Coverage(
         fixes=fixes,
         of_fixes=of_fixes,
-        recorded_s=float(route.wanted.time_s[fixes - 1]) if fixes else 0.0,
+        recorded_s=float(route.recorded.time_s[fixes - 1] - route.recorded.time_s[0]) if fixes else 0.0,
         of_recorded_s=float(route.recording.time_s[-1] - route.recording.time_s[0]),
         fly_all=fly_all,
     )

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from flight_replay.supervisor.flight_plan import FlightRecord
 
 
+_WORTH_TELLING_S = 0.05
+
+
 def route_lines(route: Route, fixes_in_log: int) -> list[str]:
     """The route: what it covers, and how near it is to the recording as planned and as predicted."""
     lines = [
@@ -28,16 +31,17 @@ def route_lines(route: Route, fixes_in_log: int) -> list[str]:
 def flight_lines(route: Route, record: FlightRecord, outcome: Outcome) -> list[str]:
     """The flight: what it covered, what flies the rest, and its errors."""
     return [
-        _reached_line(route, record),
+        _reached_line(route, record, outcome),
         *coverage_lines(outcome.coverage, told_how=record.problem is None),
         *error_lines("", outcome.errors),
-        *alignment_lines(outcome, in_step=record.recording_s is not None),
+        *alignment_lines(outcome),
     ]
 
 
-def _reached_line(route: Route, record: FlightRecord) -> str:
+def _reached_line(route: Route, record: FlightRecord, outcome: Outcome) -> str:
     if route.reference is not None:
-        return f" Followed the recording for {record.auto_s:.1f} s in GUIDED"
+        followed_s = outcome.coverage.recorded_s
+        return f" Followed {followed_s:.1f} s of the recording in {record.auto_s:.1f} s of GUIDED"
     return (
         f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
         f"in {record.auto_s:.1f} s of AUTO"
@@ -85,15 +89,17 @@ def path_lines(name: str, errors: PathErrors, path: str) -> list[str]:
     ]
 
 
-def alignment_lines(outcome: Outcome, *, in_step: bool) -> list[str]:
-    """What the errors at equal times put on what."""
-    position = outcome.errors.position_m
-    what = "by the recording's clock" if in_step else "the first flown fix at waypoint 1"
+def alignment_lines(outcome: Outcome) -> list[str]:
+    """What the errors at equal times put on what, and how long the recording waited for the vehicle."""
+    position, waited_s = outcome.errors.position_m, outcome.waited_s
+    what = "the first flown fix at waypoint 1" if waited_s is None else "by the recording's clock"
     if not len(position):
         return []
-    return [
-        f" At equal times: {what}, {len(position)} fixes, {position.time_s[-1] - position.time_s[0]:.0f} s"
-    ]
+    seconds = position.time_s[-1] - position.time_s[0]
+    lines = [f" At equal times: {what}, {len(position)} fixes, {seconds:.0f} s"]
+    if waited_s is not None and waited_s >= _WORTH_TELLING_S:
+        lines.append(f" The recording waited {waited_s:.1f} s for the vehicle")
+    return lines
 
 
 def statistics_text(error: ErrorStatistics | None, unit: str = "m") -> str:

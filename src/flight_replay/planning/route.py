@@ -27,12 +27,12 @@ class Route:
     ``recorded`` is what of ``covered`` was flown, ``wanted`` the same as a replay is measured with: in
     metres around ``frame``, its clock counting from its first fix, its heights as wanted; ``planned_up_m``
     are those that the mission asks for at its fixes, where the vehicle cannot climb as fast as wanted.
-    ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path
-    error of the mission's path, ``predicted_duration_s`` the time in AUTO, ``predicted`` the errors of
-    the flight where the planning simulated it. ``reference`` is the motion to follow in GUIDED, where the
-    mission is only its outline, and is not uploaded. ``required_limits`` are the fields of ``Limits`` to
-    raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made small;
-    ``limits`` are those that the plan is made with; ``heights`` says what the route does with them;
+    ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path error
+    of the mission's path, ``predicted_duration_s`` the time in AUTO, or of following, ``predicted`` the
+    errors of the flight where the planning simulated it. ``reference`` is the motion to follow in GUIDED,
+    where the mission is only its outline, and is not uploaded. ``required_limits`` are the fields of
+    ``Limits`` to raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made
+    small; ``limits`` are those that the plan is made with; ``heights`` says what the route does with them;
     ``notes`` are sentences for people.
     """
 

@@ -42,7 +42,7 @@ def route_heights(route: Route, limits: Limits, *, takeoff_m: float, floor_m: fl
     off_m = np.abs(route.planned_up_m - route.wanted.up_m)
     off = off_m > _KEPT_M
     notes = [
-        _climb_note(takeoff_m, first_m, climb_s) if climbs else "",
+        _climb_note(takeoff_m, first_m, climb_s, followed=route.reference is not None) if climbs else "",
         _floor_note(floor_m or 0.0, below_m[raised], len(raised)) if raised.any() else "",
         _limited_note(off, off_m, route.wanted.time_s) if off.any() else "",
     ]
@@ -82,11 +82,12 @@ def _change(changed: Flags, by_m: Floats) -> HeightChange:
     return HeightChange(int(changed.sum()), float(by_m[changed].max(initial=0.0)))
 
 
-def _climb_note(takeoff_m: float, first_m: float, climb_s: float) -> str:
+def _climb_note(takeoff_m: float, first_m: float, climb_s: float, *, followed: bool) -> str:
     what = "climbs" if first_m > takeoff_m else "descends"
+    where = "where the recording begins" if followed else "the first waypoint"
     return (
-        f"After take-off to {takeoff_m:g} m the vehicle {what} {abs(first_m - takeoff_m):.1f} m to the first "
-        f"waypoint, at {first_m:.1f} m: {climb_s:.0f} s of AUTO."
+        f"After take-off to {takeoff_m:g} m the vehicle {what} {abs(first_m - takeoff_m):.1f} m to {where}, "
+        f"at {first_m:.1f} m: {climb_s:.0f} s{'' if followed else ' of AUTO'}."
     )
 
 

@@ -9,7 +9,7 @@ import pytest
 from flight_replay.errors import FlightReplayError
 from flight_replay.output.charts.plot import save_plot, scale_bar_m
 from flight_replay.planning.spacing import spaced_route
-from tests.helpers.made_replays import figure_of_eight, made_replay
+from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
 
@@ -107,3 +107,11 @@ def test_other_suffixes_are_refused(tmp_path: Path) -> None:
 def test_the_scale_bar_is_round_and_about_a_fifth(width_m: float, bar_m: float) -> None:
     """1, 2 or 5 times a power of ten."""
     assert scale_bar_m(width_m) == pytest.approx(bar_m)
+
+
+def test_a_recording_that_is_followed_is_drawn_without_waypoints(tmp_path: Path) -> None:
+    """There are none; the lines are there."""
+    save_plot(tmp_path / "a.svg", *made_following())
+    page = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    assert "<!-- flown -->" in page
+    assert "waypoints -->" not in page

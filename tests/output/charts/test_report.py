@@ -13,7 +13,7 @@ from flight_replay.output.charts.report import ReportText, save_report
 from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.planning.spacing import spaced_route
-from tests.helpers.made_replays import figure_of_eight, made_replay
+from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 
 def summary(*, flown: bool = True) -> dict[str, Any]:
@@ -139,3 +139,22 @@ def test_other_suffixes_are_refused() -> None:
     route, _, _ = made_replay()
     with pytest.raises(FlightReplayError, match=r'a\.pdf: unknown suffix "\.pdf"; use one of \.html'):
         save_report("a.pdf", ReportText(summary()), route)
+
+
+def test_a_recording_that_is_followed_has_a_report(tmp_path: Path) -> None:
+    """Its motion stands where a mission has its waypoints, and there is no table of items."""
+    route, record, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
+    results = summary() | {
+        "route": route_summary(route),
+        "flight": flight_summary("ArduCopter V4.6.0", True, record, outcome),
+    }
+    record = replace(record, ended="recording complete")
+    save_report(tmp_path / "a.html", ReportText(results), route, record, outcome)
+    page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
+    rows = {row[0]: row[1:] for row in page.rows if row}
+    assert "The whole recording was followed." in page.texts
+    assert "Mission" not in page.texts
+    assert rows["altitude above home"] == ["30.0 to 30.0 m"]
+    assert rows["waited for the vehicle"] == ["7.0 s"]
+    assert "time in GUIDED" in rows
+    assert not {"waypoints", "waypoints reached", "time in AUTO"} & rows.keys()

@@ -17,7 +17,7 @@ from flight_replay.output.charts.series import (
 )
 from flight_replay.planning.route import route_of
 from flight_replay.planning.spacing import spaced_route
-from tests.helpers.made_replays import figure_of_eight, made_replay
+from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 
 def test_both_times_start_at_0() -> None:
@@ -116,3 +116,13 @@ def test_speed_is_the_recorded_one_or_distance_over_time() -> None:
     assert ground_speed_m_s(still, still.north_east_m()).tolist() == [0, 0]
     one = bare.select(slice(0, 1))
     assert ground_speed_m_s(one, one.north_east_m()).tolist() == [0]
+
+
+def test_a_recording_that_is_followed_has_no_waypoints() -> None:
+    """The planned line is the reference; flown time counts from the recording's first fix."""
+    route, record, outcome = made_following()
+    series = replay_series(route, record, outcome)
+    assert (series.waypoint_seqs, series.waypoints_m.shape, series.reached) == ((), (0, 2), ())
+    assert series.planned_m is route.path.north_east_m
+    assert series.flown is not None
+    assert series.flown.time_s[0] == pytest.approx(-5.0, abs=0.11)

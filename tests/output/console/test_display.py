@@ -10,6 +10,7 @@ from flight_replay.events import (
     DistanceToWaypoint,
     Event,
     Finished,
+    Following,
     LinkLost,
     LinkRestored,
     Notice,
@@ -154,3 +155,14 @@ def test_readings_that_are_not_known_are_left_out() -> None:
     assert "Battery" not in line
     (progress,) = shown(DistanceToWaypoint(1, None, 9))
     assert progress.endswith(" 1 of 9")
+
+
+def test_following_shows_its_phases_and_how_far_off_it_is() -> None:
+    """Instead of those of a mission; a recording that waits says so."""
+    begun = [PhaseStarted(phase) for phase in (Phase.CONNECT, Phase.PREARM, Phase.APPROACH, Phase.FOLLOW)]
+    lines = shown(*begun, Following(1.0, 24.0, 60.0, 0.21, waiting=False))
+    assert not any("Mission" in line or "Upload" in line for line in lines)
+    assert any("Follow" in line for line in lines)
+    assert any(line.startswith("Following") and "24 of 60 s, 0.21 m off" in line for line in lines)
+    waits = shown(*begun, Following(1.0, 24.0, 60.0, 3.5, waiting=True))
+    assert any(line.startswith("Waiting") and "3.50 m off" in line for line in waits)

@@ -22,7 +22,7 @@ _LABEL_OFFSET_PX = 13
 
 
 def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
-    """The recorded and the planned path to scale, north up, with numbered waypoints.
+    """The recorded and the planned path to scale, north up, with numbered waypoints if there are any.
 
     What is not covered of the recording is paler.
     """
@@ -43,7 +43,8 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
         chart.line(east_m, north_m, color=LINE_COLOURS[name], width=5, legend_label=name)
     north_m, east_m = series.planned_m.T
     chart.line(east_m, north_m, color=PLANNED_COLOUR, width=1.5, line_dash="dashed", legend_label="planned")
-    _add_waypoints(chart, series)
+    if series.waypoint_seqs:
+        _add_waypoints(chart, series)
     chart.legend.orientation = "horizontal"
     chart.add_layout(chart.legend[0], "above")
     chart.legend.border_line_color = None

@@ -146,9 +146,10 @@ def _draw_map(axes: Axes, series: ReplaySeries) -> None:
     if series.flown is not None:
         north_m, east_m = series.flown.north_east_m.T
         axes.plot(east_m, north_m, color=FLOWN_COLOUR, linewidth=1.2, label="flown")
-    north_m, east_m = series.waypoints_m.T
-    axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=3, label="waypoints")
-    axes.plot(east_m[0], north_m[0], "o", color="black", mfc="none", ms=8, label="first waypoint")
+    if series.waypoint_seqs:
+        north_m, east_m = series.waypoints_m.T
+        axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=3, label="waypoints")
+        axes.plot(east_m[0], north_m[0], "o", color="black", mfc="none", ms=8, label="first waypoint")
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
     axes.set_xlabel("east of the first fix (m)")

@@ -166,10 +166,7 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
             ("vehicle", str(flight["vehicle"])),
             *_waypoint_rows(summary),
             ("ended", str(flight["ended"])),
-            (
-                "time in AUTO" if "items" in summary["route"] else "time in GUIDED",
-                f"{flight['auto_s']:.1f} s",
-            ),
+            (f"time in {_mode(summary['route'])}", f"{flight['auto_s']:.1f} s"),
             ("RTL confirmed", "yes" if flight["rtl_confirmed"] else "no"),
             *_coverage_rows(flight["coverage"]),
             *_error_rows(flight),
@@ -179,9 +176,15 @@ def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tup
     return tables
 
 
+def _mode(route: Summary) -> str:
+    """The mode in which the recording is flown."""
+    return "GUIDED" if "reference" in route else "AUTO"
+
+
 def _waypoint_rows(summary: Summary) -> list[tuple[str, str]]:
     if "reference" in summary["route"]:
-        return []
+        waited_s = summary["flight"]["alignment"]["waited_s"]
+        return [("waited for the vehicle", f"{waited_s or 0.0:.1f} s")]
     return [
         ("waypoints reached", f"{summary['flight']['waypoints_reached']} of {summary['route']['points']}")
     ]
@@ -204,12 +207,24 @@ def _log_rows(log: Summary) -> list[tuple[str, str]]:
 def _route_rows(route: Summary) -> list[tuple[str, str]]:
     return [
         ("method", str(route["method"])),
-        ("waypoints", str(route["points"])),
+        *_what_is_flown_rows(route),
         ("recorded fixes covered", str(route["fixes_covered"])),
         ("length", f"{route['length_m']:.1f} m"),
         *_path_error_rows("planned path error", route["planned_error_m"]),
         ("predicted duration", f"{route['predicted_duration_s']:.1f} s"),
         *(_error_rows(route["predicted"], "predicted ") if route["predicted"] else ()),
+    ]
+
+
+def _what_is_flown_rows(route: Summary) -> list[tuple[str, str]]:
+    """The waypoints of a mission, or the motion that is followed."""
+    motion = route.get("reference")
+    if motion is None:
+        return [("waypoints", str(route["points"]))]
+    return [
+        ("top speed", f"{motion['top_speed_m_s']:.1f} m/s"),
+        ("top acceleration", f"{motion['top_acceleration_m_s2']:.1f} m/s²"),
+        ("altitude above home", f"{motion['lowest_m']:.1f} to {motion['highest_m']:.1f} m"),
     ]
 
 

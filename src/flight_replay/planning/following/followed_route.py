@@ -65,20 +65,20 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         floor_m=min(options.floor_m, float(heights_m.min())),
     )
     times_s = motion.time_s
-    wanted = Movement(times_s, recorded.north_east_m(track.frame), commanded.alt_m, recorded.heading_deg)
+    wanted = Movement(times_s, recorded.north_east_m(recorded.frame), commanded.alt_m, recorded.heading_deg)
     planned_m = reference.positions_m(times_s)
-    path = _path(reference, track, float(times_s[-1]))
+    path = _path(reference, recorded, float(times_s[-1]))
     return Route(
         method="guided",
-        mission=_outline(reference, track),
-        covered=track,
+        mission=_outline(reference, recorded),
+        covered=recorded,
         recorded=recorded,
         wanted=wanted,
         planned_up_m=planned_m[:, 2],
         recording=recorded,
         path=path,
         planned_error=path_errors(wanted, path.north_east_m),
-        predicted_duration_s=float(times_s[-1]),
+        predicted_duration_s=float(times_s[-1]) - reference.begin_s,
         reference=reference,
         notes=(*notes, *_notes(options, bridges, times_s, planned_m - motion.position_m)),
     )
@@ -129,7 +129,7 @@ def _notes(
     if off_m[worst] > _WORTH_TELLING_M:
         share = 100.0 * float(np.mean(off_m > _WORTH_TELLING_M))
         notes.append(
-            f"The vehicle's limits keep it from following {share:.0f} % of the fixes within "
-            f"{_WORTH_TELLING_M:.0f} m: by {off_m[worst]:.1f} m at most, at {times_s[worst]:.0f} s."
+            f"The vehicle's limits do not let it follow {share:.1f} % of the fixes within "
+            f"{_WORTH_TELLING_M:.0f} m; the worst is {off_m[worst]:.1f} m off, at {times_s[worst]:.0f} s."
         )
     return tuple(notes)

@@ -1,0 +1,196 @@
+"""--mode guided, from the log to RTL, on the built-in copter."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flight_replay.cli.main import main
+from flight_replay.mission.formats import load_mission
+from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.server import launch
+from flight_replay.vehicle import connect
+
+GUIDED = ("--mode", "guided")
+SAMPLE_HOME = Start(47.397742, 8.545594, 488.1)
+SPEEDUP = 10.0
+PART = ("--from", "85", "--to", "125")  # With the first turns of the sample flight.
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Run in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def vehicle() -> Iterator[str]:
+    """The connection string of a simulated copter at the start of the sample flight."""
+    with launch.run(SAMPLE_HOME, speedup=SPEEDUP) as running:
+        yield running.connection
+
+
+def summary_of(capsys: pytest.CaptureFixture[str], *argv: str) -> Any:
+    """The JSON object of a run that ended as asked."""
+    status = main([*GUIDED, *argv, "--json"])
+    output = capsys.readouterr()
+    assert status == 0, output.err
+    return json.loads(output.out)
+
+
+def planned(capsys: pytest.CaptureFixture[str], *argv: str) -> Any:
+    """The route of a dry run."""
+    summary = summary_of(capsys, "--dry-run", *argv)
+    assert summary["flight"] is None
+    return summary["route"]
+
+
+def guid_timeout_s(connection: str) -> float:
+    with connect(connection, speedup=SPEEDUP) as connected:
+        return connected.parameters(["GUID_TIMEOUT"])["GUID_TIMEOUT"]
+
+
+def test_a_part_is_followed_in_step(vehicle: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Place, height and heading are the recording's at equal times; parameters are restored."""
+    files = ["--record", "a.tlog", "--plot", "a.png", "--report", "a.html", "--save", "a.waypoints"]
+    summary = summary_of(capsys, "--connect", vehicle, *PART, "--duration", "all", *files)
+    route, flight = summary["route"], summary["flight"]
+    assert (route["method"], route["points"], route["items"]) == ("guided", 0, [])
+    assert (flight["ended"], flight["waypoints_reached"], flight["rtl_confirmed"]) == (
+        "recording complete",
+        0,
+        True,
+    )
+    assert flight["position_error_m"]["mean"] < 0.5
+    assert flight["path_error_m"]["recorded_to_flown"]["mean"] < 0.3
+    assert flight["path_error_m"]["flown_to_recorded"]["mean"] < 0.3
+    assert flight["height_error_m"]["max"] < 0.3
+    assert flight["heading_error_deg"]["mean"] < 5.0
+    assert flight["auto_s"] == pytest.approx(route["predicted_duration_s"], abs=2.0)
+    assert flight["coverage"]["to_fly_all"] == []
+    assert flight["not_measured"] == {}
+    assert guid_timeout_s(vehicle) == 3.0
+    for file in ("a.tlog", "a.png", "a.html", "a.waypoints"):
+        assert (folder / file).stat().st_size > 1000
+    assert b"GUID_TIMEOUT" in (folder / "a.tlog").read_bytes()
+
+
+def test_a_duration_ends_it(capsys: pytest.CaptureFixture[str]) -> None:
+    """After so much of the recording, at half the pace after twice as long."""
+    options = ["--sim", "builtin", "--speedup", "20", "--duration", "4", "--speed", "0.5x"]
+    flight = summary_of(capsys, *options)["flight"]
+    assert flight["ended"] == "duration"
+    assert flight["coverage"]["recorded_s"] == pytest.approx(4.0, abs=0.8)
+    assert flight["auto_s"] == pytest.approx(5.0 + 2 * 4.0, abs=1.0)
+    assert flight["coverage"]["to_fly_all"] == ["--duration all"]
+    assert flight["alignment"]["waited_s"] < 0.5
+
+
+def test_plain_lines_say_what_happens(capsys: pytest.CaptureFixture[str]) -> None:
+    """The lines of a flight in GUIDED come in this order, none of them speaks of a mission."""
+    assert main([*GUIDED, "--sim", "builtin", "--speedup", "20", "--duration", "3"]) == 0
+    out = capsys.readouterr().out
+    lines = [
+        "Generating the motion from tlog...",
+        " Generated a motion of ",
+        " The way to the first fix is flown at 10 m/s.",
+        "Arm and Takeoff",
+        " Reached target altitude of ~30",
+        "Flying to where the recording begins",
+        " Distance to the beginning: ",
+        "Following the recording",
+        " Begins in ",
+        "Return to launch",
+        "Completed...",
+        " Route: 1560 m, covers 2541 of 2686 fixes",
+        " s of GUIDED",
+        " At equal times: by the recording's clock, ",
+    ]
+    places = [out.find(line) for line in lines]
+    assert -1 not in places
+    assert places == sorted(places)
+    assert "aypoint" not in out
+
+
+def test_a_dry_run_predicts_it(capsys: pytest.CaptureFixture[str]) -> None:
+    """The motion's figures, and errors of a fraction of a metre."""
+    route = planned(capsys)
+    assert set(route["reference"]) == {
+        "duration_s",
+        "top_speed_m_s",
+        "top_climb_m_s",
+        "top_descent_m_s",
+        "top_acceleration_m_s2",
+        "lowest_m",
+        "highest_m",
+    }
+    assert route["reference"]["top_speed_m_s"] < 12.0
+    predicted = route["predicted"]
+    assert predicted["position_error_m"]["mean"] < 0.2
+    assert predicted["heading_error_deg"]["mean"] < 3.0
+    assert route["heights"]["climb_to_first_m"] == pytest.approx(0.0, abs=0.05)
+
+
+def test_the_vehicle_may_turn_as_it_wants(capsys: pytest.CaptureFixture[str]) -> None:
+    """--heading vehicle sends no heading, and does not get it right."""
+    asked, free = planned(capsys, *PART), planned(capsys, *PART, "--heading", "vehicle")
+    own, recorded = (route["predicted"]["heading_error_deg"]["mean"] for route in (free, asked))
+    assert own > 2 * recorded
+    assert free["predicted"]["position_error_m"]["mean"] < 0.5
+
+
+def test_a_slower_pace_is_easier(capsys: pytest.CaptureFixture[str]) -> None:
+    """--speed 0.5x takes twice as long at half the speed."""
+    whole, slow = planned(capsys, *PART), planned(capsys, *PART, "--speed", "0.5x")
+    assert slow["predicted_duration_s"] - 5.0 == pytest.approx(
+        2 * (whole["predicted_duration_s"] - 5.0), abs=0.1
+    )
+    top_m_s = whole["reference"]["top_speed_m_s"]
+    assert slow["reference"]["top_speed_m_s"] == pytest.approx(top_m_s / 2, rel=0.15)
+    assert slow["predicted"]["position_error_m"]["mean"] < whole["predicted"]["position_error_m"]["mean"]
+
+
+def test_recorded_heights_can_be_raised(capsys: pytest.CaptureFixture[str]) -> None:
+    """--altitude recorded+10 is ten metres above the recorded heights, which have their floor."""
+    recorded = planned(capsys, "--altitude", "recorded")
+    higher = planned(capsys, "--altitude", "recorded+10")
+    assert recorded["reference"]["lowest_m"] == pytest.approx(5.0, abs=0.05)
+    assert recorded["heights"]["raised_to_floor"]["fixes"] > 0
+    assert higher["reference"]["highest_m"] == pytest.approx(
+        recorded["reference"]["highest_m"] + 10.0, abs=0.2
+    )
+    assert higher["heights"]["raised_to_floor"]["fixes"] == 0
+    assert higher["predicted"]["height_error_m"]["max"] < 0.5
+
+
+def test_the_outline_is_saved(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """--save writes a place for each second, for maps; the recorded track is beside it."""
+    planned(capsys, *PART, "--save", "outline.waypoints", "--save", "outline.kml")
+    assert len(load_mission(folder / "outline.waypoints").waypoints) == pytest.approx(50, abs=2)
+    assert (folder / "outline.kml").is_file()
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        (["--mode", "guided", "--route", "fit"], "leave out --route fit"),
+        (["--mode", "guided", "--limits", "recorded"], "cannot be used with --mode guided"),
+        (["--speed", "0.5x"], "needs --mode guided"),
+        (["--mode", "guided", "--speed", "0x"], "--speed"),
+        (["--mode", "guided", "--max-error", "0"], "--max-error"),
+        (["--mode", "gided"], "--mode"),
+        (["--altitude", "recorded+"], "--altitude"),
+        (["--altitude", "recorded-3"], "--altitude"),
+    ],
+)
+def test_wrong_combinations_are_usage_errors(
+    argv: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The exit status is 2, and the message says what to change."""
+    assert main([*argv, "--dry-run"]) == 2
+    assert message in capsys.readouterr().err
