@@ -33,13 +33,13 @@ def test_predicted_in_step_with_the_recording() -> None:
     assert heading is not None
     assert position.mean < 0.2
     assert heading.mean < 3.0
-    assert route.predicted_duration_s == pytest.approx(59.75)
+    assert route.predicted_duration_s == pytest.approx(5.0 + 59.75)
 
 
 def test_half_the_pace_takes_twice_as_long() -> None:
     track = _track()
     route = followed_route(track, track.alt_m, Limits(), FollowOptions(pace=0.5))
-    assert route.predicted_duration_s == pytest.approx(119.5)
+    assert route.predicted_duration_s == pytest.approx(5.0 + 119.5)
     assert route.reference is not None
     speed = np.hypot(*route.reference.velocities_m_s(np.linspace(5.0, 100.0, 200))[:, :2].T)
     assert speed.max() == pytest.approx(2.0, abs=0.2)
@@ -48,7 +48,7 @@ def test_half_the_pace_takes_twice_as_long() -> None:
 def test_what_cannot_be_followed_is_said() -> None:
     track = _track(speed_m_s=12.0)
     route = followed_route(track, track.alt_m, Limits(), FollowOptions())
-    assert any("limits keep it from following" in note for note in route.notes)
+    assert any("limits do not let it follow" in note for note in route.notes)
 
 
 def test_the_outline_stays_above_the_floor() -> None:

@@ -8,7 +8,7 @@ solve a second-order cone programme, which is convex: there is one best motion, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import clarabel
@@ -122,9 +122,12 @@ def nearest_motion(
         MissionError: there is no such motion.
     """
     axes = samples.place.shape[1]
+    middle = np.average(samples.place, axis=0, weights=samples.weight)
+    # Around zero: a solver's tolerance grows with the numbers, and bounds are those of derivatives.
+    samples = replace(samples, place=samples.place - middle)
     blocks = [_at_rest(knots, axes), *(_cones(bound) for bound in bounds)]
     if np.isfinite(least):
-        blocks.append(_at_least(knots.size * axes, least))
+        blocks.append(_at_least(knots.size, least - middle))
     square, linear = _cost(knots, samples, smoothness_s6)
     settings = clarabel.DefaultSettings()
     settings.verbose = False
@@ -140,7 +143,7 @@ def nearest_motion(
         raise MissionError(
             f"No smooth motion follows the recording ({solution.status}); choose a part of it."
         )
-    return np.asarray(np.reshape(solution.x, (axes, knots.size)).T)
+    return np.asarray(np.reshape(solution.x, (axes, knots.size)).T + middle)
 
 
 def _cost(knots: Knots, samples: Samples, smoothness_s6: float) -> tuple[Any, Floats]:
@@ -158,9 +161,10 @@ def _at_rest(knots: Knots, axes: int) -> tuple[Any, Floats, list[Any]]:
     return rows, np.zeros(rows.shape[0]), [clarabel.ZeroConeT(rows.shape[0])]
 
 
-def _at_least(size: int, least: float) -> tuple[Any, Floats, list[Any]]:
-    """Every coefficient is at least ``least``."""
-    return -sparse.eye_array(size), np.full(size, -least), [clarabel.NonnegativeConeT(size)]
+def _at_least(size: int, least: Floats) -> tuple[Any, Floats, list[Any]]:
+    """Every one of the ``size`` coefficients of each axis is at least the axis' ``least`` (axes,)."""
+    count = size * len(least)
+    return -sparse.eye_array(count), -np.repeat(least, size), [clarabel.NonnegativeConeT(count)]
 
 
 def _cones(bound: Bound) -> tuple[Any, Floats, list[Any]]:
