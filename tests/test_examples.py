@@ -48,6 +48,14 @@ def test_draw_measures_draws(tmp_path: Path) -> None:
     assert (tmp_path / "measures.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
+def test_draw_following_draws(tmp_path: Path) -> None:
+    """A picture of the size that docs shows."""
+    pytest.importorskip("matplotlib")
+    assert "wrote following.png" in run("draw_following.py", tmp_path)
+    assert (tmp_path / "following.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_compare_flights_measures_half_a_metre(tmp_path: Path) -> None:
     """The sample flight, moved by half a metre, has a position error of half a metre."""
     output = run("compare_flights.py", tmp_path)

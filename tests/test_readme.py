@@ -44,7 +44,7 @@ def test_readme_names_every_format() -> None:
 def test_options_in_the_readme_exist() -> None:
     """Every option in the README is one of the program."""
     known = set(build_parser()._option_string_actions)
-    other_programs = {"--master", "--listen", "--home"}
+    other_programs = {"--master", "--listen", "--home", "--fly"}
     shown = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README))
     assert shown <= known | other_programs
 

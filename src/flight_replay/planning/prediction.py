@@ -34,7 +34,7 @@ def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
     if route.path.length_m + climb_m > _LONGEST_SIMULATED_M:
         return route
     try:
-        flown, last_s, auto_s = _predicted_flight(route, limits, takeoff_m)
+        flown, last_s, auto_s = predicted_flight(route, limits, takeoff_m)
     except MissionError:
         return route
     predicted = flight_errors(route.wanted, flown, last_s=last_s)
@@ -48,7 +48,7 @@ def after_takeoff(takeoff_m: float, limits: Limits) -> tuple[Vector, Vector]:
     return (0.0, 0.0, takeoff_m - short_m), (0.0, 0.0, climb_m_s)
 
 
-def _predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Movement, float, float]:
+def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Movement, float, float]:
     """The flight from when the first waypoint is reached, when the last one is, and the time in AUTO."""
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import home_frame, simulate

@@ -23,7 +23,13 @@ def with_prediction(route: Route, limits: Limits) -> Route:
     """The route with the errors that a vehicle of these limits will have, on a link without delay."""
     if route.reference is None:
         return route
-    reference = route.reference
+    flown = predicted_following(route, route.reference, limits)
+    errors = flight_errors(route.wanted, flown, last_s=float(route.wanted.time_s[-1]))
+    return replace(route, predicted=errors)
+
+
+def predicted_following(route: Route, reference: ReferenceMotion, limits: Limits) -> Movement:
+    """The flight of a vehicle that follows a route's reference, its clock the recording's."""
     times_s = np.arange(reference.begin_s, reference.end_s, _TARGET_S)
     flight = simulate_targets(
         _targets(reference, times_s), limits, home_amsl_m=home_of(route.covered).alt_amsl_m
@@ -31,9 +37,7 @@ def with_prediction(route: Route, limits: Limits) -> Route:
     kept = slice(None, None, _ROWS_A_SAMPLE)
     places_m = np.column_stack([flight.north_m, flight.east_m])[kept]
     ground_m = route.frame.to_metres(*reference.frame.to_degrees(places_m))
-    flown = Movement(flight.time_s[kept], ground_m, flight.up_m[kept], flight.heading_deg[kept])
-    errors = flight_errors(route.wanted, flown, last_s=float(route.wanted.time_s[-1]))
-    return replace(route, predicted=errors)
+    return Movement(flight.time_s[kept], ground_m, flight.up_m[kept], flight.heading_deg[kept])
 
 
 def _targets(reference: ReferenceMotion, times_s: np.ndarray) -> Targets:

@@ -129,11 +129,17 @@ def nearest_motion(
     if np.isfinite(least):
         blocks.append(_at_least(knots.size, least - middle))
     square, linear = _cost(knots, samples, smoothness_s6)
+    found = _solved(sparse.kron(sparse.eye_array(axes), square), linear.T.ravel(), blocks)
+    return np.asarray(np.reshape(found, (axes, knots.size)).T + middle)
+
+
+def _solved(square: Any, linear: Floats, blocks: Sequence[tuple[Any, Floats, list[Any]]]) -> Floats:
+    """What makes the cost small, within all cones of ``blocks``: rows, constants and cones."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     solution = clarabel.DefaultSolver(
-        sparse.csc_matrix(sparse.triu(sparse.kron(sparse.eye_array(axes), square))),
-        linear.T.ravel(),
+        sparse.csc_matrix(sparse.triu(square)),
+        linear,
         sparse.csc_matrix(sparse.vstack([rows for rows, _, _ in blocks])),
         np.concatenate([constants for _, constants, _ in blocks]),
         [cone for _, _, cones in blocks for cone in cones],
@@ -143,7 +149,7 @@ def nearest_motion(
         raise MissionError(
             f"No smooth motion follows the recording ({solution.status}); choose a part of it."
         )
-    return np.asarray(np.reshape(solution.x, (axes, knots.size)).T + middle)
+    return np.asarray(solution.x)
 
 
 def _cost(knots: Knots, samples: Samples, smoothness_s6: float) -> tuple[Any, Floats]:
