@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from flight_replay.supervisor.flight_plan import FlightRecord
 
 _TOLERANCE_M = 0.001
-_TOLERANCE_S = 0.3  # Positions come ten times a second.
 _BEYOND_M = 5.0
 """So much recorded line beyond the last waypoint is measured from: vehicles report a waypoint behind it."""
 
@@ -107,7 +106,7 @@ def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) 
     kept = recording_s <= latest_s
     movement = replace(movement_of(flown, route.frame), time_s=recording_s).select(kept)
     end_s = float(recording_s.max(initial=0.0))
-    fixes = _count_up_to(route.wanted.time_s, end_s + _TOLERANCE_S)
+    fixes = _count_up_to(route.wanted.time_s, end_s)
     errors = flight_errors(route.wanted, movement, last_s=end_s, fixes=fixes, line=fixes)
     late_s = (flown.time_s - recording_s)[recording_s >= 0.0]
     begun = flown.time_s[kept][movement.time_s >= 0.0]

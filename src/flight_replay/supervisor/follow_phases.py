@@ -28,6 +28,7 @@ _AT_START_M, _AT_REST_M_S = 0.5, 0.2
 _RETRY_S = 1.0
 _TARGET_S = 0.1  # Vehicle time between targets: ten a second follow as closely as fifty.
 _STEP_WALL_S, _MIN_STEP_WALL_S = 0.05, 0.001
+_BEYOND_S = 0.3  # The vehicle's last position is a little behind the last target.
 _OFF_COURSE = 3.0  # So many times the error that the reference waits for ends the flight.
 _LONGEST_ROUND_TRIP_S = 1.0
 _NOT_BACK = "the vehicle does not get back to the recording; check its fence, wind, limits and load"
@@ -91,7 +92,7 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
     progress = ProgressTimer(monitor)
     deadline, furthest_s = Deadline(monitor, monitor.deadlines.no_progress_s), -np.inf
     seen: VehicleState | None = None
-    while follower.recording_s < plan.end_s:
+    while follower.recording_s < plan.end_s + _BEYOND_S:
         monitor.step(_until_next_target_wall_s(clock, follower, monitor))
         _check_still_following(monitor, follower, plan)
         if monitor.state is not None and monitor.state is not seen:
