@@ -16,10 +16,13 @@ from flight_replay.errors import MissionError
 from flight_replay.events import VehicleState, ignore
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Mission, waypoint
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.server import launch
 from flight_replay.vehicle import connect
 from flight_replay.vehicle.identity import Identity
+from tests.helpers.supervised import s_curve
 
 SAMPLE_HOME = Start(47.397742, 8.545594, 488.1)
 SPEEDUP = "20"
@@ -143,3 +146,46 @@ def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.M
             ignore,
         )
     assert shown[-1] == "asked"
+
+
+def told_before_following(monkeypatch: pytest.MonkeyPatch, speed_m_s: float) -> list[str]:
+    """What a person is told before a real vehicle with this speed setting follows a reference."""
+    real = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
+    here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
+    connected = SimpleNamespace(
+        identity=real, wait_position=lambda limit_s, listener: here, fence_areas=lambda: ()
+    )
+    route = SimpleNamespace(
+        mission=Mission((waypoint(47.0001, 8.0, 30.0),)), reference=s_curve(),
+        limits=VehicleLimits(limits=Limits(wp_speed_m_s=speed_m_s)),
+    )  # fmt: skip
+    shown: list[str] = []
+    console = SimpleNamespace(print=shown.append)
+    monkeypatch.setattr(flight_step, "ask_consent", lambda console: shown.append("asked"))
+    flight_step._check_before_arming(
+        parse_options(["--connect", "x", "--mode", "guided"]),
+        route,  # type: ignore[arg-type]
+        connected,  # type: ignore[arg-type]
+        console,
+        ignore,
+    )
+    return shown
+
+
+def test_a_person_is_told_of_the_motion_before_a_real_vehicle_follows_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Nothing is uploaded: there are no waypoints to speak of."""
+    shown = told_before_following(monkeypatch, 10.0)
+    assert "First fix: 11 m away" in shown
+    assert "Route: up to 11 m away and 30 m above home" in shown
+    assert shown[-2].startswith("Motion: up to 2.4 m/s and ")
+    assert shown[-2].endswith("never below 30 m above home")
+    assert shown[-1] == "asked"
+
+
+def test_a_motion_that_is_faster_than_a_real_vehicle_may_fly_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with pytest.raises(MissionError, match=r"--speed 0\.5x"):
+        told_before_following(monkeypatch, 1.5)

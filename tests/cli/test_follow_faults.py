@@ -277,3 +277,12 @@ def test_a_vehicle_that_disarms_is_not_followed() -> None:
     run = follow(None, None, when_following(disarm, 60))
     assert run.record is not None
     assert run.record.ended in {"disarmed", "off course"}  # It falls off course before it tells.
+
+
+@pytest.mark.slow
+def test_arducopter_3_3_is_followed() -> None:
+    """It has MAVLink 1, takes no acceleration, no heading in targets, and has a fixed timeout of 3 s."""
+    run = follow(sim.old_copter(), speedup=2.0)
+    assert_returned(run)
+    assert run.off_path_m().mean() < 0.4
+    assert all(m.type_mask & 0b111 << 6 for m in run.targets)

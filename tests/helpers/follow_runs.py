@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.server import launch
 from flight_replay.supervisor import FollowPlan, WallClock
+from flight_replay.vehicle import following
 from tests.helpers.fault_link import Message, Trigger, fault_link
 from tests.helpers.fault_runs import DEADLINES, START, TAKEOFF_M, FaultRun
 from tests.helpers.link_conditions import LinkConditions
@@ -94,7 +95,7 @@ def follow(
 
     ``listener`` gets the events as well; ``parameters`` are the vehicle's.
     """
-    own = {"DISARM_DELAY": 0.0, "GUID_TIMEOUT": 0.5} | parameters
+    own = {"DISARM_DELAY": 0.0} | parameters
     plan = FollowPlan(
         reference=REFERENCE,
         recorded_s=RECORDED_S,
@@ -113,6 +114,9 @@ def follow(
         try:
             with vehicle.connect(link.connection, listener=hears, speedup=speedup) as connected:
                 connected.wait_position(60.0, hears)
+                plan = replace(plan, leads=following.leads(connected.identity))
+                # They stay: this copter is not flown again.
+                connected.set_known_parameters(following.parameters_for_following(connected))
                 run.record = supervisor.fly(connected, WallClock(), plan, hears)
         except FlightReplayError as error:
             run.error = str(error)

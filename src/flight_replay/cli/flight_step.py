@@ -153,7 +153,7 @@ def _briefing(options: Options, route: Route, connected: ConnectedVehicle, liste
     """The preflight check with the vehicle where it is now."""
     from flight_replay.vehicle import preflight
 
-    return preflight.check(
+    briefing = preflight.check(
         connected.identity,
         route.mission,
         connected.wait_position(_POSITION_TIMEOUT_S, listener),
@@ -161,6 +161,7 @@ def _briefing(options: Options, route: Route, connected: ConnectedVehicle, liste
         max_distance_m=options.max_distance_m,
         areas=connected.fence_areas(),
     )
+    return briefing if route.reference is None else replace(briefing, waypoints=0)
 
 
 def _save_mission_on_board(

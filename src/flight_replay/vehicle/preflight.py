@@ -38,7 +38,10 @@ class _Fence(IntFlag):
 
 @dataclass(frozen=True, slots=True)
 class Briefing:
-    """What a person has to know before a vehicle is armed: degrees, metres, volts, percent."""
+    """What a person has to know before a vehicle is armed: degrees, metres, volts, percent.
+
+    ``waypoints`` is 0 where none are uploaded, because targets are streamed.
+    """
 
     vehicle: str
     lat_deg: float
@@ -56,13 +59,13 @@ class Briefing:
         battery = "unknown" if self.battery_v is None else f"{self.battery_v:.1f} V"
         if self.battery_percent is not None:
             battery += f", {self.battery_percent:.0f} %"
+        first, route = ("waypoint", f"{self.waypoints} waypoints, ") if self.waypoints else ("fix", "")
         return (
             f"Vehicle: {self.vehicle}",
             f"Position: {self.lat_deg:.7f}, {self.lon_deg:.7f}",
             f"Battery: {battery}",
-            f"First waypoint: {self.first_m:.0f} m away",
-            f"Route: {self.waypoints} waypoints, up to {self.farthest_m:.0f} m away "
-            f"and {self.highest_m:.0f} m above home",
+            f"First {first}: {self.first_m:.0f} m away",
+            f"Route: {route}up to {self.farthest_m:.0f} m away and {self.highest_m:.0f} m above home",
         )
 
 
