@@ -49,7 +49,7 @@ def test_numbers_have_their_units() -> None:
 def test_a_recording_that_is_followed_has_words_of_its_own() -> None:
     """Seconds instead of waypoints; what it waited is told where it did."""
     lines = flight_lines(*made_following())
-    assert lines[0] == " Followed 110.0 s of the recording in 114.9 s of GUIDED"
+    assert lines[0] == " Followed 109.6 s of the recording in 114.9 s of GUIDED"
     assert any(line.startswith(" At equal times: by the recording's clock, ") for line in lines)
     assert not any("waited" in line for line in lines)
     waited = flight_lines(*made_following(waits_at_s=40.0, waits_s=7.0))
