@@ -39,3 +39,22 @@ def test_positions_out_of_order_are_ignored() -> None:
     clock.received(50.0, 1.0)
     clock.received(49.0, 1.1)
     assert clock.now_s(1.1) == pytest.approx(50.1)
+
+
+@pytest.mark.parametrize("stall_s", [0.5, 1.0, 3.0])
+@pytest.mark.parametrize("rate", [1.0, 10.0])
+def test_positions_that_were_held_up_do_not_make_it_run_fast(rate: float, stall_s: float) -> None:
+    """After a stall of this program, or of the link, those of the whole stall come at once."""
+    clock, sent = VehicleClock(), iter(range(1, 100_000))
+    time_s = 0.1 * next(sent)
+    for step in range(1000):
+        wall_s = 0.01 * step
+        if 5.0 < wall_s < 5.0 + stall_s:
+            continue
+        while time_s <= wall_s * rate:
+            clock.received(time_s, wall_s)
+            time_s = 0.1 * next(sent)
+        if wall_s > 1.0:
+            now_s = clock.now_s(wall_s)
+            assert now_s == pytest.approx(wall_s * rate, abs=0.12)
+            assert clock.rate == pytest.approx(rate, rel=0.1)

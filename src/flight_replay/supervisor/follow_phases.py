@@ -150,7 +150,7 @@ def _send_target(
     position_m = _position_m(follower.reference, state)
     velocity_m_s = np.array(state.velocity_m_s)
     gap_s = follower.gap_s(arrives_s)
-    if 0.0 < gap_s < _TARGET_S:
+    if gap_s < _TARGET_S and follower.begun:
         return
     if gap_s > LONGEST_GAP_S:
         coasted_m = velocity_m_s * (arrives_s - state.time_s)

@@ -104,8 +104,13 @@ class Follower:
         self.clock.append((time_s, self.recording_s))
         return target
 
+    @property
+    def begun(self) -> bool:
+        """Whether there was a target."""
+        return self._time_s is not None
+
     def gap_s(self, time_s: float) -> float:
-        """How long there was no target, at the vehicle's time ``time_s``."""
+        """How long there was no target, at the vehicle's time ``time_s``; negative where that went back."""
         return 0.0 if self._time_s is None else time_s - self._time_s
 
     def observe(self, time_s: float, position_m: Floats, velocity_m_s: Floats) -> None:
