@@ -46,8 +46,8 @@ def check_outputs(options: Options) -> None:
     """
     _check_suffixes(options)
     for file in (*options.save, options.plot, options.report, options.record):
-        if file and not file.expanduser().parent.is_dir():
-            raise FlightReplayError(f"cannot write {file}: no folder {file.parent}; create it first")
+        if file:
+            _check_place(file)
     _check_files(options)
     if options.gcs:
         from flight_replay.vehicle.link.ground_station_sockets import check_distinct, socket_for
@@ -55,6 +55,17 @@ def check_outputs(options: Options) -> None:
         for station in options.gcs:
             socket_for(station, allow_open=options.gcs_open)
         check_distinct(options.connect, options.gcs)
+
+
+def _check_place(file: Path) -> None:
+    if not file.expanduser().parent.is_dir():
+        raise FlightReplayError(f"cannot write {file}: no folder {file.parent}; create it first")
+    try:
+        file.expanduser().lstat()
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise FlightReplayError(f"cannot write {file}: {error.strerror}; choose another name") from error
 
 
 def _check_files(options: Options) -> None:

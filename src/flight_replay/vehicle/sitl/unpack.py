@@ -19,19 +19,28 @@ _MAX_MEMBERS = 1000
 
 
 class _SmallReads:
-    """A file for tarfile, which asks for a header at once however large it says it is."""
+    """A file for tarfile, which reads a header whole, at once or in parts, however large it says it is.
+
+    Before each piece of a member's content it seeks; within a header it does not.
+    """
 
     def __init__(self, file: IO[bytes]) -> None:
-        self._file = file
-        self.seek, self.tell = file.seek, file.tell
+        self._file, self._read_bytes = file, 0
+        self.tell = file.tell
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Go somewhere else: what is read from there is something else."""
+        self._read_bytes = 0
+        return self._file.seek(offset, whence)
 
     def read(self, size: int = -1) -> bytes:
-        """At most one megabyte.
+        """At most one megabyte from one place on.
 
         Raises:
             TarError: More is asked for.
         """
-        if not 0 <= size <= _LARGEST_HEADER_BYTES:
+        self._read_bytes += size
+        if size < 0 or self._read_bytes > _LARGEST_HEADER_BYTES:
             raise tarfile.TarError("a header of the archive is too large")
         return self._file.read(size)
 
