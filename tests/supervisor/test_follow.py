@@ -7,6 +7,7 @@ import pytest
 
 from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Following, Phase, PhaseStarted, ReturnCommanded
+from flight_replay.supervisor.vehicle_interface import Heartbeat
 from tests.helpers.fake_vehicle import FRAME, FakeClock, FakeVehicle
 from tests.helpers.supervised import RECORDED_S, FakeFlight, fake_following, s_curve
 
@@ -81,6 +82,21 @@ def test_a_vehicle_that_is_back_in_guided_by_itself_is_left_alone() -> None:
     record = flight.fly()
     assert record.ended == "pilot"
     assert "RTL" not in vehicle.requested
+
+
+def test_a_heartbeat_of_another_mode_that_is_the_last_one_ends_the_flight() -> None:
+    """Positions still come, but nothing confirms the mode: whoever changed it has the vehicle."""
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+
+    def last_heartbeat() -> None:
+        vehicle.queue.append(Heartbeat("LOITER", True))
+        vehicle.heartbeat_s = float("inf")
+
+    vehicle.schedule.append((50.0, last_heartbeat))
+    record = flight.fly()
+    assert record.ended == "pilot"
+    assert flight.wall_s < 75.0
 
 
 def test_the_reference_waits_for_a_vehicle_that_does_not_follow() -> None:

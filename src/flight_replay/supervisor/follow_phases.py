@@ -133,8 +133,8 @@ def _wait_for_verdict(monitor: VehicleMonitor) -> None:
     Raises:
         FlightEnded: Always.
     """
-    mode = monitor.mode
-    while monitor.unexpected_mode:
+    mode, deadline = monitor.mode, Deadline(monitor, monitor.deadlines.mode_s)
+    while monitor.unexpected_mode and not deadline.passed:
         monitor.step()
     raise flight_ended.pilot(mode)
 
