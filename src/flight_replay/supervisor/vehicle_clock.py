@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 
 _RATE_WINDOW_WALL_S, _MIN_RATE_WINDOW_WALL_S = 2.0, 0.25
-_FRESH_WINDOW_S = 0.25
+_FRESH_WINDOW_S = 1.0
 _LONGEST_SILENCE_S = 1.0  # Vehicle time: beyond this, nothing says that the vehicle is still there.
 _HELD_UP_WALL_S = 0.3  # Positions so late were held up, and others with them: all come at once.
 
