@@ -26,6 +26,8 @@ TARGETS_PER_S = 10.0
 NO_RUSH_M_S = 2.5
 """The reference is rejoined at 2 m/s beside its own speed."""
 
+pytestmark = pytest.mark.realtime
+
 
 def assert_returned(run: FollowRun) -> None:
     """The flight ended as asked: in RTL, without having rushed."""

@@ -24,7 +24,10 @@ from tests.helpers.fault_runs import START
 from tests.helpers.follow_runs import is_in_mode, is_target
 from tests.helpers.paths import SAMPLE
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other signals")
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(sys.platform == "win32", reason="Windows has other signals"),
+]
 ENDS_WITHIN_S, TARGETS_PER_S = 10.0, 10.0
 MOVING_S = ("--from", "60")
 """Where the sample flight is in motion."""
