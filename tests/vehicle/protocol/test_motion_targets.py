@@ -57,6 +57,17 @@ def test_all_five_quantities_around_the_ekfs_origin() -> None:
     assert message.yaw_rate == pytest.approx(math.radians(10.0))
 
 
+def test_a_home_that_is_moved_in_flight_does_not_move_the_targets() -> None:
+    targets, link = _targets((4, 6, 0))
+    targets.send(_target())
+    moved = dialect.MAVLink_global_position_int_message(2000, 470000000, 80000000, 423000, 3000, 0, 0, 0, 0)
+    moved._header.srcSystem, moved._header.srcComponent = 1, 1
+    targets.receive(moved)
+    targets.send(_target())
+    first, second = link.sent
+    assert second.z == first.z
+
+
 def test_a_heading_of_its_own_is_masked() -> None:
     targets, link = _targets((4, 6, 0))
     targets.send(_target(None))

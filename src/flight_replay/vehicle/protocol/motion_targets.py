@@ -29,20 +29,24 @@ _HEADING_EVERY = 2  # CONDITION_YAW at half the rate of targets.
 
 
 class LocalOrigin:
-    """Where the vehicle's local frame has its origin, from pairs of its global and local positions."""
+    """Where the vehicle's local frame has its origin, from pairs of its global and local positions.
+
+    It is kept from the first target on: whoever moves home in flight does not move what is followed.
+    """
 
     def __init__(self) -> None:
         self._global: Message | None = None
         self._local: Message | None = None
         self._origins: deque[tuple[float, float, float]] = deque(maxlen=_KEPT)
-        self.home_amsl_m = 0.0
+        self._home_amsl_m = 0.0
+        self._kept: tuple[FlatFrame, float] | None = None
 
     def receive(self, message: Message) -> None:
         """Process a message of the vehicle."""
         kind = message.get_type()
         if kind == "GLOBAL_POSITION_INT":
             self._global = message
-            self.home_amsl_m = (message.alt - message.relative_alt) / 1e3
+            self._home_amsl_m = (message.alt - message.relative_alt) / 1e3
         elif kind == "LOCAL_POSITION_NED":
             self._local = message
         else:
@@ -61,11 +65,14 @@ class LocalOrigin:
 
     def local_ned_m(self, lat_deg: float, lon_deg: float, alt_m: float) -> tuple[float, float, float]:
         """A place, at a height above home, as metres north, east and down of the origin."""
-        origin_lat, origin_lon, origin_amsl_m = (
-            median(column) for column in zip(*self._origins, strict=True)
-        )
-        north_m, east_m = FlatFrame(origin_lat, origin_lon).to_metres(lat_deg, lon_deg).tolist()
-        return north_m, east_m, origin_amsl_m - self.home_amsl_m - alt_m
+        if self._kept is None:
+            # A copy: the link's thread adds to them.
+            columns = zip(*tuple(self._origins), strict=True)
+            origin_lat_deg, origin_lon_deg, origin_amsl_m = (median(column) for column in columns)
+            self._kept = FlatFrame(origin_lat_deg, origin_lon_deg), origin_amsl_m - self._home_amsl_m
+        frame, home_down_m = self._kept
+        north_m, east_m = frame.to_metres(lat_deg, lon_deg).tolist()
+        return north_m, east_m, home_down_m - alt_m
 
 
 class MotionTargets:
