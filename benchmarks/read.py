@@ -49,7 +49,7 @@ int main(int argc, char **argv) {
 """
 OURS = """
 import sys, time
-from flight_replay.logs.tlog import read_log
+from flight_replay.logs.read_log import read_log
 best = 1e9
 for _ in range(int(sys.argv[2])):
     start = time.perf_counter()

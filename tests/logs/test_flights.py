@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.errors import LogError
+from flight_replay.exceptions import LogError
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.flights import find_flights, select
-from flight_replay.logs.tlog import read_log
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.track import Armed, Track, track_from_columns
 from tests.helpers.paths import other_log
 

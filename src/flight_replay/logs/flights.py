@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.errors import LogError
+from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.logs.track import Armed, Track
 
@@ -19,7 +19,8 @@ _SHORTEST_MOVE_S = 2.0
 class Flight:
     """A flown stretch: the fixes ``first`` to ``last`` of the log's track, both of it.
 
-    ``number`` counts from 1; ``start_s`` and ``end_s`` are seconds since the track's first fix.
+    ``number`` counts from 1; ``start_s`` and ``end_s`` are seconds since the track's first fix;
+    ``highest_m`` is above home, ``top_speed_m_s`` over ground, each None where the log has none.
     """
 
     number: int
@@ -29,6 +30,8 @@ class Flight:
     length_m: float
     first: int
     last: int
+    highest_m: float | None = None
+    top_speed_m_s: float | None = None
 
 
 def find_flights(track: Track) -> tuple[Flight, ...]:
@@ -119,4 +122,13 @@ def _flight(track: Track, along_m: Floats, number: int, first: int, last: int) -
     """A flight of the fixes ``first`` to ``last``; ``along_m`` is the distance along the track (n,)."""
     start_s, end_s = (float(track.time_s[end] - track.time_s[0]) for end in (first, last))
     length_m = float(along_m[last] - along_m[first])
-    return Flight(number, start_s, end_s, last - first + 1, length_m, first, last)
+    part = slice(first, last + 1)
+    speed_m_s = np.hypot(track.north_m_s[part], track.east_m_s[part])
+    highest_m, top_speed_m_s = _highest(track.alt_m[part]), _highest(speed_m_s)
+    return Flight(number, start_s, end_s, last - first + 1, length_m, first, last, highest_m, top_speed_m_s)
+
+
+def _highest(values: Floats) -> float | None:
+    """The highest value that is a number."""
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else None

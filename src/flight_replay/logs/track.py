@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame, surface_xyz_m
 
+UNTIMED_SPEED_M_S = 5.0
+"""The ground speed that tracks without times are taken to be flown at: that of many missions."""
+
 
 class Armed(IntEnum):
     """What the log tells of the motors at a fix."""
@@ -28,7 +31,8 @@ class Track:
     carried on over reboots, so that it never falls within a track; ``alt_m`` is height above home,
     ``amsl_m`` above mean sea level; velocities are m/s; ``heading_deg`` is where the nose points,
     clockwise from north, not a number where unknown; ``boot`` numbers the boots from 0; ``armed``
-    holds ``Armed`` values.
+    holds ``Armed`` values. A track that is not ``timed`` was recorded without times: its ``time_s``
+    counts as if it had been flown at ``UNTIMED_SPEED_M_S`` all along.
     """
 
     time_s: Floats
@@ -42,13 +46,15 @@ class Track:
     heading_deg: Floats
     boot: NDArray[np.int32]
     armed: NDArray[np.int8]
+    timed: bool = True
 
     def __len__(self) -> int:
         return len(self.time_s)
 
     def select(self, keep: NDArray[np.intp] | NDArray[np.bool_] | slice) -> Track:
         """The fixes that a mask, a slice or an index array picks, in that order."""
-        return Track(**{field.name: getattr(self, field.name)[keep] for field in fields(self)})
+        columns = {name: getattr(self, name)[keep] for name in COLUMNS}
+        return Track(**columns, timed=self.timed)
 
     @property
     def frame(self) -> LocalFrame:
@@ -69,6 +75,10 @@ class Track:
     def length_m(self) -> float:
         """Ground distance along the fixes, metres."""
         return float(self.steps_m.sum())
+
+
+COLUMNS = tuple(field.name for field in fields(Track) if field.name != "timed")
+"""The names of a track's columns."""
 
 
 def track_from_columns(  # noqa: PLR0913

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from flight_replay.errors import VehicleError
+from flight_replay.events import Listener, Phase, Waiting, ignore
+from flight_replay.exceptions import VehicleError
+from flight_replay.logs.vehicle_kinds import MULTICOPTERS
 from flight_replay.mavlink import Message, dialect
 from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
@@ -14,16 +16,9 @@ from flight_replay.vehicle.protocol.commands import command_long
 from flight_replay.vehicle.protocol.parameters import read_parameters
 
 _VERSION_S = 8.0
+_SAY_EVERY_S = 5.0
 _REQUEST_CAPABILITIES = 520  # MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, which 3.3 knows too.
 
-_MULTICOPTERS = {
-    dialect.MAV_TYPE_QUADROTOR: "quadcopter",
-    dialect.MAV_TYPE_TRICOPTER: "tricopter",
-    dialect.MAV_TYPE_HEXAROTOR: "hexacopter",
-    dialect.MAV_TYPE_OCTOROTOR: "octocopter",
-    dialect.MAV_TYPE_DODECAROTOR: "dodecacopter",
-    dialect.MAV_TYPE_DECAROTOR: "decacopter",
-}
 _SIMULATOR_PARAMETERS = ("SIM_SPEEDUP", "SIM_WIND_SPD")
 FENCE_PARAMETERS = (
     "FENCE_ENABLE", "FENCE_AUTOENABLE", "FENCE_TYPE",
@@ -53,7 +48,7 @@ class Identity:
     @property
     def is_multicopter(self) -> bool:
         """Whether it is a multicopter with ArduPilot."""
-        return self.vehicle_type in _MULTICOPTERS and self.is_ardupilot
+        return self.vehicle_type in MULTICOPTERS and self.is_ardupilot
 
     @property
     def is_ardupilot(self) -> bool:
@@ -65,7 +60,7 @@ class Identity:
         """The vehicle type as a word, such as quadcopter."""
         entry = dialect.enums["MAV_TYPE"].get(self.vehicle_type)
         name = entry.name.removeprefix("MAV_TYPE_").replace("_", " ").lower() if entry else "vehicle"
-        return _MULTICOPTERS.get(self.vehicle_type, name)
+        return MULTICOPTERS.get(self.vehicle_type, name)
 
     @property
     def name(self) -> str:
@@ -77,21 +72,32 @@ class Identity:
         return f"{what} ({'simulated ' if self.simulated else ''}{self.kind}, system {self.system})"
 
 
-def find_vehicle(discovery: VehicleDiscovery, connection_string: str, limit_s: float) -> DiscoveredVehicle:
+def find_vehicle(
+    discovery: VehicleDiscovery, link_name: str, hint: str, limit_s: float, listener: Listener = ignore
+) -> DiscoveredVehicle:
     """The vehicle on the link: of several, the one with the lowest system id.
+
+    Args:
+        discovery: Collects the heartbeats on the link.
+        link_name: The connection string.
+        hint: What to check if nobody is heard.
+        limit_s: Seconds to wait, possibly without end.
+        listener: Told every few seconds that there is none yet.
 
     Raises:
         VehicleError: No vehicle sends a heartbeat in time.
     """
-    vehicle = discovery.wait(limit_s)
-    if vehicle is None:
-        others = ", ".join(discovery.others)
-        only = f", only from system/component {others}" if others else ""
-        raise VehicleError(
-            f"no heartbeat of a vehicle on {connection_string} in {limit_s:.0f} s{only}; "
-            "check the connection string, the baud rate and the vehicle's power"
-        )
-    return vehicle
+    waited_s = 0.0
+    while waited_s < limit_s:
+        step_s = min(_SAY_EVERY_S, limit_s - waited_s)
+        vehicle = discovery.wait(step_s)
+        if vehicle is not None:
+            return vehicle
+        waited_s += step_s
+        listener(Waiting(Phase.CONNECT, f"no heartbeat of a vehicle for {waited_s:.0f} s"))
+    others = ", ".join(discovery.others)
+    only = f", only from system/component {others}" if others else ""
+    raise VehicleError(f"no heartbeat of a vehicle on {link_name} in {limit_s:.0f} s{only}; {hint}")
 
 
 def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from pymavlink.dialects.v10 import all as mavlink1
 from pymavlink.dialects.v20 import all as mavlink2
 
-from flight_replay.logs.tlog import blocks, byte_source, message_table
+from flight_replay.logs import byte_source
+from flight_replay.logs.tlog import blocks, message_table
 from flight_replay.logs.tlog.byte_rows import true_indices
 from flight_replay.logs.tlog.columns import MessageColumns, Records
 from flight_replay.logs.tlog.crc import are_crcs_valid, is_crc_valid

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight_replay.logs.tlog import Log, read_log
+from flight_replay.logs.read_log import read_log
+from flight_replay.logs.recording import Recording
 from tests.helpers.log_writer import LogWriter
 from tests.helpers.paths import other_log
 
@@ -33,7 +34,7 @@ class Flight:
         self.log.gps(fix_type)
         return self
 
-    def read(self, tmp_path: Path) -> Log:
+    def read(self, tmp_path: Path) -> Recording:
         """The log, read back."""
         path = tmp_path / "made.tlog"
         path.write_bytes(self.log.data)

@@ -11,8 +11,9 @@ from time import process_time
 import pytest
 
 from flight_replay.logs.flights import find_flights
-from flight_replay.logs.tlog import Log, read_log
-from flight_replay.logs.tlog.vehicles import VehicleId
+from flight_replay.logs.read_log import read_log
+from flight_replay.logs.recording import Recording
+from flight_replay.logs.vehicles import VehicleCount, VehicleId
 from flight_replay.mavlink import dialect
 
 LIMIT = 7.0
@@ -62,7 +63,7 @@ def straight_on() -> Iterator[Row]:
         yield 1, 1, number * 100, 400_000_000 + number * 90, 80_000_000
 
 
-def read(path: Path, vehicle: VehicleId | None = None) -> tuple[Log, float]:
+def read(path: Path, vehicle: VehicleId | None = None) -> tuple[Recording, float]:
     """The log, its flights found too, and the seconds that took."""
     began_s = process_time()
     log = read_log(path, vehicle=vehicle)
@@ -80,7 +81,7 @@ def ordinary_s(tmp_path_factory: pytest.TempPathFactory) -> float:
     return took_s
 
 
-def read_in_time(path: Path, ordinary_s: float, vehicle: VehicleId | None = None) -> Log:
+def read_in_time(path: Path, ordinary_s: float, vehicle: VehicleId | None = None) -> Recording:
     """The log, within the limit."""
     log, took_s = read(path, vehicle)
     assert took_s < LIMIT * ordinary_s
@@ -93,9 +94,9 @@ def test_a_log_of_every_vehicle_id_is_read_in_time(tmp_path: Path, ordinary_s: f
     path = write_log(tmp_path / "ids.tlog", every_vehicle_id())
     log = read_in_time(path, ordinary_s)
     assert len(log.vehicles) == 255 * 255
-    assert (log.vehicle.system, log.vehicle.component, log.vehicle.fixes) == (200, 100, 10)
+    assert log.vehicle == VehicleCount(200, 100, 10)
     asked = read_in_time(path, ordinary_s, VehicleId(255, 254))
-    assert (asked.vehicle.system, asked.vehicle.component, asked.vehicle.fixes) == (255, 254, 2)
+    assert asked.vehicle == VehicleCount(255, 254, 2)
 
 
 @pytest.mark.slow

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight_replay.errors import LogError
-from flight_replay.logs.tlog import read_log
-from flight_replay.logs.tlog.byte_source import OpenLog
+from flight_replay.exceptions import LogError
+from flight_replay.logs.byte_source import OpenLog
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.tlog.scan import scan
 from tests.helpers import slow_reader
 from tests.helpers.log_writer import LogWriter, frame
+from tests.helpers.mutations import MUTATIONS
 from tests.helpers.paths import ARDUCOPTER, OTHER_LOGS, SAMPLE
 
 Place = tuple[int, int, int, int]
@@ -38,43 +39,6 @@ def originals() -> list[bytes]:
         data = path.read_bytes()
         made += [data[at : at + SLICE_LENGTH] for at in (0, len(data) // 3, len(data) * 2 // 3)]
     return made
-
-
-def flipped(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
-    """Flip up to forty bits."""
-    bits = np.unpackbits(np.frombuffer(data, np.uint8))
-    bits[chance.integers(0, len(bits), chance.integers(1, 40))] ^= 1
-    return np.packbits(bits).tobytes()
-
-
-def cut(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
-    """Leave out what is between two places, or keep just that."""
-    first, last = sorted(chance.integers(0, len(data) + 1, 2).tolist())
-    return data[first:last] if chance.random() < 0.5 else data[:first] + data[last:]
-
-
-def spliced(data: bytes, chance: np.random.Generator, others: list[bytes]) -> bytes:
-    """Put a piece of another log into this one, over what is there or beside it."""
-    other = others[chance.integers(len(others))]
-    first, last = sorted(chance.integers(0, len(other) + 1, 2).tolist())
-    at = int(chance.integers(0, len(data)))
-    return data[:at] + other[first:last] + data[at + (last - first) * int(chance.integers(2)) :]
-
-
-def repeated(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
-    """Say a piece several times."""
-    first, last = sorted(chance.integers(0, len(data) + 1, 2).tolist())
-    return data[:last] + data[first:last] * int(chance.integers(1, 4)) + data[last:]
-
-
-def shuffled(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
-    """Cut into pieces of some length, and put those together in any order."""
-    length = int(chance.integers(8, 600))
-    pieces = [data[at : at + length] for at in range(0, len(data), length)]
-    return b"".join(pieces[index] for index in chance.permutation(len(pieces)))
-
-
-MUTATIONS = (flipped, cut, spliced, repeated, shuffled)
 
 
 def places(data: bytes) -> set[Place]:
@@ -111,6 +75,7 @@ def mutate_and_read(first: int, last: int, path: Path) -> tuple[int, int]:
             assert str(path) in str(error)
         else:
             usable += 1
+            assert log.vehicle is not None
             assert len(log.track) == log.vehicle.fixes > 0
             assert (np.diff(log.track.time_s) >= 0).all()
             assert np.isfinite(log.track.north_east_m()).all()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import os
+import re
 import sys
 import threading
 import zlib
@@ -14,10 +15,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flight_replay.errors import LogError
-from flight_replay.logs.tlog import Log, VehicleId, byte_source, read_log
+from flight_replay.exceptions import LogError
+from flight_replay.logs import byte_source
+from flight_replay.logs.read_log import read_log
+from flight_replay.logs.recording import Recording
 from flight_replay.logs.tlog import scan as scan_module
 from flight_replay.logs.track import Armed
+from flight_replay.logs.vehicles import VehicleCount, VehicleId
 from tests.helpers.log_writer import START_US, LogWriter, frame, position_payload
 from tests.helpers.paths import other_log
 
@@ -53,7 +57,7 @@ def flight(log: LogWriter, fixes: int = 20, start_ms: int = 10_000) -> LogWriter
     return log
 
 
-def rejected(log: Log) -> int:
+def rejected(log: Recording) -> int:
     return sum(log.rejected.values())
 
 
@@ -71,7 +75,7 @@ def test_the_counts_of_real_logs_come_out(name: str) -> None:
 def test_the_dronekit_log_is_read_whole() -> None:
     """DroneKit's log gives 2684 fixes of vehicle 1:1 in two boots, and nothing to reject."""
     log = read_log(other_log("dronekit-flight.tlog"))
-    assert (log.vehicle.system, log.vehicle.component, log.vehicle.fixes) == (1, 1, 2684)
+    assert log.vehicle == VehicleCount(1, 1, 2684)
     assert log.bytes == 2_723_840
     assert log.rejected == {}
     assert np.flatnonzero(np.diff(log.track.boot)).tolist() == [490]
@@ -117,7 +121,7 @@ def test_vehicles_are_not_mixed_and_the_fullest_is_chosen(tmp_path: Path) -> Non
     path = write(tmp_path, bytes(log.data + flight_of_seven.data))
     read = read_log(path)
     assert [(each.system, each.component, each.fixes) for each in read.vehicles] == [(7, 3, 9), (1, 1, 5)]
-    assert (read.vehicle.system, len(read.track)) == (7, 9)
+    assert (read.vehicle, len(read.track)) == (VehicleCount(7, 3, 9), 9)
     assert len(read_log(path, vehicle=VehicleId(1)).track) == 5
     assert len(read_log(path, vehicle=VehicleId(7, 3)).track) == 9
 
@@ -350,18 +354,15 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
         (UTF16[2:], "is text in UTF-16"),
         (UTF16.decode("utf-16-le")[1:].encode("utf-16-be"), "is text in UTF-16"),
         ("Übersetzung\r\n".encode("utf-16-le"), "is text in UTF-16"),
-        ("1>  Übersetzung läuft\n".encode(), "is text, not a MAVLink log"),
-        ("\ufeff1>  Übersetzung läuft\n".encode(), "is text, not a MAVLink log"),
+        ("1>  Übersetzung läuft\n".encode(), "is text that holds no flight"),
+        ("\ufeff1>  Übersetzung läuft\n".encode(), "is text that holds no flight"),
         (bytes(5_000), "holds no MAVLink position"),
         (b"\xfd\x09\0" * 170, "holds no MAVLink position"),
         (
             b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n",
             "is a git LFS pointer",
         ),
-        (b"\xa3\x95\x80\x80Y", "is a DataFlash log"),
-        (b"ULog\x01\x12\x35\x01" + bytes(9), "is a PX4 ULog"),
-        (b"PK\x03\x04" + bytes(40), "is a ZIP archive"),
-        (gzip.compress(b"nothing"), "is gzip data that holds no"),
+        (gzip.compress(b"nothing"), "is gzip data that holds no flight"),
         (bytes(range(256)) * 8, "holds no MAVLink position"),
         (bytes(LogWriter().heartbeat().gps(3).data), "without any GLOBAL_POSITION_INT"),
         (bytes(LogWriter().empty(1).empty(2).data), "vehicle 1:1: 2 records are empty; name another log"),
@@ -382,9 +383,6 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
             "zeros",
             "bytes that could be Bengali",
             "lfs",
-            "dataflash",
-            "ulog",
-            "zip",
             "gzip",
             "junk",
         ),
@@ -397,7 +395,7 @@ def test_what_is_no_usable_log_is_told_in_one_sentence(tmp_path: Path, content: 
     with pytest.raises(LogError, match=what) as error:
         read_log(path)
     assert str(error.value).startswith(str(path))
-    assert "--tlog" in str(error.value)
+    assert re.search("name (a|another) log", str(error.value))
     assert "\n" not in str(error.value)
 
 
@@ -434,14 +432,14 @@ def test_a_disk_that_fails_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 @pytest.mark.parametrize("bytes_left", [0, 100, 900, 1_200])
 def test_a_file_that_shrinks_while_it_is_read_ends_there(tmp_path: Path, bytes_left: int) -> None:
     """Bytes that were there at the start and are gone are no error."""
-    path = write(tmp_path, flight(LogWriter(), 100))
+    path = write(tmp_path, flight(LogWriter(), 200))
 
     def shrink(done: int, size: int) -> None:
-        os.truncate(path, min(path.stat().st_size, 3_000 + bytes_left))
+        os.truncate(path, min(path.stat().st_size, 5_000 + bytes_left))
 
     with byte_source.open_log(path) as log:
         records, length = scan_module.scan(log, shrink, 1_000)
-    assert 0 < len(records.positions) < 100
+    assert 0 < len(records.positions) < 200
     assert length <= path.stat().st_size
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from pymavlink import mavutil
 
-from flight_replay.errors import VehicleError
-from flight_replay.logs.tlog import read_log
+from flight_replay.exceptions import VehicleError
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.tlog.writer import QUEUED_FRAMES, Recorder
 from flight_replay.mavlink import dialect
 

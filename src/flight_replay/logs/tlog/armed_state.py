@@ -1,4 +1,4 @@
-"""Whether a vehicle was armed, by its autopilot's heartbeats."""
+"""Whether a vehicle was armed, its flight mode, and its kind, by its autopilot's heartbeats."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from flight_replay.geometry.arrays import Indices
 from flight_replay.logs.tlog.columns import Heartbeats
 from flight_replay.logs.track import Armed
+from flight_replay.logs.vehicle_kinds import VehicleKind, kind_of
 
 _NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID: ground stations, radios, gimbals and other components
-_AUTOPILOTS = 3, 12  # MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
+_AUTOPILOTS = {3: "ArduPilot", 12: "PX4"}  # MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AUTOPILOT_PX4
 # MAV_TYPE of what may share a vehicle's ids without being one: ground station, onboard controller,
 # gimbal, ADS-B, camera to Open Drone ID, battery to winch, illuminator, gripper, radio.
 _NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
@@ -35,6 +36,27 @@ def armed_at(offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Hea
     _forget_earlier_boots(armed, boot, status, firsts)
     armed[1:] = np.where(boot[1:] == boot[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
     return np.asarray(armed)
+
+
+def modes_at(offset: NDArray[np.int64], heartbeats: Heartbeats) -> NDArray[np.int16]:
+    """The flight mode at each fix (n,), by the heartbeat before it; -1 before the first.
+
+    Args:
+        offset: Where in the log the fixes are, shape (n,).
+        heartbeats: All that came under the vehicle's ids.
+    """
+    heartbeats = _of_autopilot(heartbeats)
+    modes = np.append(np.int16(-1), heartbeats.mode.astype(np.int16))
+    return np.asarray(modes[np.searchsorted(heartbeats.offset, offset)])
+
+
+def vehicle_kind(heartbeats: Heartbeats) -> VehicleKind:
+    """Which kind of vehicle sent most heartbeats of those under its ids; nothing is known without any."""
+    own = _of_autopilot(heartbeats)
+    if not len(own):
+        return VehicleKind()
+    most = np.bincount(own.type).argmax()
+    return kind_of(int(most), _AUTOPILOTS.get(int(own.autopilot[own.type == most][0])))
 
 
 def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:

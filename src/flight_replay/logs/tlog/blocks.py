@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Bytes
+from flight_replay.logs.byte_source import Stream
 from flight_replay.logs.tlog.byte_rows import rows_at
-from flight_replay.logs.tlog.byte_source import Stream
 from flight_replay.logs.tlog.frame_search import FrameSearch
 from flight_replay.logs.tlog.frames import ROW_LENGTH, STAMP_LENGTH, Candidates, frame_lengths
 from flight_replay.logs.tlog.message_table import GLOBAL_POSITION_INT, GPS_RAW_INT, HEARTBEAT, LONGEST_FRAME

@@ -65,6 +65,11 @@ def read_clock(positions: Positions) -> BootClock:
     return BootClock(clock_ms / 1e6, boot, order)
 
 
+def plausible_utc_s(stamp_us: int) -> float | None:
+    """A log stamp as Unix time, None where it cannot be right."""
+    return stamp_us / 1e6 if _EARLIEST_STAMP_US < stamp_us < _LATEST_STAMP_US else None
+
+
 class _Runs:
     """Runs of ``n`` records: each goes from its ``first`` to before its ``end``, both (m,)."""
 

@@ -57,11 +57,15 @@ class Positions(MessageColumns):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heartbeats(MessageColumns):
-    """HEARTBEAT: who sent it (MAV_AUTOPILOT, MAV_TYPE), and whether the motors were armed."""
+    """HEARTBEAT: who sent it (MAV_AUTOPILOT, MAV_TYPE), whether the motors were armed, and the flight mode.
+
+    ``mode`` is the lowest byte of ``custom_mode``, which is all of it for ArduPilot.
+    """
 
     autopilot: NDArray[np.uint8]
     type: NDArray[np.uint8]
     armed: Flags
+    mode: NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -41,10 +41,10 @@ def decode_positions(frames: Candidates) -> Positions:
 
 
 def decode_heartbeats(frames: Candidates) -> Heartbeats:
-    """Decode HEARTBEAT: behind four bytes of mode follow type, autopilot and flags."""
+    """Decode HEARTBEAT: behind four bytes of mode, the lowest first, follow type, autopilot and flags."""
     fields = _Fields(frames.rows)
-    kind, autopilot, flags = (fields.payload_byte(at) for at in (4, 5, 6))
-    return Heartbeats(frames.start, fields.vehicle, autopilot, kind, (flags & _ARMED_FLAG) != 0)
+    mode, kind, autopilot, flags = (fields.payload_byte(at) for at in (0, 4, 5, 6))
+    return Heartbeats(frames.start, fields.vehicle, autopilot, kind, (flags & _ARMED_FLAG) != 0, mode)
 
 
 def decode_gps_status(frames: Candidates) -> GpsStatus:

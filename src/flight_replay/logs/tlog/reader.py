@@ -2,83 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.errors import LogError
+from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.logs.byte_source import OpenLog, Progress
 from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
-from flight_replay.logs.tlog.armed_state import armed_at
-from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
-from flight_replay.logs.tlog.byte_source import describe, open_log
-from flight_replay.logs.tlog.columns import AnyMessage, Positions, Records
+from flight_replay.logs.recording import Recording
+from flight_replay.logs.tlog.armed_state import armed_at, modes_at, vehicle_kind
+from flight_replay.logs.tlog.boot_clock import BootClock, plausible_utc_s, read_clock
+from flight_replay.logs.tlog.columns import AnyMessage, Heartbeats, Positions, Records
 from flight_replay.logs.tlog.gps_status import lacks_3d_fix
 from flight_replay.logs.tlog.scan import scan
-from flight_replay.logs.tlog.vehicles import VehicleCount, VehicleId
 from flight_replay.logs.track import Track
+from flight_replay.logs.unknown_content import describe
+from flight_replay.logs.vehicles import VehicleCount, VehicleId
 
 _VEHICLES_NAMED = 10  # in an error message
 _FULL_TURN_CDEG = np.uint16(36_000)
 
 
-@dataclass(frozen=True, slots=True)
-class Log:
-    """What a log holds of one vehicle.
-
-    ``bytes`` counts the log's bytes, unpacked; ``vehicles`` are all that sent positions, the one
-    with most usable fixes first; ``without_position`` counts the chosen vehicle's records at
-    latitude and longitude 0, ``rejected`` its implausible positions, by reason.
-    """
-
-    path: str
-    bytes: int
-    vehicles: tuple[VehicleCount, ...]
-    vehicle: VehicleCount
-    track: Track
-    without_position: int
-    rejected: Mapping[str, int]
-
-    @property
-    def rejected_total(self) -> int:
-        """How many positions were implausible."""
-        return sum(self.rejected.values())
-
-
-def read_log(
-    path: Path | str,
-    *,
-    vehicle: VehicleId | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Log:
+def read_tlog(log: OpenLog, vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
     """Read the usable fixes of a vehicle, by default the one that has most.
 
     Args:
-        path: A log, plain or packed with gzip, or ``-`` for standard input.
+        log: A telemetry log.
         vehicle: The vehicle to read; a system id alone means its component with most fixes.
         progress: Told the stored bytes read so far, and their number (0 where unknown).
 
     Raises:
-        LogError: There is no such log, or nothing usable in it.
+        LogError: There is nothing usable in it.
     """
-    with open_log(path) as log:
-        records, length = scan(log, progress)
+    records, length = scan(log, progress)
     if not len(records.positions):
-        raise LogError(f"{log.name} {_why_no_position(records, log.head)}; name a telemetry log with --tlog")
+        raise LogError(f"{log.name} {_why_no_position(records, log)}; name a log of a flight")
     read = _judged(records)
     vehicles = read.vehicles()
     chosen = _choose(log.name, read, vehicles, vehicle)
-    return Log(
+    kind = vehicle_kind(read.heartbeats(chosen))
+    return Recording(
         path=log.name,
+        format="tlog",
         bytes=length,
         vehicles=vehicles,
         vehicle=chosen,
         track=read.track(chosen),
         without_position=read.without_position(chosen),
         rejected=read.rejected(chosen),
+        modes=read.modes(chosen) if kind.firmware == "ArduPilot" else None,
+        firmware=kind.firmware,
+        vehicle_type=kind.name,
+        is_multicopter=kind.is_multicopter,
+        start_utc_s=read.start_utc_s(chosen),
     )
 
 
@@ -116,7 +95,6 @@ class _Judged:
         time_s, boot = self.clock.time_s[at], self.clock.boot[at]
         time_s += positions.time_ms[at[0]] / 1e3 - time_s[0]
         boot -= boot[0]
-        heartbeats = self.records.heartbeats
         return Track(
             time_s=time_s,
             lat_deg=positions.lat_e7[at] / 1e7,
@@ -128,10 +106,23 @@ class _Judged:
             up_m_s=positions.down_cm_s[at] / -1e2,
             heading_deg=_heading_deg(positions.heading_cdeg[at]),
             boot=boot,
-            armed=armed_at(
-                positions.offset[at], boot, heartbeats.select(heartbeats.vehicle == _key(vehicle))
-            ),
+            armed=armed_at(positions.offset[at], boot, self.heartbeats(vehicle)),
         )
+
+    def modes(self, vehicle: VehicleCount) -> NDArray[np.int16]:
+        """The flight mode at each of a vehicle's fixes, shape (n,)."""
+        at = self.clock.in_order(self._is_of(vehicle) & (self.rejection == Rejection.NONE))
+        return modes_at(self.records.positions.offset[at], self.heartbeats(vehicle))
+
+    def heartbeats(self, vehicle: VehicleCount) -> Heartbeats:
+        """All that came under the vehicle's ids."""
+        heartbeats = self.records.heartbeats
+        return heartbeats.select(heartbeats.vehicle == _key(vehicle))
+
+    def start_utc_s(self, vehicle: VehicleCount) -> float | None:
+        """When the log was stamped at a vehicle's first fix, Unix time, if that is plausible."""
+        first = self.clock.in_order(self._is_of(vehicle) & (self.rejection == Rejection.NONE))[0]
+        return plausible_utc_s(int(self.records.positions.stamp_us[first]))
 
     def _is_of(self, vehicle: VehicleCount) -> Flags:
         """Which positions (n,) a vehicle sent."""
@@ -188,7 +179,7 @@ def _choose(
     others = [f"{each.id} ({each.fixes} fixes)" for each in vehicles if each.fixes]
     if len(others) > _VEHICLES_NAMED:
         others[_VEHICLES_NAMED:] = [f"{len(others) - _VEHICLES_NAMED} more"]
-    step = f"choose with --vehicle from {', '.join(others)}" if others else "name another log with --tlog"
+    step = f"choose with --vehicle from {', '.join(others)}" if others else "name another log"
     why = _why_no_fix(read, named[0]) if named else f"has no positions of vehicle {wanted}"
     raise LogError(f"{name} {why}; {step}")
 
@@ -201,8 +192,8 @@ def _why_no_fix(read: _Judged, vehicle: VehicleCount) -> str:
     return f"has no usable position of vehicle {vehicle.id}: {', '.join(why)}"
 
 
-def _why_no_position(records: Records, head: bytes) -> str:
+def _why_no_position(records: Records, log: OpenLog) -> str:
     """Why a log has no position at all."""
     if len(records.heartbeats) or len(records.gps):
         return "is a MAVLink log without any GLOBAL_POSITION_INT record"
-    return describe(head)
+    return describe(log.head, is_packed=log.is_packed)

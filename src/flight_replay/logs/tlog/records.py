@@ -29,8 +29,9 @@ def read_records(block: Block, enter: int) -> tuple[Records, int]:
     walk = Walk(block.data, enter - block.offset, block.stop, block.end)
     positions, empty = _positions(block, walk)
     heartbeats = decode_heartbeats(_valid(block, block.heartbeats, HEARTBEAT, walk))
-    status = heartbeats.type.astype(np.int32) << 16 | heartbeats.autopilot.astype(np.int32) << 8
-    heartbeats = _run_ends(heartbeats, status | heartbeats.armed, walk)
+    status = heartbeats.type.astype(np.int32) << 17 | heartbeats.autopilot.astype(np.int32) << 9
+    status |= heartbeats.mode.astype(np.int32) << 1 | heartbeats.armed
+    heartbeats = _run_ends(heartbeats, status, walk)
     gps = decode_gps_status(_valid(block, block.gps, GPS_RAW_INT, walk))
     gps = _run_ends(gps, gps.has_3d_fix, walk)
     records = Records(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from flight_replay.logs.byte_source import OpenLog
 from flight_replay.logs.tlog.blocks import read_blocks
-from flight_replay.logs.tlog.byte_source import OpenLog
 from flight_replay.logs.tlog.columns import RecordBuffer, Records
 from flight_replay.logs.tlog.records import read_records
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO
 
-from flight_replay.errors import FlightReplayError, VehicleError
+from flight_replay.exceptions import FlightReplayError, VehicleError
 from flight_replay.writing.background import Background
 from flight_replay.writing.output_files import NewFile
 

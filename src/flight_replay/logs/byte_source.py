@@ -6,17 +6,22 @@ import os
 import stat
 import sys
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Protocol, cast
 
-from flight_replay.errors import LogError
+from flight_replay.exceptions import LogError
 
 STANDARD_INPUT = "-"
 _GZIP_MAGIC = b"\x1f\x8b\x08"
-_HEAD_LENGTH = 512
+HEAD_LENGTH = 4096
+"""A log's kind is found in so many of its first bytes."""
+_PIECE_LENGTH = 1 << 20
 _PACKED_STEP = 1 << 16
+
+Progress = Callable[[int, int], None]
+"""Told the stored bytes read so far, and their number (0 where unknown)."""
 
 
 class Stream(Protocol):
@@ -31,31 +36,84 @@ class OpenLog:
     """An open log, plain or packed with gzip.
 
     ``size`` is the number of stored bytes, 0 where that is not known beforehand; ``position``
-    tells how many of them were taken from the stream; ``head`` is what the log begins with;
-    ``stream`` gives its bytes, unpacked.
+    tells how many of them were taken from the stream; ``head`` is what the log begins with, unpacked;
+    ``stream`` gives all its bytes, unpacked; ``file`` is the plain file on disk, where it is one.
     """
 
-    def __init__(self, name: str, stored: Stream, size: int = 0) -> None:
+    def __init__(self, name: str, stored: Stream, size: int = 0, file: Path | None = None) -> None:
         self.name = name
         self.size = size
+        counted = _CountedStream(stored)
+        self._counted = counted
+        magic = _first_bytes(counted, len(_GZIP_MAGIC))
+        self.is_packed = magic == _GZIP_MAGIC
+        self.file = None if self.is_packed else file
+        plain = _Prefixed(magic, counted)
+        stream: Stream = _GzipStream(plain) if self.is_packed else plain
+        self.head = _first_bytes(stream, HEAD_LENGTH)
+        self.stream: Stream = _Prefixed(self.head, stream)
+
+    @property
+    def position(self) -> int:
+        """How many stored bytes were taken."""
+        return self._counted.position
+
+
+class _CountedStream:
+    """A stream that tells how many bytes were taken from it."""
+
+    def __init__(self, stream: Stream) -> None:
+        self._stream = stream
         self.position = 0
-        head, length = bytearray(_HEAD_LENGTH), 0
-        while length < _HEAD_LENGTH and (got := stored.readinto(memoryview(head)[length:])):
-            length += got
-        self.head = bytes(head[:length])
-        self._stored = stored
-        self._unread_head = self.head
-        self.stream: Stream = _GzipStream(self) if self.head.startswith(_GZIP_MAGIC) else self
 
     def readinto(self, buffer: memoryview, /) -> int:
-        """The next stored bytes."""
-        if self._unread_head:
-            got = min(len(buffer), len(self._unread_head))
-            buffer[:got], self._unread_head = self._unread_head[:got], self._unread_head[got:]
-        else:
-            got = self._stored.readinto(buffer)
+        got = self._stream.readinto(buffer)
         self.position += got
         return got
+
+
+class _Prefixed:
+    """Bytes that were taken from a stream before, and then the rest of it."""
+
+    def __init__(self, before: bytes, stream: Stream) -> None:
+        self._before, self._stream = before, stream
+
+    def readinto(self, buffer: memoryview, /) -> int:
+        if not self._before:
+            return self._stream.readinto(buffer)
+        got = min(len(buffer), len(self._before))
+        buffer[:got], self._before = self._before[:got], self._before[got:]
+        return got
+
+
+def _first_bytes(stream: Stream, length: int) -> bytes:
+    """So many bytes, fewer where the stream ends before."""
+    first, got = bytearray(length), 0
+    while got < length and (more := stream.readinto(memoryview(first)[got:])):
+        got += more
+    return bytes(first[:got])
+
+
+def contents(log: OpenLog, most_bytes: int, progress: Progress | None = None) -> bytes:
+    """All bytes of a log, unpacked, for formats that are read as a whole.
+
+    Args:
+        log: A log of which nothing was read yet.
+        most_bytes: How many there may be.
+        progress: Told the stored bytes read so far, and their number (0 where unknown).
+
+    Raises:
+        LogError: There are more.
+    """
+    read = bytearray()
+    piece = memoryview(bytearray(_PIECE_LENGTH))
+    while got := log.stream.readinto(piece):
+        read += piece[:got]
+        if len(read) > most_bytes:
+            raise LogError(f"{log.name} is larger than {most_bytes >> 20} MB; cut it, or name another log")
+        if progress:
+            progress(log.position, log.size)
+    return bytes(read)
 
 
 class _GzipStream:
@@ -112,54 +170,23 @@ def open_log(path: Path | str) -> Iterator[OpenLog]:
         path = Path(path)
         with path.open("rb", buffering=0) as file:
             status = os.fstat(file.fileno())
-            yield OpenLog(str(path), file, status.st_size if stat.S_ISREG(status.st_mode) else 0)
+            if stat.S_ISREG(status.st_mode):
+                yield OpenLog(str(path), file, status.st_size, path)
+            else:
+                yield OpenLog(str(path), file)
     except IsADirectoryError:
         raise LogError(f"{path} is a directory; name a log file in it") from None
     except FileNotFoundError:
-        raise LogError(f"{path} does not exist; name a log with --tlog") from None
+        raise LogError(f"{path} does not exist; name a recorded flight") from None
     except OSError as error:
         why = error.strerror or error
-        raise LogError(f"{path} cannot be read ({why}); name a readable log with --tlog") from error
+        raise LogError(f"{path} cannot be read ({why}); name a readable log") from error
 
 
 def _standard_input() -> Stream:
     """The bytes that come in; Python has no such thing where the shell closed it."""
     if sys.stdin is None:
-        raise LogError("standard input is closed; send a log to it, or name one with --tlog")
+        raise LogError("standard input is closed; send a log to it, or name one")
     with suppress(OSError, AttributeError):  # not every stand-in has a descriptor, nor every system the call
         os.set_blocking(sys.stdin.fileno(), True)  # or a sender's pause may look like the end
     return cast(Stream, sys.stdin.buffer)
-
-
-def describe(head: bytes) -> str:
-    """What a file without any record is, by its first bytes."""
-    if not head:
-        return "is empty"
-    for magic, kind in _KINDS:
-        if head.startswith(magic):
-            return kind
-    if _is_text(head, "utf-8-sig"):
-        return "is text, not a MAVLink log"
-    is_half_zeros = head.count(0) > len(head) // 3  # as UTF-16 is but for the alphabets of the East
-    if is_half_zeros and (_is_text(head, "utf-16-le") or _is_text(head, "utf-16-be")):
-        return _UTF_16
-    return _UNKNOWN
-
-
-def _is_text(head: bytes, encoding: str) -> bool:
-    """Whether all but a last, cut character can be read as text."""
-    text = head.decode(encoding, "replace")[:-1]
-    return "\ufffd" not in text and all(each.isprintable() or each in "\t\r\n\f" for each in text)
-
-
-_UTF_16 = "is text in UTF-16, not a MAVLink log"
-_UNKNOWN = "holds no MAVLink position, heartbeat or GPS record"
-_KINDS = (
-    (b"version https://git-lfs", "is a git LFS pointer, not the log itself (git lfs pull fetches it)"),
-    (b"\xff\xfe", _UTF_16),
-    (b"\xfe\xff", _UTF_16),
-    (b"\xa3\x95", "is a DataFlash log, not a telemetry log"),
-    (b"ULog\x01\x12\x35", "is a PX4 ULog, not a telemetry log"),
-    (b"PK\x03\x04", "is a ZIP archive (unpack it first)"),
-    (_GZIP_MAGIC, "is gzip data that holds no MAVLink position, heartbeat or GPS record"),
-)

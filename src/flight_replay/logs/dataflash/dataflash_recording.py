@@ -1,0 +1,219 @@
+"""The recording that a DataFlash log's records make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flight_replay.exceptions import LogError
+from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.logs.dataflash.arm_history import armed_at, first_armed
+from flight_replay.logs.dataflash.collected import ESTIMATORS, Collected
+from flight_replay.logs.dataflash.home_heights import after_home_was_set, heights_above_home_m
+from flight_replay.logs.dataflash.log_sections import (
+    LogSections,
+    SectionClocks,
+    find_sections,
+    joined_clocks,
+)
+from flight_replay.logs.dataflash.message_tables import (
+    AnyTable,
+    ArmEvents,
+    GpsPositions,
+    LoggedColumns,
+    LoggedHeadings,
+    LoggedPositions,
+    LoggedVelocities,
+)
+from flight_replay.logs.dataflash.nearest_records import nearest_in_time
+from flight_replay.logs.dataflash.position_source import PositionSource, choose_positions, values_at
+from flight_replay.logs.recording import Recording
+from flight_replay.logs.track import Track, track_from_columns
+from flight_replay.logs.usable_fixes import usable_fixes
+from flight_replay.logs.vehicles import VehicleCount
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LogContents:
+    """What was read of a log of so many bytes, ``unread`` of which could not be read.
+
+    ``restarts`` are the offsets at which FMT is defined.
+    """
+
+    name: str
+    length: int
+    unread: int
+    collected: Collected
+    restarts: Sequence[int]
+
+
+def dataflash_recording(contents: LogContents, log_format: str = "dataflash") -> Recording:
+    """The recording, with its track's implausible positions left out.
+
+    Raises:
+        LogError: There is no usable position, or the log is damaged beyond use.
+    """
+    tables = _tables(contents)
+    source = choose_positions(tables.pos, tables.gps, tables.velocities, tables.sections)
+    if not len(source.positions):
+        raise LogError(
+            f"{contents.name} has no usable position: all {tables.damaged} records are damaged; name a "
+            "log of a flight"
+        )
+    vehicle = contents.collected.vehicle
+    made = _track(source, tables, vehicle.logs_when_disarmed)
+    usable = usable_fixes(made.track, made.lacks_3d_fix)
+    track = usable.track
+    if not len(track):
+        why = usable.why_none()
+        raise LogError(f"{contents.name} has no usable position: {why}; name a log of a flight")
+    count = None if vehicle.system_id is None else VehicleCount(vehicle.system_id, 1, len(track))
+    kind = vehicle.kind
+    return Recording(
+        path=contents.name,
+        format=log_format,
+        bytes=contents.length,
+        vehicles=() if count is None else (count,),
+        vehicle=count,
+        track=track,
+        without_position=usable.without_position,
+        rejected=usable.rejected,
+        firmware=kind.firmware,
+        vehicle_type=kind.name,
+        is_multicopter=kind.is_multicopter,
+        start_utc_s=made.utc_s(track),
+        notes=tuple(_notes(contents, tables, source, made)),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tables:
+    """The records in the order of the log, without those whose time is damaged (``damaged`` positions)."""
+
+    pos: LoggedPositions
+    gps: GpsPositions
+    velocities: LoggedVelocities
+    headings: LoggedHeadings
+    events: ArmEvents
+    homes: LoggedColumns
+    sections: LogSections
+    damaged: int
+
+
+def _tables(contents: LogContents) -> _Tables:
+    """The tables of what was read.
+
+    Raises:
+        LogError: There is no position at all, or there are too many sections.
+    """
+    collected = contents.collected
+    parts = collected.tables
+    pos = _in_log_order(parts.joined("POS", LoggedPositions))
+    gps = _in_log_order(parts.joined("GPS", GpsPositions))
+    events = _in_log_order(parts.joined("events", ArmEvents))
+    homes = _in_log_order(parts.joined("homes", LoggedColumns))
+    headings = _in_log_order(parts.joined("headings", LoggedHeadings))
+    if not len(pos) + len(gps):
+        raise LogError(f"{contents.name} is a DataFlash log without any position; name a log of a flight")
+    receivers = [gps.select(gps.instance == each) for each in np.unique(gps.instance)]
+    sections = find_sections(contents.name, (pos, *receivers, events, homes), contents.restarts)
+    good_pos, good_gps = pos.select(~sections.are_damaged(pos)), gps.select(~sections.are_damaged(gps))
+    damaged = len(pos) + len(gps) - len(good_pos) - len(good_gps)
+    velocities = {name: parts.joined(name, LoggedVelocities) for name in ESTIMATORS}
+    chosen = collected.vehicle.estimator
+    names = [name for name in (chosen, *ESTIMATORS) if name is not None and len(velocities[name])]
+    used = _in_log_order(velocities[names[0] if names else ESTIMATORS[0]])
+    return _Tables(good_pos, good_gps, used, headings, events, homes, sections, damaged)
+
+
+def _in_log_order(table: AnyTable) -> AnyTable:
+    """The rows by their place in the log, which messages of one kind but several names are not in."""
+    falls = (np.diff(table.offset) < 0).any()
+    return table.select(np.argsort(table.offset, kind="stable")) if falls else table
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _MadeTrack:
+    """All positions as a track, in the order of boot and time, and what is known of its clock."""
+
+    track: Track
+    lacks_3d_fix: Flags
+    clocks: SectionClocks
+    is_home_known: bool
+
+    def utc_s(self, track: Track) -> float | None:
+        """Unix time at the first of the track's fixes, where a receiver told it in that section."""
+        section = int(track.boot[0])
+        utc_s = float(self.clocks.utc_s[section] + track.time_s[0] - self.clocks.shift_s[section])
+        return utc_s if np.isfinite(utc_s) else None
+
+
+def _track(source: PositionSource, tables: _Tables, logs_when_disarmed: bool | None) -> _MadeTrack:
+    """The positions of a source as a track."""
+    positions, sections = source.positions, tables.sections
+    used, section = np.unique(sections.of(positions.offset), return_inverse=True)
+    armed = armed_at(positions.offset, tables.events, sections, logs_when_disarmed)
+    amsl_m = positions.amsl_m.astype(float)
+    counts = source.counts
+    above_home_m = _told_heights_m(positions, section, tables, used)[counts]
+    armed_first = first_armed(section[counts], armed[counts])
+    alt_m = np.full(len(amsl_m), np.nan)
+    alt_m[counts], is_home_known = heights_above_home_m(
+        amsl_m[counts], above_home_m, section[counts], armed_first
+    )
+    heading_deg = values_at(
+        nearest_in_time(positions, tables.headings), tables.headings.heading_deg.astype(float)
+    )
+    order = np.lexsort((positions.time_s, section))
+    clocks = joined_clocks(
+        section, positions.time_s[order], tables.gps, _numbered(used, sections.of(tables.gps.offset))
+    )
+    time_s = positions.time_s[order] + clocks.shift_s[section]
+    track = track_from_columns(
+        np.maximum.accumulate(time_s),  # sums of sections may differ by their last bit
+        positions.lat_deg[order],
+        positions.lon_deg[order],
+        alt_m[order],
+        amsl_m=amsl_m[order],
+        velocity_m_s=source.velocity_m_s[order],
+        heading_deg=heading_deg[order],
+        boot=section.astype(np.int32),
+        armed=armed[order],
+    )
+    return _MadeTrack(track, source.lacks_3d_fix[order], clocks, is_home_known)
+
+
+def _told_heights_m(positions: LoggedPositions, section: Indices, tables: _Tables, used: Indices) -> Floats:
+    """Heights above home that the records tell (n,), not numbers before home was set."""
+    above_home_m = positions.above_home_m.astype(float)
+    if isinstance(positions, GpsPositions):
+        return above_home_m
+    home_section = _numbered(used, tables.sections.of(tables.homes.offset))
+    homes = tables.homes.select(home_section >= 0)
+    is_told = after_home_was_set(positions.offset, section, homes.offset, home_section[home_section >= 0])
+    return np.where(is_told, above_home_m, np.nan)
+
+
+def _numbered(used: Indices, section: Indices) -> Indices:
+    """Sections (n,) by their number among the used ones (m,), -1 for others."""
+    if not len(used):
+        return np.full(len(section), -1)
+    number = np.minimum(np.searchsorted(used, section), len(used) - 1)
+    return np.where(used[number] == section, number, -1)
+
+
+def _notes(contents: LogContents, tables: _Tables, source: PositionSource, made: _MadeTrack) -> Iterator[str]:
+    """What a person should know about how the log was read."""
+    if contents.unread:
+        yield f"{contents.unread} bytes could not be read"
+    if tables.damaged:
+        yield f"Positions left out because their time or height cannot be right: {tables.damaged}"
+    if source.note:
+        yield source.note
+    if not made.is_home_known:
+        yield "The log does not tell home; heights are above the first fix of each flight"
+    firmwares = contents.collected.vehicle.firmwares
+    if len(firmwares) > 1:
+        yield f"The log is of more than one firmware: {', '.join(firmwares)}"

@@ -1,0 +1,1 @@
+"""Tracks that other programs wrote: GPX, KML, KMZ, GeoJSON and CSV."""

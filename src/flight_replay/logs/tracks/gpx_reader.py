@@ -1,0 +1,82 @@
+"""GPX 1.0 and 1.1 (topografix.com/GPX): the points of its tracks, or of its routes where there is no track.
+
+Elevations are above mean sea level. A route has no times.
+"""
+
+from __future__ import annotations
+
+from flight_replay.logs.byte_source import OpenLog, Progress
+from flight_replay.logs.recording import Recording
+from flight_replay.logs.tracks.byte_pieces import LogPieces
+from flight_replay.logs.tracks.text_values import number, unix_time_s
+from flight_replay.logs.tracks.track_points import PointCollector
+from flight_replay.logs.tracks.track_recording import TrackFile, track_recording
+from flight_replay.logs.tracks.xml_events import read_xml
+from flight_replay.logs.vehicles import VehicleId
+
+
+def read_gpx(log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
+    """Read a GPX file.
+
+    Args:
+        log: The file.
+        progress: Told the stored bytes read so far, and their number (0 where unknown).
+
+    Raises:
+        LogError: There is nothing usable in it.
+    """
+    reader = _GpxReader(log.name)
+    end = read_xml(LogPieces(log, progress), reader, log.name)
+    notes = list(end.notes())
+    points = reader.track if len(reader.track) else reader.route
+    if points is reader.route and len(points):
+        notes.append("It has no track, but a route, which is taken for one")
+    file = TrackFile(name=log.name, format="gpx", bytes=end.bytes, notes=notes)
+    return track_recording(points.points(), file)
+
+
+class _GpxReader:
+    """Collects the points of tracks and of routes."""
+
+    def __init__(self, name: str) -> None:
+        self.track, self.route = PointCollector(name), PointCollector(name)
+        self._point: dict[str, str] | None = None
+        self._inside = 0  # elements of the point that are open
+
+    def __len__(self) -> int:
+        return len(self.track) + len(self.route)
+
+    def start(self, name: str, attributes: dict[str, str]) -> None:
+        """A track, a segment, a point or a part of one begins."""
+        if self._point is not None:
+            self._inside += 1
+        elif name in ("trkpt", "rtept"):
+            self._point, self._inside = dict(attributes), 0
+        elif name == "trk":
+            self.track.begin_track()
+        elif name == "trkseg":
+            self.track.begin_segment()
+        elif name == "rte":
+            self.route.begin_track()
+
+    def end(self, name: str, text: str) -> None:
+        """A point or a part of one ends."""
+        point = self._point
+        if point is None:
+            return
+        if self._inside:
+            self._inside -= 1
+            if not self._inside and name in ("ele", "time"):  # Not those of an extension.
+                point[name] = text
+            return
+        self._point = None
+        (self.track if name == "trkpt" else self.route).add(
+            number(point.get("lat")),
+            number(point.get("lon")),
+            utc_s=unix_time_s(point.get("time")),
+            amsl_m=number(point.get("ele")),
+        )
+
+    def text(self, _text: str) -> bool:
+        """No text is taken piece by piece."""
+        return False

@@ -1,0 +1,104 @@
+"""The order and the times of a track's points.
+
+Files give whole seconds at several points a second, tracks newest first, the same flight twice, and
+some points without a time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.geodesy import surface_xyz_m
+from flight_replay.logs.tracks.track_points import TrackPoints
+
+_SEGMENT_GAP_S = 10.0
+"""Receivers begin a segment whenever they lost the satellites; after more than this, somebody switched on."""
+_SEGMENT_GAP_M = 50.0
+_COARSEST_S = 1.0
+"""Clocks that repeat themselves mostly show whole seconds."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OrderedPoints:
+    """Points in the order of time with their boots (n,); ``notes`` say what was left out."""
+
+    points: TrackPoints
+    boot: NDArray[np.int32]
+    notes: tuple[str, ...] = ()
+
+
+def are_times(time_s: Floats) -> bool:
+    """Whether most of some times (n,) are known, and not all the same but for a single one."""
+    known = time_s[np.isfinite(time_s)]
+    return 2 * len(known) > len(time_s) and (len(time_s) == 1 or bool(known.max() > known.min()))
+
+
+def are_timed(points: TrackPoints) -> bool:
+    """Whether most points have a time, and not all the same."""
+    return are_times(points.utc_s)
+
+
+def in_order_of_time(points: TrackPoints) -> OrderedPoints:
+    """Points that are timed, each at a time of its own."""
+    known = np.isfinite(points.utc_s)
+    notes = [] if known.all() else [f"{np.count_nonzero(~known)} points without a time are left out"]
+    points = points.select(known)
+    kept = _apart_in_time(points)
+    if len(kept) < len(np.unique(points.track)):
+        left_out = len(np.unique(points.track)) - len(kept)
+        notes.append(
+            "1 track at the same time as a longer one is left out"
+            if left_out == 1
+            else f"{left_out} tracks at the same time as longer ones are left out"
+        )
+    points = points.select(np.isin(points.track, kept))
+    points = points.select(np.argsort(points.utc_s, kind="stable"))
+    breaks = (np.diff(points.segment) != 0) & (np.diff(points.utc_s) > _SEGMENT_GAP_S)
+    spread = replace(points, utc_s=spread_repeats(points.utc_s))
+    return OrderedPoints(spread, _numbered(breaks), tuple(notes))
+
+
+def _apart_in_time(points: TrackPoints) -> list[int]:
+    """The tracks that were recorded one after another; of those at the same time the one with most points."""
+    numbers, counts = np.unique(points.track, return_counts=True)
+    kept: list[tuple[float, float, int]] = []
+    for number in numbers[np.argsort(-counts, kind="stable")].tolist():
+        utc_s = points.utc_s[points.track == number]
+        begin_s, end_s = float(utc_s.min()), float(utc_s.max())
+        if all(end_s <= first_s or begin_s >= last_s for first_s, last_s, _ in kept):
+            kept.append((begin_s, end_s, number))
+    return [number for _, _, number in kept]
+
+
+def spread_repeats(time_s: Floats) -> Floats:
+    """Times (n,) that never fall, repeated ones spread evenly up to the next, or over one clock step."""
+    if len(time_s) < 2:
+        return time_s
+    first = np.flatnonzero(np.diff(time_s, prepend=-np.inf) > 0)
+    count = np.diff(first, append=len(time_s))
+    ahead_s = np.diff(time_s[first])
+    usual_s = float(np.median(ahead_s)) if len(ahead_s) else _COARSEST_S
+    step_s = np.minimum(np.append(ahead_s, min(usual_s, _COARSEST_S)), max(usual_s, _COARSEST_S))
+    nth = np.arange(len(time_s)) - np.repeat(first, count)
+    return np.asarray(time_s + nth * np.repeat(step_s / count, count))
+
+
+def in_order_of_file(points: TrackPoints) -> OrderedPoints:
+    """Points without times: segments that join are one part, a track is always one of its own."""
+    is_far = _steps_m(points) > _SEGMENT_GAP_M
+    breaks = (np.diff(points.track) != 0) | (np.diff(points.segment) != 0) & is_far
+    return OrderedPoints(points, _numbered(breaks))
+
+
+def _steps_m(points: TrackPoints) -> Floats:
+    """Ground distances from point to point (n - 1,)."""
+    return np.asarray(np.linalg.norm(np.diff(surface_xyz_m(points.lat_deg, points.lon_deg), axis=0), axis=1))
+
+
+def _numbered(breaks: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Numbers from 0 (n,) of parts that begin behind breaks (n - 1,)."""
+    return np.append(0, np.cumsum(breaks)).astype(np.int32)

@@ -1,0 +1,82 @@
+"""The rows of a table in CSV, by the names of its columns."""
+
+from __future__ import annotations
+
+import csv
+from array import array
+from collections.abc import Callable, Iterator, Mapping
+
+import numpy as np
+
+from flight_replay.exceptions import LogError
+from flight_replay.geometry.arrays import Floats
+from flight_replay.logs.tracks.byte_pieces import LogPieces
+from flight_replay.logs.tracks.text_values import number
+from flight_replay.logs.tracks.track_points import MOST_POINTS
+
+
+class Table:
+    """A table that is read once.
+
+    ``header`` are its columns' names; ``notes`` say what of it could not be read.
+    """
+
+    def __init__(self, pieces: LogPieces, name: str) -> None:
+        lines = pieces.lines()
+        first = next(lines, "")
+        self.header = [
+            cell.strip() for cell in next(csv.reader([next(lines, "") if _parts(first) else first]))
+        ]
+        self._rows = csv.reader(lines)
+        self._name = name
+        self.notes: list[str] = []
+
+    def columns(
+        self,
+        wanted: Mapping[str, tuple[str, Callable[[str], float]]],
+        is_row: Callable[[Mapping[str, str]], bool] = lambda _row: True,
+        tested: tuple[str, ...] = (),
+    ) -> dict[str, Floats]:
+        """Columns of numbers (n,).
+
+        Args:
+            wanted: For each column to make, the name of the one it is read from and how.
+            is_row: Tells by the cells of the columns ``tested`` whether a row counts.
+            tested: Names of columns, all of which there are.
+
+        Raises:
+            LogError: There are too many rows.
+        """
+        at = {name: index for index, name in reversed(list(enumerate(self.header)))}
+        taken = [(array("d"), at[source], read) for source, read in wanted.values()]
+        damaged = 0
+        for rows, row in enumerate(self._cells()):
+            if len(row) != len(self.header):
+                damaged += 1
+            elif is_row({name: row[at[name]] for name in tested}):
+                for column, index, read in taken:
+                    column.append(read(row[index]))
+            if rows > MOST_POINTS:
+                raise LogError(f"{self._name} has more than {MOST_POINTS} rows; cut it, or name another log")
+        if damaged:
+            self.notes.append(
+                f"{damaged} of its rows have more or fewer cells than its header, and are left out"
+            )
+        return {name: np.array(column) for name, (column, _, _) in zip(wanted, taken, strict=True)}
+
+    def _cells(self) -> Iterator[list[str]]:
+        """The rows that are not empty, up to the first fault."""
+        try:
+            yield from (row for row in self._rows if row)
+        except csv.Error as error:
+            self.notes.append(f"It is read up to a fault in line {self._rows.line_num}: {error}")
+
+
+def _parts(line: str) -> bool:
+    """Whether a first line only tells Excel what parts the cells."""
+    return line.startswith("sep=")
+
+
+def as_number(cell: str) -> float:
+    """The number in a cell."""
+    return number(cell.strip())

@@ -1,0 +1,139 @@
+"""From the points of a track to a recording: plausible ones, with velocities and heights above home."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from flight_replay.exceptions import LogError
+from flight_replay.geometry.arrays import Floats
+from flight_replay.logs.derived_velocity import with_derived_velocity
+from flight_replay.logs.heights_above_home import with_heights_above_home
+from flight_replay.logs.recording import Recording
+from flight_replay.logs.track import UNTIMED_SPEED_M_S, Armed, Track, track_from_columns
+from flight_replay.logs.tracks.point_times import (
+    OrderedPoints,
+    are_timed,
+    in_order_of_file,
+    in_order_of_time,
+)
+from flight_replay.logs.tracks.track_points import TrackPoints
+from flight_replay.logs.usable_fixes import UsableFixes, usable_fixes
+
+_LONGEST_STEP_M = 10_000.0
+"""Points of an untimed line that are farther apart are no flight of a multicopter."""
+_PLAUSIBLE_SPEED_M_S = 60.0  # of ``plausibility``, which judges by times
+_LOWEST_M, _HIGHEST_M = -500.0, 20_000.0
+_HEIGHT_SLACK_M, _STEEPEST_M_S = 50.0, 30.0
+"""A height that no multicopter can have climbed to from the ones beside it, nor descended from."""
+_AROUND = 5
+_LONGEST_CLIMB_S = 10.0
+"""From point to point of a line without times."""
+_LAST_UTC_S = 4e9  # 2096
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackFile:
+    """The file that a track was read from: its name, its format, its bytes, and notes on how it was read."""
+
+    name: str
+    format: str
+    bytes: int
+    notes: Sequence[str] = ()
+
+
+def track_recording(points: TrackPoints, file: TrackFile) -> Recording:
+    """The recording of a track's points.
+
+    Raises:
+        LogError: None of them is usable.
+    """
+    if not len(points):
+        raise LogError(nothing_usable(file, "it holds no track"))
+    timed = are_timed(points)
+    ordered = in_order_of_time(points) if timed else in_order_of_file(points)
+    usable = _judged(ordered, timed=timed)
+    if not len(usable.track):
+        raise LogError(nothing_usable(file, usable.why_none()))
+    track = _timed(usable.track) if timed else _untimed(usable.track)
+    first_s = float(usable.track.time_s[0])
+    notes = [*file.notes, *ordered.notes]
+    if not timed:
+        notes.append("It has no times: only its line can be replayed")
+    return Recording(
+        path=file.name,
+        format=file.format,
+        bytes=file.bytes,
+        track=track,
+        without_position=usable.without_position,
+        rejected=usable.rejected,
+        start_utc_s=first_s if timed and 0 < first_s < _LAST_UTC_S else None,
+        notes=tuple(notes),
+    )
+
+
+def nothing_usable(file: TrackFile, why: str) -> str:
+    """What is said of a file without a usable position."""
+    return "; ".join([f"{file.name} has no usable position: {why}", *file.notes, "name another log"])
+
+
+def _judged(ordered: OrderedPoints, *, timed: bool) -> UsableFixes:
+    """The plausible points, their times still Unix times, their heights above home as the file tells."""
+    points = ordered.points
+    by_index_s = np.arange(len(points)) * (_LONGEST_STEP_M / _PLAUSIBLE_SPEED_M_S)
+    time_s = np.asarray(points.utc_s if timed else by_index_s, float)
+    climbing_s = np.asarray(time_s if timed else np.arange(len(points)) * _LONGEST_CLIMB_S, float)
+    track = track_from_columns(
+        time_s,
+        points.lat_deg,
+        points.lon_deg,
+        plausible_heights_m(points.alt_m, climbing_s),
+        amsl_m=plausible_heights_m(points.amsl_m, climbing_s),
+        heading_deg=points.heading_deg % 360.0,
+        boot=ordered.boot,
+    )
+    return usable_fixes(track)
+
+
+def _timed(track: Track) -> Track:
+    """The track with its clock from 0, with velocities, and heights above home in place of those unknown."""
+    track = replace(track, time_s=track.time_s - track.time_s[0], boot=_numbered(track.boot))
+    climbing = replace(track, alt_m=np.where(np.isfinite(track.alt_m), track.alt_m, track.amsl_m))
+    moving = with_derived_velocity(climbing)
+    return with_heights_above_home(replace(moving, alt_m=track.alt_m))
+
+
+def _untimed(track: Track) -> Track:
+    """The track as flown at one speed, armed all along, with heights above home in place of those unknown."""
+    along_s = np.append(0.0, np.cumsum(track.steps_m)) / UNTIMED_SPEED_M_S
+    armed = np.full(len(track), Armed.YES, np.int8)
+    track = replace(track, time_s=along_s, boot=_numbered(track.boot), armed=armed, timed=False)
+    return with_heights_above_home(track)
+
+
+def _numbered(boot: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Boots (n,) numbered from 0 without those of which nothing is left."""
+    return np.unique(boot, return_inverse=True)[1].astype(np.int32)
+
+
+def plausible_heights_m(height_m: Floats, time_s: Floats) -> Floats:
+    """Heights (n,) at times (n,), those that no multicopter has been at not a number.
+
+    One is implausible below the Dead Sea or above 20 km, and if the median of five around it is farther
+    than a multicopter climbs.
+    """
+    heights_m: Floats = np.where((height_m >= _LOWEST_M) & (height_m <= _HIGHEST_M), height_m, np.nan)
+    known = np.flatnonzero(np.isfinite(heights_m))
+    if len(known) < _AROUND:
+        return heights_m
+    half = _AROUND // 2
+    at = np.pad(known, half, mode="edge")
+    around = sliding_window_view(at, _AROUND)
+    reach_m = _HEIGHT_SLACK_M + _STEEPEST_M_S * (time_s[around[:, -1]] - time_s[around[:, 0]])
+    off_m = np.abs(heights_m[known] - np.median(heights_m[around], axis=1))
+    heights_m[known[off_m > reach_m]] = np.nan
+    return heights_m

@@ -1,0 +1,1 @@
+"""ULog, which PX4 writes."""

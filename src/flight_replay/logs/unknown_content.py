@@ -1,0 +1,35 @@
+"""What a file is that holds no flight, told by its first bytes."""
+
+from __future__ import annotations
+
+
+def describe(head: bytes, *, is_packed: bool = False) -> str:
+    """What a file without any record is, by its first bytes, for a sentence that begins with its name."""
+    if is_packed:
+        return "is gzip data that holds no flight"
+    if not head:
+        return "is empty"
+    for magic, kind in _KINDS:
+        if head.startswith(magic):
+            return kind
+    if _is_text(head, "utf-8-sig"):
+        return "is text that holds no flight"
+    is_half_zeros = head.count(0) > len(head) // 3  # as UTF-16 is but for the alphabets of the East
+    if is_half_zeros and (_is_text(head, "utf-16-le") or _is_text(head, "utf-16-be")):
+        return _UTF_16
+    return _UNKNOWN
+
+
+def _is_text(head: bytes, encoding: str) -> bool:
+    """Whether all but a last, cut character can be read as text."""
+    text = head.decode(encoding, "replace")[:-1]
+    return "\ufffd" not in text and all(each.isprintable() or each in "\t\r\n\f" for each in text)
+
+
+_UTF_16 = "is text in UTF-16, not a log"
+_UNKNOWN = "holds no MAVLink position, heartbeat or GPS record, and is no other log that can be read"
+_KINDS = (
+    (b"version https://git-lfs", "is a git LFS pointer, not the log itself (git lfs pull fetches it)"),
+    (b"\xff\xfe", _UTF_16),
+    (b"\xfe\xff", _UTF_16),
+)

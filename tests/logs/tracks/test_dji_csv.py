@@ -1,0 +1,98 @@
+"""Tables of DJI flights, in the units of any place."""
+
+import numpy as np
+import pytest
+
+from flight_replay.exceptions import LogError
+from flight_replay.logs.track import Armed
+from tests.helpers.track_files import START_S, kind_of_bytes, read_bytes
+
+FEET, MPH = 0.3048, 0.44704
+
+
+def airdata(*, metric: bool = False, step_ms: int = 100, name: str = "height_above_takeoff") -> bytes:
+    """Ten seconds northwards at 5 m/s, 20 m above home and 220 m above the sea, sinking with 1 m/s."""
+    length, speed = ("meters", "m/s") if metric else ("feet", "mph")
+    metres, m_s = (1.0, 1.0) if metric else (FEET, MPH)
+    lines = [
+        f"time(millisecond),datetime(utc),latitude,longitude,{name}({length}),"
+        f"altitude_above_seaLevel({length}), xSpeed({speed}), ySpeed({speed}), zSpeed({speed}),"
+        "compass_heading(degrees),flycState,message"
+    ]
+    for n in range(100):
+        row = (
+            n // 2 * 2 * step_ms if step_ms == 50 else n * step_ms,
+            f"2026-03-01 10:00:{n // 10:02}",
+            47.0 + n * 0.5 / 111_170,
+            8.0,
+            (20.0 - n / 10) / metres,
+            (220.0 - n / 10) / metres,
+            5.0 / m_s,
+            0.0,
+            1.0 / m_s,
+            188.4,
+            "P-GPS",
+            '"a, b"' if n == 3 else "",
+        )
+        lines.append(",".join(map(str, row)))
+    return "\n".join(lines).encode()
+
+
+@pytest.mark.parametrize("metric", [False, True])
+def test_airdata_is_read_in_its_units(metric: bool) -> None:
+    """Feet and miles an hour, or metres."""
+    recording = read_bytes(airdata(metric=metric))
+    track = recording.track
+    assert (recording.format, recording.start_utc_s) == ("airdata", START_S)
+    assert track.time_s == pytest.approx(np.arange(100) / 10)
+    assert track.alt_m[[0, 50]] == pytest.approx([20.0, 15.0])
+    assert track.amsl_m[0] == pytest.approx(220.0)
+    assert (track.north_m_s[0], track.east_m_s[0], track.up_m_s[0]) == pytest.approx((5.0, 0.0, -1.0))
+    assert track.heading_deg[0] == 188.4
+    assert (track.armed == Armed.YES).all()
+
+
+def test_airdata_rows_with_the_same_time_are_spread() -> None:
+    """Some of its tables repeat a time."""
+    assert read_bytes(airdata(step_ms=50)).track.time_s == pytest.approx(np.arange(100) / 20)
+
+
+@pytest.mark.parametrize("begin", [b"\xef\xbb\xbf", b"sep=,\r\n"])
+def test_what_excel_needs_does_not_matter(begin: bytes) -> None:
+    """A byte order mark, or a line that says what parts the cells."""
+    assert len(read_bytes(begin + airdata()).track) == 100
+
+
+def test_a_unit_that_is_not_known_is_refused() -> None:
+    """Rather than taken for another."""
+    with pytest.raises(LogError, match=r"has xSpeed\(furlongs\) in a unit that is not known"):
+        read_bytes(airdata().replace(b"xSpeed(mph)", b"xSpeed(furlongs)"))
+
+
+def test_tables_of_csvview_and_phantomhelp_are_read() -> None:
+    """Names of DJI's own records, units in brackets."""
+    header = "OSD.flyTime [s],OSD.latitude,OSD.longitude,OSD.height [ft],OSD.yaw [360],OSD.isMotorUp"
+    rows = [f"{n / 10},{47 + n * 5e-6},8,{n / FEET},90.5,{n > 5}" for n in range(50)]
+    data = "\n".join([header, *rows]).encode()
+    assert kind_of_bytes(data) == "dji-csv"
+    track = read_bytes(data).track
+    assert track.time_s[-1] == pytest.approx(4.9)
+    assert track.alt_m[-1] == pytest.approx(49.0)
+    assert track.armed[[5, 6]].tolist() == [Armed.NO, Armed.YES]
+    assert track.north_m_s[25] == pytest.approx(5.56, abs=0.01)
+    minutes = read_bytes(data.replace(b"OSD.flyTime [s]", b"OSD.flyTime").replace(b"\n4.9,", b"\n1m 4.9s,"))
+    assert minutes.track.time_s[-1] == pytest.approx(64.9)
+
+
+@pytest.mark.parametrize(("version", "why"), [(14, "encrypted by DJI"), (6, "not read here")])
+def test_a_dji_flight_record_says_what_to_do(version: int, why: str) -> None:
+    """AirData reads it."""
+    data = (
+        (100_000).to_bytes(8, "little")
+        + (700).to_bytes(2, "little")
+        + bytes([version])
+        + bytes(89)
+        + b"\1\2" * 99
+    )
+    with pytest.raises(LogError, match=f"version {version}, {why}; upload it to airdata.com"):
+        read_bytes(data)

@@ -1,0 +1,189 @@
+"""GPX: times, segments, heights, and what other programs make of them."""
+
+import codecs
+import gzip
+
+import numpy as np
+import pytest
+
+from flight_replay.exceptions import LogError
+from flight_replay.logs.flights import find_flights
+from flight_replay.logs.track import UNTIMED_SPEED_M_S, Armed
+from flight_replay.mission import formats
+from tests.helpers.format_examples import MISSION, recorded_track
+from tests.helpers.track_files import START_S, gpx, gpx_of, kind_of_bytes, moving, read_bytes
+
+
+def test_a_gpx_track_has_times_places_and_heights_above_where_it_took_off() -> None:
+    """Heights in the file are above the sea; the clock counts from the first point."""
+    recording = read_bytes(gpx(moving()))
+    track = recording.track
+    assert (recording.format, recording.notes, track.timed) == ("gpx", (), True)
+    assert recording.start_utc_s == START_S
+    assert track.time_s.tolist() == list(range(60))
+    assert track.amsl_m[[0, -1]].tolist() == [400.0, 449.0]
+    assert track.alt_m[0] == pytest.approx(0.0, abs=1.0)
+    assert np.isnan(track.heading_deg).all()
+    assert (track.armed == Armed.UNKNOWN).all()
+
+
+def test_velocities_come_from_the_positions_and_show_the_flight() -> None:
+    """5 m/s north and 1 m/s up, after 10 s of standing still."""
+    track = read_bytes(gpx(moving())).track
+    assert track.north_m_s[20:50] == pytest.approx(5.0, abs=0.01)
+    assert track.up_m_s[20:50] == pytest.approx(1.0, abs=0.01)
+    assert track.north_m_s[:9] == pytest.approx(0.0, abs=0.01)
+    (flight,) = find_flights(track)
+    assert (flight.first, flight.last) == (10, 59)
+
+
+def test_points_that_share_a_second_are_spread_over_it() -> None:
+    """As programs write that round the times of eight points a second down."""
+    points = [(float(n // 8), lat, lon, height) for n, (_, lat, lon, height) in enumerate(moving(80))]
+    assert read_bytes(gpx(points)).track.time_s == pytest.approx(np.arange(80) / 8)
+
+
+def test_a_segment_is_a_new_boot_only_behind_a_gap_in_time() -> None:
+    """Receivers begin one whenever they lost the satellites for a moment."""
+    points = moving()
+    close = read_bytes(gpx(points[:30], points[32:])).track
+    assert close.boot.tolist() == [0] * 58
+    late = read_bytes(gpx(points[:30], moving(start_s=60.0)[30:])).track
+    assert late.boot.tolist() == [0] * 30 + [1] * 30
+
+
+def test_of_tracks_at_the_same_time_the_longer_one_is_read() -> None:
+    """Two recorders in one file are not mixed; a later track, though first in the file, follows."""
+    aside = [(time_s, lat, lon + 0.01, height) for time_s, lat, lon, height in moving(30)]
+    recording = read_bytes(gpx_of([[moving(40, start_s=1000.0)], [aside], [moving()]]))
+    assert recording.notes == ("1 track at the same time as a longer one is left out",)
+    assert recording.track.lon_deg.tolist() == [8.0] * 100
+    assert (np.diff(recording.track.time_s) > 0).all()
+    assert recording.track.boot.tolist() == [0] * 60 + [1] * 40
+
+
+def test_points_without_a_time_among_others_are_left_out() -> None:
+    """A file mostly with times counts as timed."""
+    points = moving()
+    points[5] = (None, *points[5][1:])
+    recording = read_bytes(gpx(points))
+    assert len(recording.track) == 59
+    assert recording.notes == ("1 points without a time are left out",)
+
+
+def test_a_track_without_times_is_flown_at_one_speed_as_one_flight() -> None:
+    """Its clock only keeps the order, and it says so."""
+    recording = read_bytes(gpx(moving(timed=False)))
+    track = recording.track
+    assert not track.timed
+    assert not track.select(slice(3)).timed
+    assert recording.notes == ("It has no times: only its line can be replayed",)
+    assert recording.start_utc_s is None
+    assert track.time_s[-1] == pytest.approx(track.length_m / UNTIMED_SPEED_M_S)
+    assert len(find_flights(track)) == 1
+    assert track.alt_m[-1] == pytest.approx(49.0)
+
+
+def test_without_times_tracks_are_flights_and_joined_segments_are_one() -> None:
+    """A segment that begins 50 m away is another flight."""
+    points = moving(timed=False)
+    assert len(find_flights(read_bytes(gpx_of([[points[:30]], [points[30:]]])).track)) == 2
+    assert len(find_flights(read_bytes(gpx(points[:30], points[31:])).track)) == 1
+    assert len(find_flights(read_bytes(gpx(points[:30], points[45:])).track)) == 2
+
+
+def test_implausible_places_and_heights_are_left_out() -> None:
+    """As converters of logs write them: 0, 0, jumps, and 19 km up; with and without times."""
+    for timed in (True, False):
+        points = moving(timed=timed)
+        points[20] = (points[20][0], -72.0, 1.0, 400.0)
+        points[30] = (points[30][0], 0.0, 0.0, 400.0)
+        points[40] = (*points[40][:3], 19_450.0)
+        points[50] = (*points[50][:3], 1e300)
+        recording = read_bytes(gpx(points))
+        assert recording.rejected == {"impossible jump": 1}
+        assert recording.without_position == 1
+        assert np.flatnonzero(~np.isfinite(recording.track.alt_m)).tolist() == [38, 48]
+        assert np.ptp(recording.track.lat_deg) < 0.01
+
+
+def test_what_this_program_saves_is_read_again() -> None:
+    """Without times, as a vehicle's clock has no date."""
+    recording = read_bytes(formats.gpx.text(MISSION, recorded_track()).encode())
+    assert recording.track.lat_deg.tolist() == recorded_track().lat_deg.tolist()
+    assert not recording.track.timed
+
+
+def test_a_route_is_taken_for_a_track_where_there_is_none() -> None:
+    """As of a mission that was saved without one."""
+    recording = read_bytes(formats.gpx.text(MISSION).encode())
+    assert recording.notes[0] == "It has no track, but a route, which is taken for one"
+    assert len(recording.track) == 4
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        gzip.compress,
+        lambda data: codecs.BOM_UTF8 + b"\r\n " + data,
+        lambda data: b"\n\n" + data,
+        lambda data: data.replace(b"<gpx", b"<!-- made\nby hand --><gpx"),
+        lambda data: data.decode().replace("?>", ' encoding="UTF-16"?>').encode("utf-16"),
+        lambda data: data.decode().replace("?>", ' encoding="UTF-16"?>').encode("utf-16-le"),
+        lambda data: data.replace(b"?>", b' encoding="ISO-8859-1"?><!-- \xe4 -->'),
+        lambda data: data.replace(b"<trkpt", b"<g:trkpt").replace(b"</trkpt", b"</g:trkpt"),
+    ],
+)
+def test_a_gpx_file_may_be_packed_and_encoded_in_many_ways(change: object) -> None:
+    """Its contents tell, and what is before them does not matter."""
+    assert callable(change)
+    data = change(gpx(moving()))
+    assert len(read_bytes(data).track) == 60
+
+
+def test_a_file_that_ends_early_is_read_up_to_there() -> None:
+    """Recorders lose power."""
+    data = gpx(moving())
+    recording = read_bytes(data[: len(data) // 2])
+    assert 25 < len(recording.track) < 35
+    assert recording.notes[0].startswith("It is read up to a fault in its XML: ")
+
+
+def test_times_may_have_fractions_and_zones() -> None:
+    """ISO 8601 as it is met."""
+    points = [(n / 4, 47.0 + n * 1e-5, 8.0, 400.0) for n in range(20)]
+    track = read_bytes(gpx(points, digits=3).replace(b"Z</time>", b"+02:00</time>"))
+    assert track.track.time_s == pytest.approx(np.arange(20) / 4)
+    assert track.start_utc_s == START_S - 7200
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b'<gpx version="1.1"></gpx>', "made has no usable position: it holds no track; name another log"),
+        (b'<gpx><trk><trkseg><trkpt lat="x"/></trkseg></trk></gpx>', "outside the globe"),
+        (b"<!DOCTYPE gpx [<!ENTITY a 'a'>]><gpx>&a;</gpx>", "declares a document type"),
+        (b"<!DOCTYPE gpx SYSTEM 'http://127.0.0.1/x'><gpx/>", "declares a document type"),
+        (b"<gpx>" + b"<a>" * 200, "elements more than 100 deep"),
+        (b"<gpx><!--" + b"x" * (3 << 20), "a tag or a comment of more than 1 MB"),
+        (b"<gpx a='" + b"x" * (3 << 20), "a tag or a comment of more than 1 MB"),
+        (b"<gpx>" + b"<a/>" * (1 << 20), "has no point of a track in 200000 elements"),
+        (b"<gpx>" + b"<a>laugh</a>" * 100_000 + b"x" * (9 << 20), "has no point of a track in 8 MB"),
+        (b"<gpx>" + b"".join(b"<a%d/>" % n for n in range(20_000)), "more than 10000 kinds of elements"),
+    ],
+)
+def test_a_file_that_is_no_track_is_refused_in_one_line(data: bytes, message: str) -> None:
+    """Whatever it was made for."""
+    assert kind_of_bytes(data) == "gpx"
+    with pytest.raises(LogError) as caught:
+        read_bytes(data)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_entities_are_not_expanded() -> None:
+    """A billion laughs end before the first."""
+    laughs = "".join(f'<!ENTITY l{n} "{f"&l{n - 1};" * 10}">' for n in range(1, 10))
+    data = f'<?xml version="1.0"?><!DOCTYPE gpx [<!ENTITY l0 "lol">{laughs}]><gpx>&l9;</gpx>'.encode()
+    with pytest.raises(LogError, match="declares a document type"):
+        read_bytes(data)

@@ -1,0 +1,84 @@
+"""What ``--save`` writes as CSV and GeoJSON is the same track when it is read."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.logs.read_log import read_log
+from flight_replay.logs.track import COLUMNS, Armed, Track, track_from_columns
+from flight_replay.mission import formats
+from tests.helpers.format_examples import MISSION
+from tests.helpers.paths import SAMPLE
+from tests.helpers.track_files import kind_of_bytes, read_bytes
+
+WRITERS = {"csv": formats.csv_table.text, "geojson": formats.geojson.text}
+PRECISION = {"time_s": 1e-6, "lat_deg": 1e-8, "lon_deg": 1e-8}
+
+
+def full_track(fixes: int = 40) -> Track:
+    """A track with all there may be, across the antimeridian, in two boots."""
+    n = np.arange(fixes)
+    at: Floats = np.arange(fixes, dtype=np.float64)
+    return track_from_columns(
+        np.asarray(100.123456 + at / 7, np.float64),
+        np.asarray(-17.0 + at * 1e-5, np.float64),
+        np.asarray((179.9999 + at * 1e-5 + 180.0) % 360.0 - 180.0, np.float64),
+        np.asarray(at * 0.5, np.float64),
+        amsl_m=np.where(n % 9 == 4, np.nan, 20.0 + n * 0.5),
+        velocity_m_s=np.column_stack([np.full(fixes, 7.777), n * 0.01, np.full(fixes, 3.5)]),
+        heading_deg=np.where(n % 5 == 0, np.nan, n * 9.0 % 360.0),
+        boot=(n // 25).astype(np.int32),
+        armed=np.where(n < 5, Armed.NO, Armed.YES).astype(np.int8),
+    )
+
+
+def assert_same_track(track: Track, wanted: Track) -> None:
+    """Equal to the last digit that is written."""
+    assert track.timed == wanted.timed
+    for name in COLUMNS:
+        got, expected = getattr(track, name), getattr(wanted, name)
+        np.testing.assert_allclose(got, expected, rtol=0, atol=0.6 * PRECISION.get(name, 1e-3), err_msg=name)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_saved_track_is_read_as_it_was(kind: str) -> None:
+    """Every column, unknown values too."""
+    data = WRITERS[kind](MISSION, full_track()).encode()
+    assert kind_of_bytes(data) == kind
+    assert_same_track(read_bytes(data).track, full_track())
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_telemetry_log_is_read_as_it_was(kind: str) -> None:
+    """The sample flight, all of it."""
+    track = read_log(SAMPLE).track
+    assert_same_track(read_bytes(WRITERS[kind](MISSION, track).encode()).track, track)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_track_without_times_stays_one(kind: str) -> None:
+    """No times are written for it."""
+    track = replace(full_track(), timed=False, armed=np.full(40, Armed.YES, np.int8))
+    again = read_bytes(WRITERS[kind](MISSION, track).encode()).track
+    assert not again.timed
+    assert again.lat_deg == pytest.approx(track.lat_deg, abs=1e-8)
+    assert again.boot.tolist() == track.boot.tolist()
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("kind", WRITERS)
+def test_spreadsheets_may_change_the_encoding_and_the_line_ends(kind: str, encoding: str) -> None:
+    """Excel writes CRLF, and a byte order mark."""
+    data = WRITERS[kind](MISSION, full_track()).replace("\n", "\r\n").encode(encoding)
+    assert_same_track(read_bytes(data).track, full_track())
+
+
+def test_the_columns_of_a_table_may_be_moved_and_fewer() -> None:
+    """They are found by their names."""
+    data = b"kind,lon_deg,time_s,lat_deg\ntrack,8,1.5,47\nitem,1,1,1\n\ntrack,8.00001,2.5,47\n"
+    track = read_bytes(data).track
+    assert track.time_s.tolist() == [1.5, 2.5]
+    assert track.lat_deg.tolist() == [47.0, 47.0]
+    assert track.east_m_s[0] == pytest.approx(0.76, abs=0.01)
