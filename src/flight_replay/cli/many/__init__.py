@@ -1,0 +1,1 @@
+"""``flight-replay-many``: the flights of many logs, on the cores of this machine or on a Dask cluster."""

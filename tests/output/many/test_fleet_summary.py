@@ -1,0 +1,70 @@
+"""The summary and the report of many flights."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from flight_replay.output.many.fleet_report import save_fleet_report
+from flight_replay.output.many.fleet_summary import summary_json, summary_lines, summary_of
+from flight_replay.output.many.flight_columns import COLUMNS, Row
+from tests.helpers.paths import ROOT
+
+ROWS: list[Row] = [
+    {
+        "log": f"{number}.tlog",
+        "flight": 1,
+        "status": "planned",
+        "fit_for_replay": True,
+        "duration_s": 60.0,
+        "length_m": 100.0,
+        "start_lat_deg": -35.0 - number,
+        "start_lon_deg": 149.0,
+        "predicted_position_mean_m": float(number),
+        "command": f"flight-replay {number}.tlog --flight 1 --dry-run",
+    }
+    for number in range(7)
+]
+ROWS += [
+    {"log": name, "status": "unreadable", "problem": f"{name} holds {len(name)} <b>"}
+    for name in ("junk1.tlog", "junk22.tlog", "junk333.tlog")
+]
+ROWS.append({**ROWS[6], "log": "copy.tlog", "copy_of": "6.tlog"})
+
+
+def test_the_summary_counts_each_flight_once() -> None:
+    summary = summary_json(summary_of(ROWS))
+    assert (summary["rows"], summary["copies"]) == (11, 1)
+    assert summary["statuses"] == {"planned": 7, "unreadable": 3}
+    assert summary["reasons"] == {"LOG holds N <b>": 3}
+    error = summary["errors"]["predicted_position_mean_m"]
+    assert (error["flights"], error["median"]) == (7, 3.0)
+    assert [each["error"] for each in error["worst"]] == [6.0, 5.0, 4.0, 3.0, 2.0]
+    assert any("3 x LOG holds N" in line for line in summary_lines(summary_of(ROWS)))
+
+
+def test_the_report_is_one_file_that_shows_all(tmp_path: Path) -> None:
+    pytest.importorskip("bokeh")
+    save_fleet_report(tmp_path / "fleet.html", iter(ROWS), "flight-replay-many logs")
+    page = (tmp_path / "fleet.html").read_text(encoding="utf-8")
+    assert "flight-replay 6.tlog --flight 1 --dry-run" in page
+    assert "LOG holds N &lt;b&gt;" in page
+    head = page[: page.index("<body>")]
+    assert not re.search(r"<(script|link)[^>]*(src|href)=", head)
+    assert "Where the flights were" in page
+
+
+def test_a_report_without_places_has_no_map(tmp_path: Path) -> None:
+    pytest.importorskip("bokeh")
+    save_fleet_report(tmp_path / "fleet.html", iter(ROWS[7:10]), "flight-replay-many logs")
+    assert "Where the flights were" not in (tmp_path / "fleet.html").read_text(encoding="utf-8")
+
+
+def test_the_docs_list_every_column() -> None:
+    """Names and meanings are the same in docs/many.md."""
+    text = (ROOT / "docs" / "many.md").read_text(encoding="utf-8")
+    listed = [line.split("|")[1:4] for line in text.splitlines() if line.startswith("| `")]
+    columns = [[f" `{each.name}` ", f" {each.kind} ", f" {each.meaning} "] for each in COLUMNS]
+    assert [row for row in listed if row in columns] == columns
