@@ -22,7 +22,7 @@ from flight_replay.geometry.distances import ErrorStatistics, position_errors_m
 from flight_replay.geometry.flight_errors import path_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.logs.flights import select
-from flight_replay.logs.tlog import read_log
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import RECORDED, Recorded

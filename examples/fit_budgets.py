@@ -6,8 +6,8 @@ python examples/fit_budgets.py [LOG]
 import sys
 from pathlib import Path
 
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import default_log
-from flight_replay.logs.tlog import read_log
 from flight_replay.planning.fit import fit
 
 log = read_log(Path(sys.argv[1]) if len(sys.argv) > 1 else default_log())

@@ -1,12 +1,13 @@
 """Flights and drafts made for the tests of planning."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.logs.track import Armed, Track, track_from_columns
+from flight_replay.logs.track import COLUMNS, Armed, Track, track_from_columns
 from flight_replay.planning.fit.draft import Draft
 
 FRAME = LocalFrame(47.3, 8.5)
@@ -60,8 +61,8 @@ def wander(seed: int, fixes: int = 80, rate_hz: float = 2.0) -> Track:
 
 
 def joined(*parts: Track) -> Track:
-    columns = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in Track.__dataclass_fields__
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in COLUMNS
     }
     return Track(**columns)
 

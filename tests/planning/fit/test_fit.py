@@ -8,10 +8,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from flight_replay.errors import LogError
+from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.flights import select
-from flight_replay.logs.tlog import read_log
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Command
 from flight_replay.mission.path import planned_path

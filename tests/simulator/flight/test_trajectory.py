@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.distances import path_errors_m
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Frame, Home, Mission, MissionItem, change_speed, waypoint

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -81,3 +81,12 @@ def flown_through(hold_s: Floats, *, timed: bool = True) -> Flags:
     through = np.asarray((hold_s == 0) | (not timed))
     through[0] = False
     return through
+
+
+def with_every_speed(draft: Draft) -> Draft:
+    """The draft with the speed of each leg said, but for the first, also where it goes on as before."""
+    speeds = draft.speed_m_s.copy()
+    for place in range(2, len(speeds)):
+        if np.isnan(speeds[place]):
+            speeds[place] = speeds[place - 1]
+    return replace(draft, speed_m_s=speeds)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight_replay.errors import LogError
+from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.distances import (
     ErrorStatistics,

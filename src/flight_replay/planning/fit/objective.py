@@ -214,7 +214,7 @@ def _offsets_back(points_m: Floats, following: Indices, recording: LocalTrack) -
 
 def _matched_points(fixes_m: Floats, line_m: Floats) -> tuple[Floats, Indices, Floats]:
     """Matched places (n, 2) on a line, the piece of each, and how far along the piece, 0 to 1."""
-    match = match_in_order(fixes_m, line_m, _PIECE_M)
+    match = match_in_order(fixes_m, line_m, _PIECE_M, quick=True)
     lengths = segment_lengths_m(line_m)
     if not len(lengths):
         return np.repeat(line_m, len(fixes_m), axis=0), match.segment, np.zeros(len(fixes_m))

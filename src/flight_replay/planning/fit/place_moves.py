@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,8 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals, with_fitted_heights
-from flight_replay.planning.fit.objective import Evaluation, path_error_m
-from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.objective import TIME_SHARE, Evaluation, path_error_m
+from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
 CORRIDOR_M = 4.0
@@ -28,29 +29,42 @@ _LEGS_BEFORE, _LEGS_AROUND = 1, 5
 """A place shapes the leg before its own, its own, and some after it."""
 
 
-def shaped(
-    problem: FitProblem, start: Evaluation, hovers: dict[int, Hover], steps: int, budget: Budget
+def shaped(  # noqa: PLR0913
+    problem: FitProblem,
+    start: Evaluation,
+    hovers: dict[int, Hover],
+    steps: int,
+    flown: Callable[[Draft], Evaluation],
+    *,
+    whole: bool,
 ) -> Evaluation:
-    """The best by path error of the drafts that ``steps`` steps from ``start`` pass.
+    """The best of the drafts that ``steps`` steps from ``start`` pass.
 
-    A step that makes the path around a place worse is taken back there, and a shorter one is tried:
+    A step that makes the flight around a place worse is taken back there, and a shorter one is tried:
     a draft is better in some places and worse in others after every step.
+
+    Args:
+        problem: what to fit.
+        start: where the steps begin.
+        hovers: the recorded hovers by the place at which they are waited for.
+        steps: how many.
+        flown: gives a draft as it is flown.
+        whole: whether being late counts, or the path errors only.
     """
     best, scales = start, tuple(max(error, _LEAST_SCALE_M) for error in _path_errors_m(start))
     places, moves = start.draft.places_m, _moves_m(problem, start)
-    costs = _costs_around(start, scales)
+    costs = _costs_around(start, scales, whole=whole)
     gain = np.full(len(places), _FIRST_GAIN)
     for _ in range(steps):
-        moved = replace(start.draft, places_m=places + gain[:, None] * moves)
-        trial = problem.evaluate(kept_in_corridor(moved, hovers, problem.recording))
-        budget.spend(1)
-        now = _costs_around(trial, scales)
+        moved = replace(start.draft, places_m=places + gain[:, None] * moves, speed_m_s=best.draft.speed_m_s)
+        trial = flown(kept_in_corridor(moved, hovers, problem.recording))
+        now = _costs_around(trial, scales, whole=whole)
         better = now < costs
         places = np.where(better[:, None], trial.draft.places_m, places)
         moves = np.where(better[:, None], _moves_m(problem, trial), moves)
         costs = np.where(better, now, costs)
         gain = np.where(better, np.minimum(1.0, gain * _TRUST_MORE), gain * _TRUST_LESS)
-        if _path_objective_m(trial) < _path_objective_m(best):
+        if _goal_m(trial, whole=whole) < _goal_m(best, whole=whole):
             best = trial
     return best
 
@@ -66,13 +80,15 @@ def _path_errors_m(evaluation: Evaluation) -> tuple[float, float]:
     return path_error_m(evaluation.flown), path_error_m(evaluation.planned)
 
 
-def _path_objective_m(evaluation: Evaluation) -> float:
+def _goal_m(evaluation: Evaluation, *, whole: bool) -> float:
+    if whole:
+        return evaluation.objective_m
     flown, planned = _path_errors_m(evaluation)
     return flown + evaluation.plan_share * planned
 
 
-def _costs_around(evaluation: Evaluation, scales_m: tuple[float, ...]) -> Floats:
-    """What the path errors near each place (n,) add to the objective, linear about errors of ``scales_m``."""
+def _costs_around(evaluation: Evaluation, scales_m: tuple[float, ...], *, whole: bool) -> Floats:
+    """What the errors near each place (n,) add to the objective, linear about path errors of ``scales_m``."""
     legs = len(evaluation.draft)
     cost = np.zeros(legs)
     kinds = zip((evaluation.flown, evaluation.planned), (1.0, evaluation.plan_share), scales_m, strict=True)
@@ -80,6 +96,9 @@ def _costs_around(evaluation: Evaluation, scales_m: tuple[float, ...]) -> Floats
         for offsets in both_ways:
             total = np.bincount(offsets.leg, offsets.apart_m**4, minlength=legs)
             cost += share * total / (2 * len(offsets.leg) * 4 * scale_m**3)
+    if whole:
+        late_m = np.bincount(evaluation.planned[0].leg, evaluation.late_m, minlength=legs)
+        cost += TIME_SHARE * late_m / len(evaluation.late_m)
     padded = np.pad(cost, (_LEGS_BEFORE, _LEGS_AROUND - 1 - _LEGS_BEFORE))
     return np.asarray(np.convolve(padded, np.ones(_LEGS_AROUND), "valid"))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from flight_replay.planning.fit.simulated_draft import SimulatedDraft, simulate_
 from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, with_speeds
 from flight_replay.simulator.dynamics.limits import Limits
 
+_simulated = lru_cache(maxsize=4)(simulate_draft)
+"""The best draft is looked at several times, with another clock or in exact steps."""
 # Durations of flights, and the steps of the model that are exact enough and can be afforded.
 _EXACT_STEPS_S = ((1000.0, 3000.0), (0.02, 0.1))
 
@@ -34,7 +37,7 @@ class FitProblem:
 
     def simulate(self, draft: Draft) -> SimulatedDraft:
         """A draft as the model flies it, at its own speeds."""
-        return simulate_draft(draft, self.limits, self.step_s, self.recording.home_amsl_m)
+        return _simulated(draft, self.limits, self.step_s, self.recording.home_amsl_m)
 
     def least_leg_s(self, draft: Draft, caps_m_s: Floats) -> Floats:
         """What each leg of a draft (n,) takes at the highest speeds (n,), waiting not counted."""
@@ -65,7 +68,11 @@ class FitProblem:
 
     def evaluate(self, draft: Draft) -> Evaluation:
         """How a draft is flown, against the recording."""
-        return evaluate(self.simulate(draft), self.recording, timed=self.timed)
+        return self.compared(self.simulate(draft))
+
+    def compared(self, flight: SimulatedDraft) -> Evaluation:
+        """A flight in steps of ``step_s`` against the recording."""
+        return evaluate(flight, self.recording, timed=self.timed)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

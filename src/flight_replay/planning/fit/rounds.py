@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
@@ -10,24 +10,24 @@ from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.place_moves import shaped, stepped
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import Hover
-from flight_replay.planning.fit.speed_schedule import schedule, speed_caps_m_s, with_speeds
+from flight_replay.planning.fit.speed_schedule import schedule, speed_caps_m_s
 from flight_replay.planning.fit.speed_search import SpeedSearch
 
-_STEPS = 4
-TIMED_FLIGHTS = 6.5
-"""A pass over the speeds costs about as many flights: each leg is flown several times."""
-ROUND_FLIGHTS = TIMED_FLIGHTS + _STEPS
+_PATH_STEPS = 4
+TIMED_FLIGHTS = 4.5
+"""A pass over the speeds costs about as many flights: many a leg is flown several times."""
+ROUND_FLIGHTS = TIMED_FLIGHTS + _PATH_STEPS
 SWEEP_FLIGHTS = 25
 """A way through the legs costs at least about as many: each is flown with those around it."""
 ENOUGH = "so many flights are enough for a recording of this length"
+
 _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """Where a search is: the last round's outcome, and the best so far."""
+    """Where a search is: the best so far, and the hovers by the place at which they are waited for."""
 
-    last: Evaluation
     best: Evaluation
     hovers: dict[int, Hover]
 
@@ -39,29 +39,53 @@ def better(*found: Evaluation) -> Evaluation:
 
 def rounded(problem: FitProblem, state: State, budget: Budget) -> State:
     """After the places were moved at the speeds there are, and the speeds set anew."""
-    moved = shaped(problem, state.last, state.hovers, _STEPS, budget)
+
+    def flown(draft: Draft) -> Evaluation:
+        budget.spend(1)
+        return problem.evaluate(draft)
+
+    moved = shaped(problem, state.best, state.hovers, _PATH_STEPS, flown, whole=False)
     again = timed(problem, moved.draft, state.hovers, budget) if problem.timed else moved
-    return State(again, better(state.best, moved, again), state.hovers)
+    return replace(state, best=better(state.best, moved, again))
 
 
-def refined(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
-    """The best of small rounds of one step each, longer or shorter as they succeed; and why they end."""
+def refined(problem: FitProblem, state: State, budget: Budget, steps: int) -> State:
+    """After some steps of the places, with the speeds set anew after each."""
+
+    def flown(draft: Draft) -> Evaluation:
+        return timed(problem, draft, state.hovers, budget)
+
+    return replace(state, best=shaped(problem, state.best, state.hovers, steps, flown, whole=True))
+
+
+def polished(problem: FitProblem, state: State, budget: Budget) -> State:
+    """After small steps of all places at once, longer or shorter as they succeed."""
     best, gain = state.best, 1.0
-    while gain >= _LEAST_GAIN:
-        if not budget.affords(TIMED_FLIGHTS):
-            return best, ENOUGH
-        trial = timed(problem, stepped(problem, best, state.hovers, gain), state.hovers, budget)
+    while gain >= _LEAST_GAIN and budget.affords(1):
+        budget.spend(1)
+        trial = problem.evaluate(stepped(problem, best, state.hovers, gain))
         if trial.objective_m < best.objective_m:
             best, gain = trial, min(1.0, _MORE * gain)
         else:
             gain *= _LESS
-    return best, "no step makes it better"
+    return replace(state, best=best)
 
 
-def swept(problem: FitProblem, start: Evaluation, hovers: dict[int, Hover], budget: Budget) -> Evaluation:
-    """With legs straight or curved, stops and speeds as the model flies them better, one by one."""
+def swept(problem: FitProblem, state: State, budget: Budget, share: float) -> State:
+    """With legs straight or curved, stops and speeds as the model flies them better, one by one.
+
+    Args:
+        problem: what to fit.
+        state: where the search is.
+        budget: is told how much was flown.
+        share: legs that cost less than this share of the mean are left as they are.
+    """
+    draft = with_better_legs(problem, state.best, state.hovers, budget, share)
     budget.spend(1)
-    return problem.evaluate(with_better_legs(problem, start, hovers, budget))
+    found = [state.best, problem.evaluate(draft)]
+    if problem.timed:
+        found.append(timed(problem, draft, state.hovers, budget))
+    return replace(state, best=better(*found))
 
 
 def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: Budget) -> Evaluation:
@@ -73,6 +97,6 @@ def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: B
     caps = speed_caps_m_s(draft, recording)
     plan = schedule(draft, hovers, recording, problem.least_leg_s(draft, caps))
     speeds = SpeedSearch(plan, caps, problem.limits, problem.step_s, recording.home_amsl_m)
-    found = problem.evaluate(with_speeds(plan.draft, speeds.run()))
+    found = problem.compared(speeds.run())
     budget.spend(2 + speeds.steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))
     return found

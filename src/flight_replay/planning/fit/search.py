@@ -6,6 +6,9 @@ enough to be cheap is judged in exact ones, where the recorded speed is to be ke
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from flight_replay.planning.fit.legs.leg_moves import LATER_SHARE, USUAL_SHARE
 from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
@@ -14,6 +17,7 @@ from flight_replay.planning.fit.rounds import (
     SWEEP_FLIGHTS,
     State,
     better,
+    polished,
     refined,
     rounded,
     swept,
@@ -22,6 +26,7 @@ from flight_replay.planning.fit.rounds import (
 
 _WORTH_GOING_ON = 0.01
 _NO_MORE = f"the last steps gained less than {100 * _WORTH_GOING_ON:.0f} %"
+_STEPS = 6
 _HOPELESS = 1.5
 """A start so many times worse than the best does not get a round."""
 
@@ -42,46 +47,35 @@ def search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tup
 def _begun(problem: FitProblem, start: FirstDraft, budget: Budget, rival_m: float | None = None) -> State:
     """A start with its speeds set, and after a first round unless it is much worse than a rival."""
     first = timed(problem, start.draft, start.hovers, budget)
-    state = State(first, first, start.hovers)
+    state = State(first, start.hovers)
     if rival_m is not None and first.objective_m > _HOPELESS * rival_m:
         return state
     return rounded(problem, state, budget) if budget.affords(ROUND_FLIGHTS) else state
 
 
 def _untimed_search(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
-    """The best of rounds and refinements, and of legs changed one by one between them; and why it ends."""
-    while True:
+    """The best of places moved, and of legs changed one by one between that; and why it ends."""
+    while budget.affords(SWEEP_FLIGHTS):
         before_m = state.best.objective_m
-        best, stopped = refined(problem, state, budget)
-        if budget.affords(SWEEP_FLIGHTS):
-            best = better(best, swept(problem, best, state.hovers, budget))
-        if not budget.affords(ROUND_FLIGHTS):
-            return best, stopped
-        state = rounded(problem, State(best, best, state.hovers), budget)
+        state = refined(problem, polished(problem, state, budget), budget, _STEPS)
+        state = polished(problem, swept(problem, state, budget, USUAL_SHARE), budget)
         if state.best.objective_m > (1 - _WORTH_GOING_ON) * before_m:
             return state.best, _NO_MORE
+    return state.best, ENOUGH
 
 
 def _timed_search(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
-    """The best of small rounds, and of legs changed one by one after them; and why it ends."""
-    exact, start = problem.exact, state
-    best = exact.evaluate(state.best.draft)
-    while budget.affords(SWEEP_FLIGHTS + ROUND_FLIGHTS):
-        before_m = best.objective_m
-        near = problem.calibrated(start.best.draft)
-        moved, _ = refined(near, _evaluated(near, start), budget)
-        found = [exact.evaluate(moved.draft)]
-        if budget.affords(SWEEP_FLIGHTS):
-            found.append(exact.evaluate(swept(near, moved, state.hovers, budget).draft))
-        best = better(best, *found)
+    """The best of places moved, and of legs changed one by one between that; and why it ends.
+
+    Each turn is in steps that are set by the exact ones anew, by which its outcome is judged.
+    """
+    best, share = problem.exact.evaluate(state.best.draft), USUAL_SHARE
+    while budget.affords(SWEEP_FLIGHTS):
+        near = problem.calibrated(state.best.draft)
+        state = replace(state, best=near.evaluate(state.best.draft))
+        state = swept(near, refined(near, state, budget, _STEPS), budget, share)
+        before_m, share = best.objective_m, LATER_SHARE
+        best = better(best, problem.exact.evaluate(state.best.draft))
         if best.objective_m > (1 - _WORTH_GOING_ON) * before_m:
             return best, _NO_MORE
-        near = problem.calibrated(best.draft)
-        start = rounded(near, _evaluated(near, State(best, best, state.hovers)), budget)
-    return better(best, exact.evaluate(start.best.draft)), ENOUGH
-
-
-def _evaluated(problem: FitProblem, state: State) -> State:
-    """The best draft as it is in another problem."""
-    best = problem.evaluate(state.best.draft)
-    return State(best, best, state.hovers)
+    return best, ENOUGH

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.mission.items import FIRST_SEQ, TAKEOFF_REACHED_SHARE, Command
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.mission.local_items import LocalItem
@@ -47,14 +48,20 @@ def simulate_draft(draft: Draft, limits: Limits, step_s: float, home_amsl_m: flo
     items, seqs = items_of(draft)
     copter = climbing_copter(draft, limits, step_s, home_amsl_m)
     run = copter.start_auto(items)
-    rows = _positions_m(copter, run)
+    return flight_of(draft, run, seqs, _positions_m(copter, run), step_s)
+
+
+def flight_of(
+    draft: Draft, run: MissionRun, seqs: list[int], rows: list[Vector], step_s: float
+) -> SimulatedDraft:
+    """A draft's flight from its mission, flown to the end, and the positions before and after each step."""
     passed_s = np.array([_reached_s(run.reached, seq) for seq in seqs])
     place_m = np.array(rows[round(passed_s[0] / step_s) :])
     times_s = step_s * np.arange(len(place_m), dtype=float)
     return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0])
 
 
-def _positions_m(copter: Copter, run: MissionRun) -> list[tuple[float, float, float]]:
+def _positions_m(copter: Copter, run: MissionRun) -> list[Vector]:
     """Where the copter is after each step, up to the end of the mission."""
     rows = [copter.position_m]
     while not run.completed:

@@ -1,22 +1,25 @@
 """The speed of every leg, found in the model leg after leg, so that each place is left when it ought to be.
 
-As a leg begins, copies of the copter fly it at one speed after another: the speed before, and then
-what the last two trials say of the answer, as in a secant search. What is kept is exact: it is the same
-model, with all that came before, that flies the finished mission.
+As a leg begins, copies of the copter fly it at one speed after another: the speed that the draft has
+already, or the speed before, and then what the last two trials say of the answer, as in a secant search.
+What is kept is exact: it is the same model, with all that came before, that flies the finished mission.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import isfinite, log
+from itertools import pairwise
+from math import hypot, isfinite, log
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
-from flight_replay.planning.fit.simulated_draft import climbing_copter, items_of
-from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule
+from flight_replay.planning.fit.simulated_draft import SimulatedDraft, climbing_copter, flight_of, items_of
+from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, with_speeds
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
 
 _MOST_TRIALS = 5
@@ -24,6 +27,10 @@ _PUNCTUAL_S = 0.06
 _NEARER_S = 0.02
 """A speed that is not punctual is taken for another only if it is nearer by so much."""
 _SAME_RATIO = 1.01
+_USED_SHARE = 0.93
+"""A leg on which less than this of its speed was flown is no sooner at a higher one."""
+_BOLD_SHARE, _SLOW_SHARE = 0.75, 0.5
+"""Where less speed makes a leg no longer, it takes much less to; with half of it the leg is what it is."""
 _SHORTEST_S = 0.05
 _SLOPES = (-4.0, -0.25)
 _PATIENCE_S = 30.0
@@ -31,10 +38,15 @@ _PATIENCE_S = 30.0
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """A leg flown at a speed: after how many steps the next began, and by how much that was late."""
+    """A leg flown at a speed: the copter as the next is to begin, where it was, and how late that is.
+
+    ``used_m_s`` is what was flown of the speed, less where curves or the leg's length allow no more.
+    """
 
     speed_m_s: float
-    steps: int
+    used_m_s: float
+    copter: Copter
+    rows: list[Vector]
     late_s: float
 
 
@@ -54,37 +66,49 @@ class SpeedSearch:
             home_amsl_m: the place of take-off above sea level.
         """
         self._plan, self._caps_m_s, self._limits, self._step_s = plan, caps_m_s, limits, step_s
+        self._guesses = with_every_speed(plan.draft).speed_m_s
         self._items, self._seqs = items_of(replace(plan.draft, speed_m_s=caps_m_s), every_speed=True)
         self._copter = climbing_copter(plan.draft, limits, step_s, home_amsl_m)
         self._copter.start_auto(self._items)
+        self._rows = [self._copter.position_m]
         self._begin_s = 0.0
-        self._snapshot = self._taken()
         self.steps = 0
 
-    def run(self) -> Floats:
-        """The speeds (n,) with which the places are left as nearly as can be on time."""
-        self._advance(self._steps_past(self._snapshot.copy(), 0, _PATIENCE_S))
+    def run(self) -> SimulatedDraft:
+        """The draft's flight at the speeds with which its places are left as nearly as can be on time."""
+        self._rows += self._fly(self._copter, 0, _PATIENCE_S)
         self._begin_s = self._copter.time_s
         speeds = np.full(len(self._plan.draft), np.nan)
         for place in range(1, len(speeds)):
-            best = self._best(place, float(speeds[place - 1]))
+            guess_m_s = self._guesses[place] if isfinite(self._guesses[place]) else speeds[place - 1]
+            best = self._best(place, float(guess_m_s))
             speeds[place] = best.speed_m_s
-            self._ask_for(place, best.speed_m_s)
-            self._advance(best.steps)
-        return speeds
+            self._copter = best.copter
+            self._rows += best.rows
+        return self._flight(speeds)
+
+    def _flight(self, speeds: Floats) -> SimulatedDraft:
+        """The flight when the last place is reached."""
+        copter, run = self._copter, self._copter.mission
+        assert run is not None, "a draft is flown in AUTO"
+        while not run.completed:
+            copter.step()
+            self._rows.append(copter.position_m)
+        return flight_of(with_speeds(self._plan.draft, speeds), run, self._seqs, self._rows, self._step_s)
 
     @property
     def _now_s(self) -> float:
         return self._copter.time_s - self._begin_s
 
-    def _best(self, place: int, before_m_s: float) -> _Trial:
-        """The speed that ends a leg nearest to when it ought to end; rather the one before than another."""
+    def _best(self, place: int, guess_m_s: float) -> _Trial:
+        """The speed that ends a leg nearest to when it ought to end; rather the guess than another."""
         low, high = SLOWEST_M_S, float(self._caps_m_s[place])
-        speed = min(before_m_s, high) if isfinite(before_m_s) else high
+        snapshot = CopterSnapshot(self._copter, (self._items, self._limits))
+        speed = min(guess_m_s, high) if isfinite(guess_m_s) else high
         best: _Trial | None = None
         trials: list[_Trial] = []
         for _ in range(_MOST_TRIALS):
-            trial = self._tried(place, speed)
+            trial = self._tried(snapshot.copy(), place, speed)
             trials.append(trial)
             if best is None or abs(trial.late_s) < abs(best.late_s) - _NEARER_S:
                 best = trial
@@ -92,18 +116,24 @@ class SpeedSearch:
                 low = max(low, speed)
             else:
                 high = min(high, speed)
-            if abs(trial.late_s) <= _PUNCTUAL_S or high <= low * _SAME_RATIO:
+            if _settled(trials) or high <= low * _SAME_RATIO:
                 break
             speed = self._next_speed(place, trials[-2:], low, high)
         assert best is not None, "there are trials"
         return best
 
-    def _tried(self, place: int, speed_m_s: float) -> _Trial:
-        self._ask_for(place, speed_m_s)
-        allowed_s = max(float(self._plan.leave_s[place]) - self._now_s, 0.0)
-        steps = self._steps_past(self._snapshot.copy(), place, 3 * allowed_s + _PATIENCE_S)
-        left_s = self._now_s + (steps - 1) * self._step_s
-        return _Trial(speed_m_s, steps, left_s - float(self._plan.leave_s[place]))
+    def _tried(self, copter: Copter, place: int, speed_m_s: float) -> _Trial:
+        at = self._seqs[place] - 2  # The speed's item, just before the place's.
+        self._items[at] = replace(self._items[at], params=(1.0, round(speed_m_s, 2), 0.0, 0.0))
+        leave_s = float(self._plan.leave_s[place])
+        rows = self._fly(copter, place, 3 * max(leave_s - self._now_s, 0.0) + _PATIENCE_S)
+        used_m_s = min(speed_m_s, self._top_speed_m_s(rows))
+        return _Trial(speed_m_s, used_m_s, copter, rows, copter.time_s - self._begin_s - leave_s)
+
+    def _top_speed_m_s(self, rows: list[Vector]) -> float:
+        """The highest ground speed of a leg."""
+        steps_m = [hypot(there[0] - here[0], there[1] - here[1]) for here, there in pairwise(rows)]
+        return max(max(steps_m, default=0.0) / self._step_s, SLOWEST_M_S)
 
     def _next_speed(self, place: int, trials: list[_Trial], low: float, high: float) -> float:
         """The speed at which a leg would end on time if its duration went with a power of it."""
@@ -111,9 +141,11 @@ class SpeedSearch:
         durations = [self._moving_s(place, trial.late_s) for trial in trials]
         slope = -1.0
         if len(trials) > 1 and abs(log(durations[1] / durations[0])) > 1e-3:
-            slope = log(trials[1].speed_m_s / trials[0].speed_m_s) / log(durations[1] / durations[0])
+            slope = log(trials[1].used_m_s / trials[0].used_m_s) / log(durations[1] / durations[0])
         slope = min(max(slope, _SLOPES[0]), _SLOPES[1])
-        speed = float(trials[-1].speed_m_s * (wanted_s / durations[-1]) ** slope)
+        speed = float(trials[-1].used_m_s * (wanted_s / durations[-1]) ** slope)
+        if len(trials) > 1 and trials[0].late_s == trials[1].late_s:
+            speed = min(speed, _BOLD_SHARE * trials[-1].used_m_s)
         if low < speed < high:
             return speed
         if len(trials) > 1:
@@ -125,27 +157,24 @@ class SpeedSearch:
         hold_s = float(self._plan.draft.hold_s[place])
         return max(float(self._plan.leave_s[place]) + late_s - hold_s - self._now_s, _SHORTEST_S)
 
-    def _ask_for(self, place: int, speed_m_s: float) -> None:
-        at = self._seqs[place] - 2  # The speed's item, just before the place's.
-        self._items[at] = replace(self._items[at], params=(1.0, round(speed_m_s, 2), 0.0, 0.0))
-
-    def _taken(self) -> CopterSnapshot:
-        return CopterSnapshot(self._copter, (self._items, self._limits))
-
-    def _advance(self, steps: int) -> None:
-        """Fly on to one step before the next leg begins: its speed is asked for as it does."""
-        for _ in range(steps - 1):
-            self._copter.step()
-        self._snapshot = self._taken()
-
-    def _steps_past(self, copter: Copter, place: int, most_s: float) -> int:
-        """How many steps it takes until a copter is on the way to the place after."""
-        began, seq, most_steps = copter.steps, self._seqs[place], int(most_s / self._step_s)
-        while (
-            copter.mission is not None and not copter.mission.completed and copter.steps - began < most_steps
-        ):
-            if copter.mission.seq is not None and copter.mission.seq > seq:
-                break
+    def _fly(self, copter: Copter, place: int, most_s: float) -> list[Vector]:
+        """Where a copter is after each step until the leg to a place is about to end, or for so long."""
+        run, seq, last = copter.mission, self._seqs[place], copter.steps + int(most_s / self._step_s)
+        assert run is not None, "a draft is flown in AUTO"
+        rows: list[Vector] = []
+        while not (run.seq == seq and run.item_ends) and copter.steps < last:
             copter.step()
-        self.steps += copter.steps - began
-        return copter.steps - began
+            rows.append(copter.position_m)
+        self.steps += len(rows)
+        return rows
+
+
+def _settled(trials: list[_Trial]) -> bool:
+    """Whether no other speed comes nearer: the leg is on time, or takes as long at any."""
+    last = trials[-1]
+    if abs(last.late_s) <= _PUNCTUAL_S:
+        return True
+    same = len(trials) > 1 and last.late_s == trials[-2].late_s
+    if last.late_s > 0:
+        return same or last.used_m_s < _USED_SHARE * last.speed_m_s
+    return same and last.speed_m_s < _SLOW_SHARE * trials[0].used_m_s

@@ -23,7 +23,7 @@ def sqrt_controller(error: float, p: float, second_limit: float, dt: float) -> f
 
     Source: sqrt_controller in control.cpp. With ``dt`` above 0 one step never overshoots.
     """
-    size = abs(error)
+    size = error if error > 0 else -error
     if second_limit <= 0:
         rate = size * p
     elif p == 0:

@@ -58,6 +58,11 @@ class MissionRun:
         return None if self._item is None else self._item.seq
 
     @property
+    def item_ends(self) -> bool:
+        """Whether the next step begins with another item, or with the end of the mission."""
+        return self._item is not None and self._is_done(self._item)
+
+    @property
     def loitering(self) -> bool:
         """Whether the vehicle loiters at an item that never ends."""
         endless = self._item is not None and self._item.command == Command.LOITER_UNLIMITED
@@ -100,7 +105,8 @@ class MissionRun:
         elif self._is_done(self._item):
             self.reached.append((self._item.seq, self.time_s))
             self._advance()
-        self.reached.extend((seq, self.time_s) for seq in self._do.finished(self.time_s))
+        if self._do.running:
+            self.reached.extend((seq, self.time_s) for seq in self._do.finished(self.time_s))
 
     def _advance(self) -> None:
         """Start the next navigation item, after the first of the DO items before it."""
@@ -176,17 +182,17 @@ class MissionRun:
 
     def _is_done(self, item: LocalItem) -> bool:
         """Whether an item is done, so that the next may start (ModeAuto::verify_command)."""
+        if self._submode is None and not self._flight.navigation.reached and item.command != Command.DELAY:
+            return False
         if item.command == Command.DELAY:
             return self._waited(item.params[0])
         if item.command == Command.LAND:
-            if self._submode is None and self._flight.navigation.reached:
+            if self._submode is None:
                 self._submode = Landing(self._flight)
             return False
         if self._submode is not None:
             return self._submode.done
-        if item.command == Command.LOITER_UNLIMITED or not self._flight.navigation.reached:
-            return False
-        return self._waited(item.params[0])
+        return item.command != Command.LOITER_UNLIMITED and self._waited(item.params[0])
 
     def _waited(self, seconds: float) -> bool:
         """Whether so many whole seconds have passed since this was first asked of an item."""

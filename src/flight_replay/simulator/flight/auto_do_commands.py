@@ -34,6 +34,11 @@ class DoCommands:
         self._items = items
         self._start(time_s)
 
+    @property
+    def running(self) -> bool:
+        """Whether there are items of a group that are not done."""
+        return bool(self._items)
+
     def finished(self, time_s: float) -> Iterator[int]:
         """Sequence numbers of items that are done; starts those after them."""
         while self._items and self._is_done(self._items[0], time_s):

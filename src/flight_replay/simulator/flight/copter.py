@@ -265,6 +265,7 @@ class Copter:
         """Move ``step_s`` on."""
         self._submode.step()
         self.steps += 1
-        self._flight.arming_wait_s = max(0.0, self._flight.arming_wait_s - self.step_s)
+        if self._flight.arming_wait_s > 0:
+            self._flight.arming_wait_s = max(0.0, self._flight.arming_wait_s - self.step_s)
         if self._submode.done and isinstance(self._submode, Landing | ReturnToLaunch | MissionRun):
             self.disarm()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 
 _TRANSPORTS = {"tcp": "tcp", "tcpin": "tcp", "udp": "udpout", "udpout": "udpout", "udpin": "udpin"}
 

@@ -12,7 +12,7 @@ import signal
 import sys
 import threading
 
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.server.settings import open_endpoint, settings_of
 
 

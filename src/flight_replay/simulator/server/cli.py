@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from types import FrameType
 
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server.addresses import parse_address
 from flight_replay.writing.terminal_text import Parser, escaped

@@ -7,7 +7,7 @@ import os
 import socket
 from typing import Protocol
 
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.server.addresses import Address
 
 _BUFFER = 65536

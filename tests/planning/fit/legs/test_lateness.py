@@ -22,3 +22,10 @@ def test_a_gain_is_worth_something_where_the_vehicle_is_late() -> None:
     """Who is on time already gains nothing by being sooner."""
     assert lateness([0.0, 3.0, 1.0, 0.0, 4.0], [0.0] * 5).cost_m(0, -2.0) == -3.0
     assert lateness([0.0] * 4, [0.0] * 4).cost_m(0, -2.0) == 0.0
+
+
+def test_how_late_one_may_be_for_a_cost() -> None:
+    """It is the delay whose cost comes to that, to a tenth of a second."""
+    on_time = lateness([0.0] * 4, [0.0, 0.0, 1.0, 9.0])
+    assert on_time.cost_m(0, 3.0) == 3.0 + 2.0
+    assert 3.0 <= on_time.most_later_s(0, 5.0) <= 3.1

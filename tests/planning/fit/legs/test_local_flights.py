@@ -1,9 +1,11 @@
 """Parts of a flight are those of the whole flight, and what is changed is flown from there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
@@ -46,7 +48,8 @@ def test_legs_are_flown_as_in_the_whole_flight() -> None:
     for first, last in ((1, 2), (2, 4), (1, 4)):
         part = flights.fly(DRAFT, first, last)
         there = [np.interp(part.time_s, whole.time_s, axis) for axis in whole.place_m[:, :2].T]
-        assert np.abs(part.north_east_m - np.column_stack(there)).max() < 0.5
+        off_m = np.abs(part.north_east_m - np.column_stack(there))
+        assert off_m[: part.ended].max() < 1e-9
     assert flights.steps > 0
 
 
@@ -56,6 +59,26 @@ def test_legs_that_do_not_end_are_refused() -> None:
     flights._most_steps = 10
     with pytest.raises(MissionError, match="does not end"):
         flights.fly(DRAFT, 1, 2)
+
+
+def test_legs_that_end_too_late_are_refused() -> None:
+    """A trial is given up as soon as it has left a place too late."""
+    flights = LocalFlights(problem(), DRAFT, 600.0)
+    other = replace(DRAFT, hold_s=np.array([1.0, 0.0, 5.0, 3.0, 0.0]))
+    latest_s = np.array([flights.left_s(place) for place in range(len(DRAFT))]) + 2.0
+    assert flights.fly(DRAFT, 1, 2, latest_s).left_s == flights.left_s(2)
+    with pytest.raises(MissionError, match="does not end"):
+        flights.fly(other, 1, 3, latest_s)
+
+
+def test_a_flight_goes_on_until_the_vehicle_is_where_its_target_was() -> None:
+    """A second is flown beyond the last place, of the draft itself and of others alike."""
+    flights = LocalFlights(problem(), DRAFT, 600.0)
+    same = replace(DRAFT)
+    for draft in (DRAFT, same):
+        part = flights.fly(draft, 1, 1)
+        assert part.time_s[-1] - part.left_s == pytest.approx(1.0, abs=0.05)
+    assert (flights.fly(DRAFT, 1, 2).north_east_m == flights.fly(same, 1, 2).north_east_m).all()
 
 
 def test_better_legs_cost_less() -> None:

@@ -15,6 +15,7 @@ from flight_replay.planning.fit.objective import TIME_SHARE, Evaluation
 from flight_replay.planning.fit.reference import LocalTrack
 
 _NOTHING_S = 0.01
+_LATEST_S, _TENTH_S = 25.6, 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +50,17 @@ class Lateness:
         shift_s, _ = self._shifts(last, later_s)
         change = np.abs(self.late_s + shift_s) - np.abs(self.late_s)
         return float((change * self.second_m).sum())
+
+    def most_later_s(self, last: int, most_m: float) -> float:
+        """How much later the place ``last`` may be left, to 0.1 s, if that is to cost so much at most."""
+        enough, too_much = 0.0, _LATEST_S
+        while too_much - enough > _TENTH_S:
+            middle = 0.5 * (enough + too_much)
+            if self.cost_m(last, middle) <= most_m:
+                enough = middle
+            else:
+                too_much = middle
+        return too_much
 
     def later(self, last: int, later_s: float) -> Lateness:
         """The lateness when the place ``last`` is left so much later."""

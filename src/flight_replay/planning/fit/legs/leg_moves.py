@@ -5,12 +5,13 @@ Each change is flown in the model over the legs around it, and kept if they cost
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
+from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.lateness import Lateness
 from flight_replay.planning.fit.legs.local_cost import LocalCost
@@ -32,19 +33,35 @@ _LEGS_BEFORE, _LEGS_AFTER = 2, 2
 _LEAST_GAIN_M = 0.001
 _PATIENCE, _PATIENCE_S = 2.0, 60.0
 """Some legs may take so many times as long as the whole flight did before, and a minute."""
-_SPEED_FACTORS = (0.7, 0.87, 1.15, 1.4)
-_USUAL_SHARE = 0.25
-"""Legs that cost less than this of the mean are left as they are, but for their speeds."""
+_SPEED_FACTORS = ((0.87, 0.7), (1.15, 1.4))
+"""Slower, and more so where that gains; faster."""
+_PUNCTUAL_S, _MOST_FACTORS = 0.1, (0.5, 2.0)
+_MADE_GOOD_S = 0.5
+"""On few legs not much more than this is made good."""
+USUAL_SHARE, LATER_SHARE = 0.25, 0.75
+"""Legs that cost less than this of the mean are left as they are, the first time and later."""
 
 
 def with_better_legs(
-    problem: FitProblem, start: Evaluation, hovers: dict[int, Hover], budget: Budget
+    problem: FitProblem,
+    start: Evaluation,
+    hovers: dict[int, Hover],
+    budget: Budget,
+    share: float = USUAL_SHARE,
 ) -> Draft:
-    """The draft with the kinds of its legs and its stops changed where that gains, from first to last."""
+    """The draft with its legs' kinds, its stops and speeds changed where that gains, from first to last.
+
+    Args:
+        problem: what to fit.
+        start: the draft as it is flown.
+        hovers: the recorded hovers by the place at which they are waited for.
+        budget: is told how much was flown.
+        share: legs that cost less than this share of the mean are left as they are.
+    """
     if len(start.draft) < 2:
         return start.draft
     flights = LocalFlights(problem, start.draft, _PATIENCE * float(start.flight.time_s[-1]) + _PATIENCE_S)
-    sweep = _Sweep(problem, start, hovers, flights)
+    sweep = _Sweep(problem, start, hovers, flights, share)
     for place in range(1, len(start.draft)):
         sweep.visit(place)
     budget.spend(flights.steps * problem.step_s / max(float(start.flight.time_s[-1]), problem.step_s))
@@ -55,42 +72,77 @@ class _Sweep:
     """One way through the places of a draft, each changed where that gains."""
 
     def __init__(
-        self, problem: FitProblem, start: Evaluation, hovers: dict[int, Hover], flights: LocalFlights
+        self,
+        problem: FitProblem,
+        start: Evaluation,
+        hovers: dict[int, Hover],
+        flights: LocalFlights,
+        share: float,
     ) -> None:
         self._flights, self._hovers, self._timed = flights, hovers, problem.timed
         self._start = start
-        self._usual_m = _USUAL_SHARE * start.objective_m / len(start.draft)
+        self._usual_m = share * start.objective_m / len(start.draft)
         self._cost = LocalCost.of(start, problem.recording, timed=problem.timed)
         self._lateness = _lateness(problem, start, hovers) if problem.timed else None
 
     def visit(self, place: int) -> None:
         """Change how a place is flown to, if that gains."""
         last = min(place + _LEGS_AFTER, len(self._start.draft) - 1)
-        best: tuple[float, Draft, int] | None = None
-        for first, changes in (
-            (place, _speed_changes if self._timed else _no_changes),
-            (max(1, place - _LEGS_BEFORE), _kind_changes),
-        ):
-            before_m = self._cost_m(self._flights.draft, first, last)
-            if first < place and before_m < self._usual_m * (last - first + 1):
-                break
-            for trial in changes(self._flights.draft, place, self._hovers):
-                gain_m = before_m - self._cost_m(trial, first, last)
-                if gain_m > (_LEAST_GAIN_M if best is None else best[0]):
-                    best = gain_m, trial, first
-        if best is not None:
+        first = max(1, place - _LEGS_BEFORE)
+        draft = self._flights.draft
+        changes: list[tuple[int, Iterator[Sequence[Draft]]]] = [
+            (first, _kind_changes(draft, place, self._hovers))
+        ]
+        if self._timed:
+            changes.insert(0, (place, _speed_changes(draft, place, self._factor_to_be_on_time(place))))
+        best: tuple[float, Draft, int] = _LEAST_GAIN_M, draft, first
+        for begin, several in changes:
+            before_m = self._cost_m(draft, begin, last)
+            if before_m < self._usual_m * (last - begin + 1):
+                continue
+            for row in several:
+                best = self._best_of(row, begin, last, before_m, best)
+        if best[1] is not draft:
             self._flights.change(*best[1:])
 
-    def _cost_m(self, draft: Draft, first: int, last: int) -> float:
-        """What some legs of a draft cost; infinitely much if they do not end."""
+    def _factor_to_be_on_time(self, place: int) -> float:
+        """How many times as fast a leg would have to be to make good what the changes before it have cost."""
+        began_s, left_s = self._flights.left_s(place - 1), self._flights.left_s(place)
+        later_s, lasts_s = left_s - float(self._start.passed_s[place]), left_s - began_s
+        if abs(later_s) < _PUNCTUAL_S:
+            return 1.0
+        return float(np.clip(lasts_s / max(lasts_s - later_s, 0.1 * lasts_s), *_MOST_FACTORS))
+
+    def _best_of(
+        self, row: Sequence[Draft], first: int, last: int, before_m: float, best: tuple[float, Draft, int]
+    ) -> tuple[float, Draft, int]:
+        """What gains most of the best so far and of the drafts in a row, tried as long as they gain more."""
+        gained_m = 0.0
+        for trial in row:
+            gain_m = before_m - self._cost_m(trial, first, last, before_m)
+            if gain_m <= gained_m:
+                break
+            gained_m = gain_m
+            if gain_m > best[0]:
+                best = gain_m, trial, first
+        return best
+
+    def _cost_m(self, draft: Draft, first: int, last: int, most_m: float | None = None) -> float:
+        """What some legs of a draft cost; infinitely much if they do not end, or so late that it is more."""
         try:
-            flown = self._flights.fly(draft, first, last)
+            flown = self._flights.fly(draft, first, last, self._latest_s(last, most_m))
         except MissionError:
             return np.inf
         cost_m = self._cost.of_legs(draft, flown, first, last)
         if self._lateness is None:
             return cost_m
-        return cost_m + self._lateness.cost_m(last, float(flown.time_s[-1] - self._start.passed_s[last]))
+        return cost_m + self._lateness.cost_m(last, flown.left_s - float(self._start.passed_s[last]))
+
+    def _latest_s(self, last: int, most_m: float | None) -> Floats | None:
+        """When each place has to be left (n,) if being late is to cost less than so much."""
+        if self._lateness is None or most_m is None:
+            return None
+        return self._start.passed_s + self._lateness.most_later_s(last, most_m) + _MADE_GOOD_S
 
 
 def _lateness(problem: FitProblem, start: Evaluation, hovers: dict[int, Hover]) -> Lateness:
@@ -100,32 +152,32 @@ def _lateness(problem: FitProblem, start: Evaluation, hovers: dict[int, Hover]) 
     return Lateness.of(start, problem.recording, wanted_s, least_s)
 
 
-def _no_changes(draft: Draft, place: int, hovers: dict[int, Hover]) -> Iterator[Draft]:
-    yield from ()
+def _speed_changes(draft: Draft, place: int, factor_on_time: float) -> Iterator[Sequence[Draft]]:
+    """The drafts that differ in how fast a place is flown to, in rows of more and more."""
+    for row in (*_SPEED_FACTORS, *([(factor_on_time,)] if factor_on_time != 1.0 else [])):
+        yield [_at_speed(draft, place, factor * float(draft.speed_m_s[place])) for factor in row]
 
 
-def _speed_changes(draft: Draft, place: int, hovers: dict[int, Hover]) -> Iterator[Draft]:
-    """The drafts that differ in how fast a place is flown to."""
-    for factor in _SPEED_FACTORS:
-        speeds = draft.speed_m_s.copy()
-        speeds[place] = np.clip(np.round(factor * speeds[place], 2), SLOWEST_M_S, FASTEST_M_S)
-        yield replace(draft, speed_m_s=speeds)
+def _at_speed(draft: Draft, place: int, speed_m_s: float) -> Draft:
+    speeds = draft.speed_m_s.copy()
+    speeds[place] = np.clip(round(speed_m_s, 2), SLOWEST_M_S, FASTEST_M_S)
+    return replace(draft, speed_m_s=speeds)
 
 
-def _kind_changes(draft: Draft, place: int, hovers: dict[int, Hover]) -> Iterator[Draft]:
-    """The drafts that differ in how a place is flown to, and whether it is stopped at."""
+def _kind_changes(draft: Draft, place: int, hovers: dict[int, Hover]) -> Iterator[Sequence[Draft]]:
+    """The drafts that differ in how a place is flown to, and whether it is stopped at, each by itself."""
     if place in hovers:
         return
     if place == len(draft) - 1:
-        yield _flipped(draft, place)
+        yield [_flipped(draft, place)]
         return
     if draft.hold_s[place] > 0:
-        yield _through(draft, place)
+        yield [_through(draft, place)]
         return
-    yield _flipped(draft, place)
-    yield _stopped(draft, place)
+    yield [_flipped(draft, place)]
+    yield [_stopped(draft, place)]
     if draft.spline[place + 1]:
-        yield _flipped(_flipped(draft, place) if draft.spline[place] else draft, place + 1)
+        yield [_flipped(_flipped(draft, place) if draft.spline[place] else draft, place + 1)]
 
 
 def _flipped(draft: Draft, place: int) -> Draft:

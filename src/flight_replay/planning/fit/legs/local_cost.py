@@ -20,7 +20,7 @@ from flight_replay.planning.fit.objective import (
 )
 from flight_replay.planning.fit.reference import LocalTrack
 
-_SPACING_M = 0.5
+_SPACING_M = 1.0
 _PIECE_M = 1.0
 _AROUND_FIXES = 3
 _LEAST_SCALE_M = 0.3
@@ -54,18 +54,22 @@ class LocalCost:
         path = draft.path(CURVE_TOLERANCE_M)
         part = (path.seq >= first) & (path.seq <= last)
         planned = path.north_east_m[part | np.append(part[1:], False)]
-        cost = self._path_m(planned, begin, end, self.evaluation.planned) * self.evaluation.plan_share
-        cost += self._path_m(flight.north_east_m, begin, end, self.evaluation.flown)
+        cost = (
+            self._path_m(planned, planned, begin, end, self.evaluation.planned) * self.evaluation.plan_share
+        )
+        on_legs_m = flight.north_east_m[: flight.ended]
+        cost += self._path_m(flight.north_east_m, on_legs_m, begin, end, self.evaluation.flown)
         return cost + (self._late_m(flight, begin, end) if self.timed else 0.0)
 
-    def _path_m(self, line_m: Floats, begin: int, end: int, both_ways: tuple[Offsets, Offsets]) -> float:
-        """What a line adds to a path error, both ways."""
+    def _path_m(
+        self, line_m: Floats, on_legs_m: Floats, begin: int, end: int, both_ways: tuple[Offsets, Offsets]
+    ) -> float:
+        """What a line, and the part of it that is on the legs, add to a path error, both ways."""
         fixes = self.recording.north_east_m
         scale_m = max(path_error_m(both_ways), _LEAST_SCALE_M)
-        line_m = points_along(line_m, _SPACING_M)[0]
-        there = _nearest_m(fixes[begin:end], line_m)
+        there = _nearest_m(fixes[begin:end], points_along(line_m, _SPACING_M)[0])
         near = fixes[max(0, begin - _AROUND_FIXES) : end + _AROUND_FIXES]
-        back = _nearest_m(line_m, near)
+        back = _nearest_m(points_along(on_legs_m, _SPACING_M)[0], near)
         share = (there**4).sum() / len(fixes) + (back**4).sum() / len(both_ways[1].leg)
         return float(share / (8 * scale_m**3))
 

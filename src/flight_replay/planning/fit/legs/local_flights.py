@@ -6,26 +6,49 @@ came before is kept: copies of the copter as each leg began fly on from there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.simulated_draft import climbing_copter, items_of
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.mission.local_items import LocalItem
 
+_FOLLOWS_S = 1.0
+_Place = tuple[float, float]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalFlight:
-    """Where the vehicle was on some legs: times (k,) from reaching the first place, and places (k, 2)."""
+    """Where the vehicle was on some legs: times (k,) from reaching the first place, and places (k, 2).
+
+    The first ``ended`` of them are on those legs. The rest are the second after, in which the vehicle comes
+    to where its target has been.
+    """
 
     time_s: Floats
     north_east_m: Floats
+    ended: int
+
+    @property
+    def left_s(self) -> float:
+        """When the target left the last of the places."""
+        return float(self.time_s[self.ended - 1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Leg:
+    """Where the copter was after each step of a leg and in the second after; when the target left."""
+
+    rows: list[_Place]
+    after: list[_Place]
+    left_s: float
 
 
 class LocalFlights:
@@ -42,11 +65,12 @@ class LocalFlights:
         items, self._seqs = self._items_of(self._draft)
         copter = climbing_copter(draft, problem.limits, problem.step_s, problem.recording.home_amsl_m)
         copter.start_auto(items)
-        # How the copter is one step before the leg to each place begins.
+        # How the copter is as the leg to each place is about to begin, and what it flew on each leg before.
         self._before = [self._snapshot(copter, items)]
+        self._legs: list[_Leg] = []
         self._begin_s = 0.0
         self._fly_on()
-        self._begin_s = self._before[1].copy(self._shared(items)).time_s
+        self._begin_s = self._legs[0].left_s
 
     @property
     def draft(self) -> Draft:
@@ -57,42 +81,79 @@ class LocalFlights:
         """Fly another draft, which differs in what is flown from the leg to place ``first`` on."""
         self._draft = draft
         del self._before[first + 1 :]
+        del self._legs[first:]
 
-    def fly(self, draft: Draft, first: int, last: int) -> LocalFlight:
+    def left_s(self, place: int) -> float:
+        """When the draft's target leaves a place, counted from the first."""
+        while len(self._legs) <= place:
+            self._fly_on()
+        return self._legs[place].left_s - self._begin_s
+
+    def fly(self, draft: Draft, first: int, last: int, latest_s: Floats | None = None) -> LocalFlight:
         """The legs to places ``first`` to ``last`` of a draft that is flown like this one before them.
 
+        Args:
+            draft: what to fly.
+            first: the first of the places.
+            last: the last of the places.
+            latest_s: when each place of the draft (n,) has to be left for the flight to be of use.
+
         Raises:
-            MissionError: they do not end.
+            MissionError: they do not end, or not in time.
         """
         while len(self._before) <= first:
             self._fly_on()
+        if draft is self._draft:
+            return self._flown_already(first, last)
         items, _ = self._items_of(draft)
         copter = self._before[first].copy(self._shared(items))
-        began_s = copter.time_s - self._begin_s
-        rows = self._flown_past(copter, last)
-        return LocalFlight(began_s + self._problem.step_s * np.arange(len(rows), dtype=float), np.array(rows))
+        began_m, rows = copter.position_m[:2], []
+        for place in range(first, last + 1):
+            allowed_s = np.inf if latest_s is None else latest_s[place] + self._begin_s - copter.time_s
+            rows += self._flown_to(copter, place, allowed_s)
+        return self._flight(first, [began_m, *rows], self._run_on(copter))
 
-    def _fly_on(self) -> None:
-        """Find how the copter is before the next leg."""
-        place = len(self._before) - 1
-        items, _ = self._items_of(self._draft)
-        steps = len(self._flown_past(self._before[place].copy(self._shared(items)), place)) - 1
-        copter = self._before[place].copy(self._shared(items))
-        for _ in range(steps - 1):
-            copter.step()
-        self._before.append(self._snapshot(copter, items))
+    def _flown_already(self, first: int, last: int) -> LocalFlight:
+        """The same for the draft that is flown, from what is known of its legs."""
+        self.left_s(last)
+        legs = self._legs[first : last + 1]
+        began_m = self._legs[first - 1].rows[-1]
+        return self._flight(first, [began_m, *chain.from_iterable(leg.rows for leg in legs)], legs[-1].after)
 
-    def _flown_past(self, copter: Copter, place: int) -> list[tuple[float, float]]:
-        """Where a copter is until it is on the way to the place after, or at the end."""
-        mission, seq = copter.mission, self._seqs[place]
-        assert mission is not None, "a draft is flown in AUTO"
-        most_steps = copter.steps + self._most_steps
-        rows = [copter.position_m[:2]]
-        while not mission.completed and (mission.seq is None or mission.seq <= seq):
+    def _flight(self, first: int, rows: list[_Place], after: list[_Place]) -> LocalFlight:
+        steps = np.arange(len(rows) + len(after), dtype=float)
+        times_s = self.left_s(first - 1) + self._problem.step_s * steps
+        return LocalFlight(times_s, np.array(rows + after), len(rows))
+
+    def _run_on(self, copter: Copter) -> list[_Place]:
+        """Where a copter is after each step of the time in which it follows its target."""
+        rows: list[_Place] = []
+        for _ in range(round(_FOLLOWS_S / self._problem.step_s)):
             copter.step()
             rows.append(copter.position_m[:2])
-            if copter.steps > most_steps:
+        self.steps += len(rows)
+        return rows
+
+    def _fly_on(self) -> None:
+        """Find what is flown on the next leg, and how the copter is after it."""
+        items, _ = self._items_of(self._draft)
+        copter = self._before[-1].copy(self._shared(items))
+        rows = self._flown_to(copter, len(self._legs))
+        self._before.append(self._snapshot(copter, items))
+        left_s = copter.time_s
+        self._legs.append(_Leg(rows, self._run_on(copter), left_s))
+
+    def _flown_to(self, copter: Copter, place: int, allowed_s: float = np.inf) -> list[_Place]:
+        """Where a copter is after each step until the leg to a place is about to end."""
+        mission, seq = copter.mission, self._seqs[place]
+        assert mission is not None, "a draft is flown in AUTO"
+        last = copter.steps + min(self._most_steps, allowed_s / self._problem.step_s)
+        rows: list[_Place] = []
+        while not (mission.seq == seq and mission.item_ends):
+            if copter.steps > last:
                 raise MissionError("a leg of the fitted flight does not end")
+            copter.step()
+            rows.append(copter.position_m[:2])
         self.steps += len(rows)
         return rows
 
@@ -104,12 +165,3 @@ class LocalFlights:
 
     def _snapshot(self, copter: Copter, items: list[LocalItem]) -> CopterSnapshot:
         return CopterSnapshot(copter, self._shared(items))
-
-
-def with_every_speed(draft: Draft) -> Draft:
-    """The draft with the speed of each leg said, but for the first, also where it goes on as before."""
-    speeds = draft.speed_m_s.copy()
-    for place in range(2, len(speeds)):
-        if np.isnan(speeds[place]):
-            speeds[place] = speeds[place - 1]
-    return replace(draft, speed_m_s=speeds)
