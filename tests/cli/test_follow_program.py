@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -108,6 +109,27 @@ def test_a_signal_returns_the_vehicle_and_puts_its_parameter_back(
         assert run.output.rstrip().endswith("flight-replay: error: interrupted")
         assert "The vehicle confirmed RTL" in run.output
         assert "Traceback" not in run.output
+        assert target_timeout_s(run.link) == 3.0
+
+
+@pytest.mark.slow
+def test_a_program_that_is_killed_leaves_a_file_that_the_next_one_tells_of(tmp_path: Path) -> None:
+    """Nothing can put the parameter back then; the command that does is shown."""
+    with program(tmp_path) as run:
+        run.wait_for(FOLLOWS)
+        run.process.kill()
+        run.process.wait()
+        assert target_timeout_s(run.link) == 0.5
+        again = subprocess.run(
+            command(run.link.connection, "--dry-run"),
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            check=True,
+        )
+        told = re.search(r"GUID_TIMEOUT 0.5 instead of 3.*run: python (.*)", again.stderr)
+        assert told is not None
+        subprocess.run([sys.executable, *shlex.split(told[1])], cwd=tmp_path, check=True)
         assert target_timeout_s(run.link) == 3.0
 
 

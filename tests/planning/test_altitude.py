@@ -71,7 +71,12 @@ def test_each_boot_has_its_own_home() -> None:
 
 @pytest.mark.parametrize("boots", [[0, 0, 0], [0, 1, 1]])
 def test_unknown_altitudes_are_the_lowest_that_is_flown(boots: list[int]) -> None:
-    """Without any altitude above home or above the sea, none is plausible."""
+    """Without any altitude above home, none is plausible."""
     track = replace(track_at([30.0, 30.0, 30.0]), boot=np.array(boots, np.int32))
-    for unknown in (replace(track, alt_m=np.full(3, np.nan)), replace(track, amsl_m=np.full(3, np.nan))):
-        assert plausible_altitudes_m(unknown).tolist() == [FLOOR_M] * 3
+    assert plausible_altitudes_m(replace(track, alt_m=np.full(3, np.nan))).tolist() == [FLOOR_M] * 3
+
+
+def test_altitudes_above_home_alone_are_plausible() -> None:
+    """Where a boot tells nothing of the sea, as a track above the ground."""
+    track = replace(track_at([30.0, 31.0, 32.0]), amsl_m=np.full(3, np.nan))
+    assert plausible_altitudes_m(track).tolist() == [30.0, 31.0, 32.0]

@@ -32,6 +32,10 @@ def test_a_far_join_is_said() -> None:
     between = replace(first.select(slice(0, 1)), time_s=np.array([20.0]), armed=np.array([Armed.NO], np.int8))
     _, notes = flown_part(joined(first, between, replace(second, time_s=second.time_s + 60)))
     assert any("Flight 2 begins 100 m" in note for note in notes)
+    _, untold = flown_part(
+        joined(first, between, replace(second, time_s=second.time_s + 60)), tell_joins=False
+    )
+    assert not any("Flight 2" in note for note in untold)
 
 
 def landed_between(first: Track, second: Track, third: Track) -> Track:

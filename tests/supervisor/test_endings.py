@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from flight_replay import events
-from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Event
+from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.supervisor import Deadlines, Plan, fly
 from flight_replay.supervisor.vehicle_interface import MissionCurrent, Rebooted
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flight_replay import events
-from flight_replay.errors import PhaseTimeoutError
+from flight_replay.exceptions import PhaseTimeoutError
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import fake_flight
 

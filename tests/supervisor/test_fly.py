@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flight_replay import events
-from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Phase
+from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mission.items import Mission, change_speed, waypoint
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import Setup, fake_flight

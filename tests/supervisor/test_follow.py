@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Following, Phase, PhaseStarted, ReturnCommanded
+from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.supervisor.vehicle_interface import Heartbeat
 from tests.helpers.fake_vehicle import FRAME, FakeClock, FakeVehicle
 from tests.helpers.supervised import RECORDED_S, FakeFlight, fake_following, s_curve

@@ -100,3 +100,12 @@ def test_far_off_it_begins_anew_from_the_vehicle() -> None:
     follower.observe(120.0, s_curve().state(20.0).position_m + np.array([0.0, 7.0, 0.0]), np.zeros(3))
     assert follower.offset_m > 5.0
     assert follower.error_m == pytest.approx(7.0, abs=0.01)
+
+
+def test_the_recordings_time_is_known_between_two_targets() -> None:
+    follower = Follower(s_curve(), max_error_m=3.0)
+    assert follower.recording_at_s(50.0) == -5.0
+    for time_s in (50.0, 50.1, 50.2):
+        follower.target(time_s)
+    assert follower.recording_at_s(50.15) == pytest.approx(-4.85)
+    assert follower.recording_at_s(60.0) == pytest.approx(follower.recording_s)

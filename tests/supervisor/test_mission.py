@@ -39,10 +39,17 @@ def test_the_distance_is_emitted_once_a_second() -> None:
     distances = flight.of(DistanceToWaypoint)
     assert 50 <= len(distances) <= 62
     assert min(event.seq for event in distances) == 1
-    assert {event.last_seq for event in distances} == {40}
+    assert {event.waypoints for event in distances} == {40}
     of_item_2 = [event.distance_m or 0.0 for event in distances if event.seq == 2]
     assert max(of_item_2) < 10.1
     assert min(of_item_2) < 2.6
+
+
+def test_waypoints_are_counted_as_waypoints() -> None:
+    """Not as items, of which speed changes are some."""
+    items = (change_speed(3.0), waypoint(47.0, 8.0, 30.0), change_speed(2.0), waypoint(47.001, 8.0, 30.0))
+    plan = Plan(mission=Mission(items))
+    assert [plan.waypoint_at(seq) for seq in range(6)] == [(1, 2), (1, 2), (1, 2), (2, 2), (2, 2), (2, 2)]
 
 
 @pytest.mark.parametrize(("seq", "distance_m"), [(0, None), (1, 10.0), (5, 50.0), (6, None)])

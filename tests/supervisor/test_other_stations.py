@@ -8,7 +8,7 @@ from contextlib import suppress
 import pytest
 
 from flight_replay import events
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.supervisor.vehicle_interface import Heartbeat, Rebooted, Report, Request, RequestLost
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import fake_flight

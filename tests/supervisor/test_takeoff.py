@@ -7,8 +7,8 @@ from collections.abc import Callable
 import pytest
 
 from flight_replay import events
-from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Phase, VehicleState, Waiting
+from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
     PrearmStatus,

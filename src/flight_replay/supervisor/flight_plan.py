@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass, field
 
 from flight_replay.geometry.arrays import Floats
@@ -51,6 +52,11 @@ class Plan(FlightPlan):
         """Sequence number of the final waypoint."""
         return self.mission.waypoints[-1][0]
 
+    def waypoint_at(self, seq: int) -> tuple[int, int]:
+        """Which waypoint the vehicle flies to at an item, counted from 1, and how many there are."""
+        seqs = [each for each, _ in self.mission.waypoints]
+        return min(bisect_left(seqs, seq) + 1, len(seqs)), len(seqs)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FollowPlan(FlightPlan):
@@ -58,7 +64,8 @@ class FollowPlan(FlightPlan):
 
     ``recorded_s`` is when the last fix was recorded. The reference waits for a vehicle that is farther
     from it than ``max_error_m``; three times that ends the flight. The way to the recording's begin is
-    flown at ``approach_m_s``, by None at the vehicle's own ``speed_m_s``.
+    flown at ``approach_m_s``, by None at the vehicle's own ``speed_m_s``. ``speedup`` is that of a simulator
+    that is slowed down where this machine is too busy for it; None if its clock is not to be changed.
     """
 
     reference: ReferenceMotion
@@ -68,6 +75,7 @@ class FollowPlan(FlightPlan):
     leads: Leads = field(default_factory=Leads)
     approach_m_s: float | None = None
     speed_m_s: float = 10.0
+    speedup: float | None = None
 
     @property
     def end_s(self) -> float:

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from flight_replay.errors import VehicleError
 from flight_replay.events import Listener, VehicleState, combine_listeners, ignore
+from flight_replay.exceptions import VehicleError
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.supervisor.flight_ended import FlightEnded

@@ -10,14 +10,15 @@ from math import hypot
 
 import numpy as np
 
-from flight_replay.errors import PhaseTimeoutError
 from flight_replay.events import DistanceToStart, Following, Phase, PhaseStarted, VehicleState
+from flight_replay.exceptions import PhaseTimeoutError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import FollowPlan
 from flight_replay.supervisor.follower import LONGEST_GAP_S, Follower, MotionTarget
+from flight_replay.supervisor.speedup_keeper import SpeedupKeeper
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_clock import VehicleClock
 from flight_replay.supervisor.vehicle_interface import Target
@@ -88,7 +89,8 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
     Raises:
         FlightEnded: The flight ended otherwise.
     """
-    clock = VehicleClock()
+    clock = VehicleClock(plan.speedup or 1.0)
+    keeper = SpeedupKeeper(monitor, clock, plan.speedup)
     progress = ProgressTimer(monitor)
     deadline, furthest_s = Deadline(monitor, monitor.deadlines.no_progress_s), -np.inf
     seen: VehicleState | None = None
@@ -99,7 +101,7 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
             seen = monitor.state
             clock.received(seen.time_s, monitor.wall_s)
         if monitor.caught_up and seen is not None:
-            _send_target(monitor, follower, clock, seen)
+            _send_target(monitor, follower, clock, keeper, seen)
         if follower.recording_s > furthest_s + _MIN_MOVE_M:
             furthest_s = follower.recording_s
             deadline.restart()
@@ -140,7 +142,11 @@ def _wait_for_verdict(monitor: VehicleMonitor) -> None:
 
 
 def _send_target(
-    monitor: VehicleMonitor, follower: Follower, clock: VehicleClock, state: VehicleState
+    monitor: VehicleMonitor,
+    follower: Follower,
+    clock: VehicleClock,
+    keeper: SpeedupKeeper,
+    state: VehicleState,
 ) -> None:
     """Send the next target if it is time for it: for when it arrives, by the vehicle's clock."""
     now_s = clock.now_s(monitor.wall_s)
@@ -158,6 +164,7 @@ def _send_target(
     else:
         follower.observe(state.time_s, position_m, velocity_m_s)
     monitor.vehicle.send_target(_target(follower.reference, follower.target(arrives_s)))
+    keeper.target_sent(arrives_s, gap_s)
 
 
 def _until_next_target_wall_s(clock: VehicleClock, follower: Follower, monitor: VehicleMonitor) -> float:
@@ -171,7 +178,8 @@ def _until_next_target_wall_s(clock: VehicleClock, follower: Follower, monitor: 
 
 
 def _following(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> Following:
-    return Following(monitor.time_s, follower.recording_s, plan.end_s, follower.error_m, follower.waiting)
+    recording_s = follower.recording_at_s(monitor.time_s)
+    return Following(monitor.time_s, recording_s, plan.end_s, follower.error_m, follower.waiting)
 
 
 def _position_m(reference: ReferenceMotion, state: VehicleState | None) -> Floats:

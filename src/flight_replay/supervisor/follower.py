@@ -104,6 +104,13 @@ class Follower:
         self.clock.append((time_s, self.recording_s))
         return target
 
+    def recording_at_s(self, time_s: float) -> float:
+        """The recording's time at the vehicle's time ``time_s``, which is a little before the last target."""
+        if not self._past:
+            return self.recording_s
+        times_s, recordings_s = zip(*[each[:2] for each in self._past], strict=True)
+        return float(np.interp(time_s, times_s, recordings_s))
+
     @property
     def begun(self) -> bool:
         """Whether there was a target."""

@@ -56,7 +56,8 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
         if deadline.passed:
             raise FlightEnded("no progress", f"the vehicle stopped on its way to item {seq}; find out why")
         if seq >= FIRST_SEQ and progress.due():
-            monitor.emit(DistanceToWaypoint(seq, ahead_m, plan.last_seq))
+            waypoint, waypoints = plan.waypoint_at(seq)
+            monitor.emit(DistanceToWaypoint(seq, ahead_m, waypoints, waypoint))
         monitor.step()
 
 

@@ -6,8 +6,8 @@ Each raises ``PhaseTimeoutError`` with the autopilot's own reason at its deadlin
 
 from __future__ import annotations
 
-from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, Waiting
+from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request

@@ -17,9 +17,10 @@ _HELD_UP_WALL_S = 0.3  # Positions so late were held up, and others with them: a
 class VehicleClock:
     """Estimates vehicle time between positions; the clock of a simulator may run at any rate."""
 
-    def __init__(self) -> None:
+    def __init__(self, rate: float = 1.0) -> None:
+        """Begin; ``rate`` is assumed until it is measured."""
         self._positions: deque[tuple[float, float]] = deque()
-        self.rate = 1.0
+        self.rate = rate
         """Vehicle seconds a wall-clock second."""
         self._rate_known = False
         self._held_up_until_wall_s = float("-inf")
@@ -40,6 +41,11 @@ class VehicleClock:
         span_wall_s = wall_s - positions[0][1]
         if span_wall_s >= _MIN_RATE_WINDOW_WALL_S:
             self.rate, self._rate_known = (time_s - positions[0][0]) / span_wall_s, True
+
+    def rate_changed(self, rate: float) -> None:
+        """From now on the vehicle's clock runs at another rate: what was received before tells nothing."""
+        self._positions.clear()
+        self.rate, self._rate_known = rate, True
 
     def _late_wall_s(self, time_s: float, wall_s: float) -> float:
         """How much longer it is since the last position came than that was sent before this one."""

@@ -137,6 +137,9 @@ class Vehicle(Protocol):
     def request_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
         """Request to fly to a place in GUIDED, at a height above home; positions show whether it does."""
 
+    def request_speedup(self, speedup: float) -> None:
+        """Request that a simulator's clock runs so many times as fast as wall-clock time."""
+
     @property
     def takes_targets(self) -> bool:
         """Whether enough is known of the vehicle's own frame to send it targets."""

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.logs.track import Track, track_from_columns
+from flight_replay.logs.track import Armed, Track, track_from_columns
 from flight_replay.planning.following.follow_prediction import with_prediction
 from flight_replay.planning.following.followed_route import FollowOptions, followed_route
 from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import along, joined
 
 
 def _track(speed_m_s: float = 4.0) -> Track:
@@ -63,3 +64,12 @@ def test_a_jump_is_bridged_and_said() -> None:
     route = followed_route(far, far.alt_m, Limits(), FollowOptions())
     assert any("the recording jumps by 22" in note for note in route.notes)
     assert route.predicted_duration_s > 80.0
+
+
+def test_flights_that_begin_far_apart_are_told_once() -> None:
+    """As the jump that they are for the motion."""
+    first, second = along([(0, 0), (30, 0)], 3.0), along([(130, 0), (160, 0)], 3.0)
+    ground = replace(first.select(slice(0, 1)), time_s=np.array([20.0]), armed=np.array([Armed.NO], np.int8))
+    track = joined(first, ground, replace(second, time_s=second.time_s + 60.0))
+    route = followed_route(track, np.full(len(track), 30.0), Limits(), FollowOptions())
+    assert len([note for note in route.notes if "100 m" in note]) == 1

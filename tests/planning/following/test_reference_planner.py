@@ -5,17 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.reference_motion import ReferenceMotion
-from flight_replay.planning.following.lean import Drag
+from flight_replay.planning.drag import sitl_drag
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import filled, times_with_bridges
-from flight_replay.simulator.dynamics.aerodynamics import drag_coefficients
 from flight_replay.simulator.dynamics.limits import Limits
 
 BOUNDS = ReferenceBounds.of(Limits())
-DRAG = Drag(*drag_coefficients(400.0))
+DRAG = sitl_drag(400.0)
 
 
 def _plan(

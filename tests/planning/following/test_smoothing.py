@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flight_replay.errors import MissionError
-from flight_replay.planning.following.lean import Drag, lean_bound
+from flight_replay.exceptions import MissionError
+from flight_replay.planning.drag import Drag
+from flight_replay.planning.following.lean import lean_bound
 from flight_replay.planning.following.smoothing import Knots, Samples, length_bound, nearest_motion
 
 

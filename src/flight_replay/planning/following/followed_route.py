@@ -15,15 +15,15 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.items import FIRST_SEQ, Mission, waypoint
 from flight_replay.mission.path import Path
 from flight_replay.planning.altitude import FLOOR_M, home_of
+from flight_replay.planning.drag import Drag, DragModel, sitl_drag
 from flight_replay.planning.flown_part import flown_part
-from flight_replay.planning.following.lean import Drag
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
 from flight_replay.planning.route import Route
-from flight_replay.simulator.dynamics.aerodynamics import drag_coefficients
 from flight_replay.simulator.dynamics.limits import Limits
 
-_OUTLINE_STEP_S = 1.0
+OUTLINE_STEP_S = 1.0
+"""The most time between two places of a route's outline."""
 _PATH_STEP_S = 0.1
 _WORTH_TELLING_M = 1.0
 
@@ -33,13 +33,14 @@ class FollowOptions:
     """How to follow: ``pace`` times as fast as recorded, with the recorded headings or without.
 
     ``floor_m`` above home is the lowest that is flown; ``approach_m_s`` is the speed of the way to the
-    first fix.
+    first fix. ``drag`` is the vehicle's own, where it tells it.
     """
 
     pace: float = 1.0
     headings: bool = True
     floor_m: float = FLOOR_M
     approach_m_s: float = 10.0
+    drag: DragModel | None = None
 
 
 def followed_route(track: Track, heights_m: Floats, limits: Limits, options: FollowOptions) -> Route:
@@ -54,20 +55,19 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
     Raises:
         MissionError: no motion within the limits follows the track.
     """
-    recorded, notes = flown_part(track)
+    recorded, notes = flown_part(track, tell_joins=False)  # The bridges tell of them.
     commanded, _ = flown_part(replace(track, alt_m=heights_m))
     motion, bridges = _motion(commanded, options.pace, limits.wp_speed_m_s)
     reference = plan_reference(
         motion,
         ReferenceBounds.of(limits),
-        Drag(*drag_coefficients(home_of(recorded).alt_amsl_m)),
+        _drag(options, home_of(recorded).alt_amsl_m),
         headings=options.headings,
         floor_m=min(options.floor_m, float(heights_m.min())),
     )
-    times_s = motion.time_s
-    wanted = Movement(times_s, recorded.north_east_m(recorded.frame), commanded.alt_m, recorded.heading_deg)
-    planned_m = reference.positions_m(times_s)
-    path = _path(reference, recorded, float(times_s[-1]))
+    wanted = _wanted(motion.time_s, recorded, commanded.alt_m)
+    planned_m = reference.positions_m(motion.time_s)
+    path = _path(reference, recorded, float(motion.time_s[-1]))
     return Route(
         method="guided",
         mission=_outline(reference, recorded),
@@ -78,10 +78,16 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         recording=recorded,
         path=path,
         planned_error=path_errors(wanted, path.north_east_m),
-        predicted_duration_s=float(times_s[-1]) - reference.begin_s,
+        predicted_duration_s=float(motion.time_s[-1]) - reference.begin_s,
         reference=reference,
-        notes=(*notes, *_notes(options, bridges, times_s, planned_m - motion.position_m)),
+        pace=options.pace,
+        notes=(*notes, *_notes(options, bridges, motion.time_s, planned_m - motion.position_m)),
     )
+
+
+def _drag(options: FollowOptions, amsl_m: float) -> Drag:
+    """The vehicle's own drag, or that of SITL's quadcopter where it does not tell it."""
+    return sitl_drag(amsl_m) if options.drag is None else options.drag.at(amsl_m)
 
 
 def _motion(recorded: Track, pace: float, speed_m_s: float) -> tuple[RecordedMotion, tuple[Bridge, ...]]:
@@ -92,6 +98,11 @@ def _motion(recorded: Track, pace: float, speed_m_s: float) -> tuple[RecordedMot
     times_s, bridges = times_with_bridges(since_s, places_m, speed_m_s)
     position_m = np.column_stack([places_m, recorded.alt_m])
     return RecordedMotion(frame, times_s, position_m, recorded.heading_deg), bridges
+
+
+def _wanted(times_s: Floats, recorded: Track, up_m: Floats) -> Movement:
+    """What a flight is measured with: the recorded places and headings, on the clock that is followed."""
+    return Movement(times_s, recorded.north_east_m(recorded.frame), up_m, recorded.heading_deg)
 
 
 def _path(reference: ReferenceMotion, track: Track, recorded_s: float) -> Path:
@@ -105,7 +116,7 @@ def _path(reference: ReferenceMotion, track: Track, recorded_s: float) -> Path:
 
 def _outline(reference: ReferenceMotion, track: Track) -> Mission:
     """Waypoints every second of the reference, for fences, maps and files; they are not uploaded."""
-    places_m = reference.positions_m(reference.times_s(_OUTLINE_STEP_S))
+    places_m = reference.positions_m(reference.times_s(OUTLINE_STEP_S))
     lat_deg, lon_deg = reference.frame.to_degrees(places_m[:, :2])
     items = tuple(
         waypoint(float(lat), float(lon), float(up))

@@ -2,35 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.drag import Drag
 from flight_replay.planning.following.smoothing import Bound, Knots
-
-
-@dataclass(frozen=True, slots=True)
-class Drag:
-    """Deceleration by the air: ``linear_per_s`` times the speed, and ``square_per_m`` times its square."""
-
-    linear_per_s: float
-    square_per_m: float
-
-    def acceleration_m_s2(self, velocity_m_s: Floats) -> Floats:
-        """What thrust must make up for (n, 2), along velocities (n, 2)."""
-        speed = np.hypot(*velocity_m_s.T)[:, None]
-        return np.asarray((self.linear_per_s + self.square_per_m * speed) * velocity_m_s)
-
-    def slope_per_s(self, velocity_m_s: Floats) -> Floats:
-        """Derivative (n, 2, 2) of ``acceleration_m_s2`` by velocity."""
-        speed = np.hypot(*velocity_m_s.T)
-        course = velocity_m_s / np.maximum(speed, 1e-6)[:, None]
-        along = (self.square_per_m * speed)[:, None, None] * course[:, :, None] * course[:, None, :]
-        linear = (self.linear_per_s + self.square_per_m * speed)[:, None, None]
-        return np.asarray(linear * np.eye(2) + along)
 
 
 def lean_bound(knots: Knots, drag: Drag, velocity_m_s: Floats, most_m_s2: float) -> Bound:

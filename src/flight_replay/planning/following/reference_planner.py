@@ -11,11 +11,12 @@ from math import tan
 
 import numpy as np
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.reference_motion import ReferenceMotion
-from flight_replay.planning.following.lean import Drag, lean_bound
+from flight_replay.planning.drag import Drag
+from flight_replay.planning.following.lean import lean_bound
 from flight_replay.planning.following.samples import filled
 from flight_replay.planning.following.smoothing import Bound, Knots, Samples, length_bound, nearest_motion
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
