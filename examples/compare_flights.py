@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from flight_replay.geometry.distances import error_statistics, path_errors_m, position_errors_m
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
-from flight_replay.logs.tlog import read_log
 
 if len(sys.argv) > 2:
     first, second = read_log(sys.argv[1]).track, read_log(sys.argv[2]).track

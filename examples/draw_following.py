@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from flight_replay.geometry.flight_errors import errors_at_equal_times
 from flight_replay.geometry.movement import Movement
 from flight_replay.logs.flights import select
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
-from flight_replay.logs.tlog import read_log
 from flight_replay.planning.altitude import RECORDED
 from flight_replay.planning.fit import fit
 from flight_replay.planning.following.follow_prediction import predicted_following

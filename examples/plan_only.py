@@ -6,8 +6,8 @@ python examples/plan_only.py [LOG.tlog [MISSION.waypoints]]
 import sys
 
 from flight_replay.logs.flights import find_flights
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
-from flight_replay.logs.tlog import read_log
 from flight_replay.mission import formats
 from flight_replay.planning.spacing import spaced_route
 

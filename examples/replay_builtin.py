@@ -7,8 +7,8 @@ import sys
 
 from flight_replay import vehicle
 from flight_replay.events import Event, WaypointReached
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
-from flight_replay.logs.tlog import read_log
 from flight_replay.output.outcome import compare_flight
 from flight_replay.planning.altitude import home_of
 from flight_replay.planning.spacing import spaced_route

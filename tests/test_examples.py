@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -65,12 +66,14 @@ def test_compare_flights_measures_half_a_metre(tmp_path: Path) -> None:
     assert "position error: mean 0.00 m, p95 0.00 m, max 0.00 m" in again
 
 
-def test_many_logs_are_planned_in_parallel(tmp_path: Path) -> None:
-    """Every log has its line, also one that cannot be read."""
-    pytest.importorskip("dask.bag")
-    (tmp_path / "empty.tlog").touch()
-    output = run("many_logs_dask.py", tmp_path, str(sample_log()), "empty.tlog", str(sample_log()))
-    lines = output.splitlines()
-    assert [line.split(":")[0] for line in lines] == ["flight.tlog", "empty.tlog", "flight.tlog"]
-    assert "100 waypoints" in lines[0]
-    assert "waypoints" not in lines[1]
+@pytest.mark.slow
+@pytest.mark.realtime
+@pytest.mark.sitl
+def test_a_firmware_flies_as_it_did(tmp_path: Path) -> None:
+    """A binary compared with itself: two tables, and nothing that became worse beyond chance."""
+    pytest.importorskip("distributed")
+    sitl = os.environ.get("SITL_BINARY") or pytest.skip("SITL_BINARY names no ArduCopter")
+    (tmp_path / "short.tlog").write_bytes(sample_log().read_bytes()[:500_000])
+    output = run("two_firmwares.py", tmp_path, sitl, sitl, "short.tlog")
+    assert "1 flights: 0 became worse" in output
+    assert {"old.parquet", "new.parquet"} <= {path.name for path in tmp_path.iterdir()}

@@ -79,11 +79,21 @@ class TargetAltitudeReached:
 
 @dataclass(frozen=True, slots=True)
 class DistanceToWaypoint:
-    """Ground distance to the current mission item ``seq``; None where that item has no position."""
+    """Ground distance to the current mission item ``seq``; None where that item has no position.
+
+    ``waypoint`` of ``waypoints`` is being flown to; speed changes and turns are items, but no waypoints.
+    None stands for the number ``seq``, which it is in a mission of waypoints only.
+    """
 
     seq: int
     distance_m: float | None
-    last_seq: int
+    waypoints: int
+    waypoint: int | None = None
+
+    @property
+    def number(self) -> int:
+        """Which waypoint it is, counted from 1."""
+        return self.seq if self.waypoint is None else self.waypoint
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from flight_replay.cli.consent import ask_consent
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.output.console.console import PlainConsole
 
 

@@ -13,8 +13,8 @@ from xml.etree import ElementTree as Xml
 import pytest
 
 from flight_replay.cli.main import main
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
-from flight_replay.logs.tlog import read_log
 from flight_replay.mission import formats
 from tests.mission.formats.test_qgc_plan import PLAN_SCHEMA
 
@@ -35,12 +35,12 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_pymavlink_loads_the_mission(written: Path) -> None:
-    """Home and 100 waypoints, the same as in the .plan."""
+    """Home, take-off, 100 waypoints and return, the same as in the .plan."""
     mavwp = pytest.importorskip("pymavlink.mavwp")
     loader = mavwp.MAVWPLoader()
-    assert loader.load(str(written / "mission.waypoints")) == 101
+    assert loader.load(str(written / "mission.waypoints")) == 103
     one, other = (formats.load_mission(written / f"mission{s}") for s in formats.LOADED_SUFFIXES)
-    assert len(one.items) == len(other.items) == 100
+    assert len(one.items) == len(other.items) == 102
     for item, same in zip(one.items, other.items, strict=True):
         assert (item.lat_deg, item.lon_deg) == pytest.approx((same.lat_deg, same.lon_deg), abs=1e-8)
 

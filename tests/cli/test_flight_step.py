@@ -12,8 +12,8 @@ import pytest
 from flight_replay.cli import flight_step
 from flight_replay.cli.main import main
 from flight_replay.cli.options import parse_options
-from flight_replay.errors import MissionError
 from flight_replay.events import VehicleState, ignore
+from flight_replay.exceptions import MissionError
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.planning.vehicle_limits import VehicleLimits
@@ -177,7 +177,7 @@ def test_a_person_is_told_of_the_motion_before_a_real_vehicle_follows_it(
 ) -> None:
     """Nothing is uploaded: there are no waypoints to speak of."""
     shown = told_before_following(monkeypatch, 10.0)
-    assert "First fix: 11 m away" in shown
+    assert "Beginning of the motion: 11 m away" in shown
     assert "Route: up to 11 m away and 30 m above home" in shown
     assert shown[-2].startswith("Motion: up to 2.4 m/s and ")
     assert shown[-2].endswith("never below 30 m above home")

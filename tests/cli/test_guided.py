@@ -108,8 +108,8 @@ def test_plain_lines_say_what_happens(capsys: pytest.CaptureFixture[str]) -> Non
         "Return to launch",
         "Completed...",
         " Route: 1560 m, covers 2541 of 2686 fixes",
-        " s of GUIDED",
         " At equal times: by the recording's clock, ",
+        " s of GUIDED",
     ]
     places = [out.find(line) for line in lines]
     assert -1 not in places

@@ -50,9 +50,9 @@ def test_plain_dry_run_plans_the_sample(capsys: pytest.CaptureFixture[str]) -> N
 def test_a_log_in_this_folder_comes_before_the_sample(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Without --tlog, flight.tlog is read if it exists."""
-    (folder / "flight.tlog").write_bytes(sample_log().read_bytes()[:200_000])
-    assert run_json(capsys, "--dry-run")["log"]["bytes"] == 200_000
+    """Where no log is named, flight.tlog is read if it exists."""
+    (folder / "flight.tlog").write_bytes(sample_log().read_bytes()[:600_000])
+    assert run_json(capsys, "--dry-run")["log"]["bytes"] == 600_000
 
 
 def test_json_is_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
@@ -61,13 +61,8 @@ def test_json_is_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
     assert set(summary) == {"log", "route", "flight"}
     assert summary["flight"] is None
     assert set(summary["log"]) == {
-        "path",
-        "bytes",
-        "fixes",
-        "without_position",
-        "rejected",
-        "vehicles",
-        "flights",
+        *("path", "format", "bytes", "firmware", "vehicle_type", "start_utc_s", "timed", "boots", "fixes"),
+        *("without_position", "rejected", "rejected_by_reason", "vehicles", "flights", "notes"),
     }
     assert set(summary["route"]) == ROUTE_KEYS
     assert summary["route"]["points"] == len(summary["route"]["items"]) == 100
@@ -101,9 +96,27 @@ def test_expected_failures_are_one_line(
 
 
 def test_wrong_usage_is_exit_status_2(capsys: pytest.CaptureFixture[str]) -> None:
-    """An unknown option is wrong usage."""
+    """An unknown option is told in one line, with a hint."""
     assert main(["--no-such-thing"]) == 2
-    assert "usage:" in capsys.readouterr().err
+    told = "flight-replay: error: unrecognized arguments: --no-such-thing; see flight-replay --help\n"
+    assert capsys.readouterr().err == told
+    assert main(["--flihgt", "2"]) == 2
+    assert capsys.readouterr().err.endswith("; did you mean --flight?\n")
+
+
+def test_a_dry_run_tells_what_it_does_not_need(capsys: pytest.CaptureFixture[str]) -> None:
+    """Whoever looks before flying adds --dry-run to the command; it goes on, with a word."""
+    assert main(["--dry-run", "--land", "--gcs", "udp:127.0.0.1:14551", "-q"]) == 0
+    told = "Warning: --land has no effect with --dry-run\nWarning: --gcs has no effect with --dry-run\n"
+    assert capsys.readouterr().out == told
+
+
+def test_a_connection_string_is_checked_before_anything_is_read(capsys: pytest.CaptureFixture[str]) -> None:
+    """A typing error is told at once."""
+    assert main(["--connect", "tcp:127.0.0.1"]) == 1
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "invalid connection string 'tcp:127.0.0.1'" in shown.err
 
 
 def test_sample_flies_on_the_built_in_copter(capsys: pytest.CaptureFixture[str]) -> None:

@@ -49,3 +49,13 @@ def test_a_recording_that_is_followed_has_a_map() -> None:
         assert isinstance(notice, Notice)
         with urlopen(notice.text.removeprefix("Live map: "), timeout=10) as page:
             assert page.status == 200
+
+
+def test_the_map_of_a_plan_is_served_until_enter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """--dry-run --map: nothing flies, so the page would be gone at once."""
+    typed = io.StringIO("\n")
+    monkeypatch.setattr(sys, "stdin", typed)
+    route, console = spaced_route(straight_track()), PlainConsole(io.StringIO())
+    with with_live_map(parse_options(["--map", "--dry-run"]), route, console, list[Event]().append):
+        assert typed.tell() == 0
+    assert typed.tell() == 1

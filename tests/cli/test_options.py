@@ -10,7 +10,7 @@ from flight_replay.cli.options import build_parser, parse_options
 def test_defaults_are_those_of_dronekits_example() -> None:
     """Without options the replay does what the example does."""
     options = parse_options([])
-    assert (options.tlog, options.connect, options.sim) == (None, None, "auto")
+    assert (options.log, options.connect, options.sim) == (None, None, "auto")
     assert (options.route, options.spacing_m, options.max_points) == ("spacing", 3.0, 100)
     assert (options.altitude_m, options.speed_m_s, options.duration_s) == (30.0, None, 60.0)
     assert (options.takeoff_altitude_m, options.max_distance_m, options.speedup) == (30.0, 1000.0, None)
@@ -76,6 +76,15 @@ def test_values_are_read(argv: list[str], name: str, value: object) -> None:
         (["--connect", "x", "--sitl", "y"], "cannot be used with --connect"),
         (["--sim", "builtin", "--sitl", "y"], "cannot be used with --sim builtin"),
         (["--signing-key", "key"], "--signing-key is for a vehicle given with --connect"),
+        (["--baud", "9600"], "--baud is for a vehicle given with --connect"),
+        (["--wait"], "--wait is for a vehicle given with --connect"),
+        (["--gcs-open"], "--gcs-open is for ground stations given with --gcs"),
+        (["--map-tiles"], "--map-tiles is for the live map and needs --map"),
+        (["--route", "fit", "--spacing", "3"], "--spacing is for --route spacing"),
+        (["--mode", "guided", "--max-points", "9"], "--max-points is for waypoints"),
+        (["--max-error", "2"], "--max-error needs --mode guided"),
+        (["--info", "--save", "a.kml"], "--save needs a plan and cannot be used with --info"),
+        (["a.tlog", "--tlog", "b.tlog"], "name one log: LOG and --tlog are the same"),
         (["-v", "-q"], "-v and -q cannot be used together"),
         (["--tl", "x"], "unrecognized"),
     ],
@@ -116,7 +125,9 @@ def test_a_completion_script_is_printed(shell: str, capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize(
-    "argv", [["\x1b[31m"], ["--speed", "\x1b[31m"], ["--route", "\x1b[31m"], ["--\x1b[31m"]], ids=str
+    "argv",
+    [["a.tlog", "\x1b[31m"], ["--speed", "\x1b[31m"], ["--route", "\x1b[31m"], ["--\x1b[31m"]],
+    ids=str,
 )
 def test_wrong_usage_cannot_control_the_terminal(argv: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     """What was typed, perhaps by pasting, is repeated with escapes."""

@@ -10,9 +10,9 @@ import pytest
 from flight_replay.cli.flight_step import FlightResult
 from flight_replay.cli.options import parse_options
 from flight_replay.cli.output_step import ReplayResult, check_outputs, print_result, result_lines
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
+from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
-from flight_replay.logs.tlog import read_log
 from flight_replay.output.console.console import PlainConsole
 from tests.helpers.made_replays import made_replay
 
@@ -50,20 +50,20 @@ def test_outputs_that_can_work_are_accepted(tmp_path: Path) -> None:
 
 def test_result_lines_fit_80_columns(result: ReplayResult) -> None:
     """Each error has its own line, with mean, 95th percentile and maximum."""
-    lines = result_lines(result)
+    lines = result_lines(result, [])
     assert max(map(len, lines)) <= 80
     names = [line.partition(":")[0].strip() for line in lines if ":" in line]
     assert names == [
         "Route",
         "Planned path error, recorded to planned",
         "Planned path error, planned to recorded",
-        "Flown",
-        "To fly all of it",
         "Path error, recorded to flown",
         "Path error, flown to recorded",
         "Position error",
         "Height error",
         "At equal times",
+        "Flown",
+        "To fly all of it",
     ]
 
 
@@ -72,7 +72,7 @@ def test_the_json_object_goes_to_standard_output(
 ) -> None:
     """With --json the console gets no lines."""
     stream = io.StringIO()
-    print_result(parse_options(["--json"]), result, PlainConsole(stream))
+    print_result(parse_options(["--json"]), result, PlainConsole(stream), [])
     written: Any = json.loads(capsys.readouterr().out)
     assert set(written) == {"log", "route", "flight"}
     assert written["flight"]["vehicle"] == "ArduCopter V4.6.0"

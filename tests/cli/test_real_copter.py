@@ -15,8 +15,8 @@ import pytest
 
 from flight_replay import supervisor
 from flight_replay.cli.main import main
-from flight_replay.errors import VehicleError
 from flight_replay.events import Event, LinkLost, LinkRestored, ReturnCommanded
+from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.supervisor import FlightRecord, Plan

@@ -116,7 +116,7 @@ def test_an_interrupted_restore_says_so(
     path = save_mission_on_board(VehicleWithMission(BEFORE), tmp_path, NOW)
     monkeypatch.setattr(vehicle, "connect", interrupt)
     assert restore.main([str(path), "tcp:127.0.0.1:1"]) == 130
-    assert "interrupted; the mission on board may be incomplete" in capsys.readouterr().err
+    assert "interrupted; what is on board may be incomplete" in capsys.readouterr().err
 
 
 def test_an_error_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -126,4 +126,15 @@ def test_an_error_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert restore.main(["one"]) == 2
     assert restore.main(["a", "b", "fast"]) == 2
     assert restore.main(["a", "b", "²"]) == 2
-    assert capsys.readouterr().err.startswith("usage:")
+    assert capsys.readouterr().err.count("error: ") == 3
+
+
+def test_parameters_are_put_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A .parm file has parameters, not a mission."""
+    path = tmp_path / "parameters-before-20261122-120000.parm"
+    path.write_text("GUID_TIMEOUT 3\n")
+    with launch.run(Start(47.0, 8.0, 400.0), speedup=10.0, parameters={"GUID_TIMEOUT": 0.5}) as running:
+        assert restore.main([str(path), running.connection]) == 0
+        with vehicle.connect(running.connection, speedup=10.0) as connected:
+            assert connected.parameters(["GUID_TIMEOUT"]) == {"GUID_TIMEOUT": 3.0}
+    assert f"Restored GUID_TIMEOUT from {path}" in capsys.readouterr().out

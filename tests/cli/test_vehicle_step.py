@@ -1,5 +1,6 @@
 """vehicle_step.py: which vehicle is refused, and what is read of it."""
 
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,23 +8,27 @@ import pytest
 
 from flight_replay.cli import vehicle_step
 from flight_replay.cli.options import parse_options
-from flight_replay.errors import VehicleError
 from flight_replay.events import Event, Notice
-from flight_replay.planning.vehicle_limits import PARAMETER_NAMES, VehicleLimits
+from flight_replay.exceptions import VehicleError
+from flight_replay.planning.drag import DragModel
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.vehicle.identity import Identity
 
 
 def vehicle(parameters: dict[str, float], *, simulated: bool = True) -> Any:
     """A vehicle that has some parameters."""
     identity = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=simulated)
-    known = {name: value for name, value in parameters.items() if name in PARAMETER_NAMES}
-    return SimpleNamespace(identity=identity, parameters=lambda names: known)
+
+    def read(names: Iterable[str]) -> dict[str, float]:
+        return {name: parameters[name] for name in names if name in parameters}
+
+    return SimpleNamespace(identity=identity, parameters=read)
 
 
 def test_limits_are_read() -> None:
     """They are those of the vehicle with that name."""
     events: list[Event] = []
-    limits = vehicle_step.vehicle_limits(vehicle({"WPNAV_SPEED": 300.0}), events.append)
+    limits = vehicle_step.vehicle_limits(vehicle({"WPNAV_SPEED": 300.0}), parse_options([]), events.append)
     assert limits.limits.wp_speed_m_s == 3.0
     assert limits.vehicle == "ArduCopter 4.6.0 (simulated quadcopter, system 1)"
     assert events == []
@@ -32,11 +37,29 @@ def test_limits_are_read() -> None:
 def test_a_vehicle_that_does_not_answer_is_planned_for_with_the_defaults() -> None:
     """With a warning."""
     events: list[Event] = []
-    assert vehicle_step.vehicle_limits(vehicle({}), events.append) == VehicleLimits()
+    assert vehicle_step.vehicle_limits(vehicle({}), parse_options([]), events.append) == VehicleLimits()
     (warning,) = events
     assert isinstance(warning, Notice)
     assert warning.warning
     assert "defaults of ArduCopter 4.6" in warning.text
+
+
+DRAG = {"EK3_DRAG_BCOEF_X": 12.0, "EK3_DRAG_BCOEF_Y": 10.0, "EK3_DRAG_MCOEF": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("own", "simulated", "told"), [(DRAG, False, False), ({}, False, True), ({}, True, False)]
+)
+def test_drag_is_read_for_following(own: dict[str, float], simulated: bool, told: bool) -> None:
+    """Whoever flies a real vehicle that does not tell it is told what is planned with."""
+    events: list[Event] = []
+    connected = vehicle({"WPNAV_SPEED": 1000.0, **own}, simulated=simulated)
+    limits = vehicle_step.vehicle_limits(connected, parse_options(["--mode", "guided"]), events.append)
+    assert limits.drag == (DragModel(10.0, 0.2) if own else None)
+    assert [isinstance(event, Notice) and "EK3_DRAG_BCOEF_X" in event.text for event in events] == [
+        True
+    ] * told
+    assert vehicle_step.vehicle_limits(connected, parse_options([]), events.append).drag is None
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,8 @@ def movement(north_east_m: list[tuple[float, float]] | Floats, **other: Floats) 
     places: Floats = np.asarray(north_east_m, np.float64).reshape(-1, 2)
     n = len(places)
     columns = {"time_s": np.arange(n, dtype=float), "up_m": np.zeros(n), "heading_deg": np.full(n, np.nan)}
-    return Movement(north_east_m=places, **(columns | other))
+    columns |= other
+    return Movement(columns["time_s"], places, columns["up_m"], columns["heading_deg"])
 
 
 def test_an_overshoot_shows_from_the_path_only() -> None:

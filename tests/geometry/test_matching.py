@@ -118,6 +118,18 @@ def test_a_path_that_crosses_itself_is_matched_alike_in_bands(monkeypatch: pytes
     assert (found.segment == whole.segment).all()
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_quick_matching_is_the_same_where_the_way_is_followed(seed: int, bands: Bands) -> None:
+    """It looks at a coarse path first, and then only near to that."""
+    path = wander(seed, 4000, 0.5)
+    fixes = scattered(path, 700, 0.5)
+    whole = match_in_order(fixes, path, 1.0)
+    assert len(bands.searches) == 1
+    quick = match_in_order(fixes, path, 1.0, quick=True)
+    assert len(bands.searches) == 3
+    assert quick.distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=1e-9)
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 5, 7])
 def test_a_band_too_narrow_is_widened(seed: int, monkeypatch: pytest.MonkeyPatch, bands: Bands) -> None:
     """Where the answer touches the band's edge the band grows, until the answer is the whole search's."""

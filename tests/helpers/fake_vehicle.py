@@ -71,6 +71,7 @@ class FakeVehicle:
 
     def __post_init__(self) -> None:
         self.began_s = self.clock.now_s
+        self._since = 50.0, self.clock.now_s
         self.mode, self.armed, self.altitude_m = "STABILIZE", False, 0.0
         self.requested: list[str] = []
         self.queue: list[Report] = []
@@ -88,7 +89,8 @@ class FakeVehicle:
     @property
     def time_s(self) -> float:
         """The vehicle's clock."""
-        return 50.0 + (self.clock.now_s - self.began_s) * self.speedup
+        time_s, wall_s = self._since
+        return time_s + (self.clock.now_s - wall_s) * self.speedup
 
     @property
     def seq(self) -> int:
@@ -197,6 +199,11 @@ class FakeVehicle:
     def request_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
         self.requested.append("position")
         self.goal_m = np.array([*FRAME.to_metres(lat_deg, lon_deg), alt_m])
+
+    def request_speedup(self, speedup: float) -> None:
+        self.requested.append(f"speedup {speedup:g}")
+        self._since = self.time_s, self.clock.now_s
+        self.speedup = speedup
 
     @property
     def takes_targets(self) -> bool:

@@ -6,8 +6,8 @@ import time
 from dataclasses import dataclass, field
 
 from flight_replay import supervisor, vehicle
-from flight_replay.errors import FlightReplayError
 from flight_replay.events import Event, LinkLost, LinkRestored, ReturnCommanded
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.simulator.autopilot.faults import Faults

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flight_replay import supervisor, vehicle
-from flight_replay.errors import FlightReplayError
 from flight_replay.events import Event, VehicleState, combine_listeners
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.flight_modes import CopterMode
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
@@ -103,6 +103,7 @@ def follow(
         takeoff_altitude_m=TAKEOFF_M,
         max_error_m=max_error_m,
         deadlines=DEADLINES,
+        speedup=speedup,
     )
     with (
         launch.run(START, speedup=speedup, faults=faults, parameters=own) as running,

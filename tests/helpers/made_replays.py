@@ -49,7 +49,12 @@ def made_replay() -> tuple[Route, FlightRecord, Outcome]:
 
 
 def made_following(
-    *, waits_at_s: float = np.inf, waits_s: float = 0.0, back_s: float = 0.0, end_s: float = 110.0
+    *,
+    waits_at_s: float = np.inf,
+    waits_s: float = 0.0,
+    back_s: float = 0.0,
+    end_s: float = 110.0,
+    pace: float = 1.0,
 ) -> tuple[Route, FlightRecord, Outcome]:
     """The figure of eight followed in GUIDED, a metre north of its reference.
 
@@ -58,9 +63,10 @@ def made_following(
         waits_s: for how long.
         back_s: how far it goes back after that.
         end_s: the recording's time at which the flight ends.
+        pace: how many times as fast as recorded it is followed.
     """
     track = figure_of_eight()
-    route = followed_route(track, np.full(len(track), 30.0), Limits(), FollowOptions())
+    route = followed_route(track, np.full(len(track), 30.0), Limits(), FollowOptions(pace=pace))
     assert route.reference is not None
     began_s = -route.reference.begin_s
     since_s = np.arange(0.0, end_s + began_s + waits_s + back_s, 0.1)

@@ -10,6 +10,8 @@ SAMPLE = ROOT / "data" / "flight.tlog"
 EXAMPLES = ROOT / "examples"
 ARDUCOPTER = ROOT / "tests" / "data" / "arducopter"
 """How a real ArduCopter 4.6 flew six missions."""
+DATAFLASH = ROOT / "tests" / "data" / "dataflash"
+"""One flight of a real ArduCopter 4.6, logged on board and over the link at once, packed."""
 OTHER_LOGS = Path(os.environ.get("FLIGHT_REPLAY_LOGS", os.devnull))
 """A folder of logs that are not the project's to give away; without it their tests are skipped."""
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flight_replay.errors import MissionError, VehicleError
+from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.fence import FenceArea, areas_from_items
 from flight_replay.mission.items import Mission, MissionItem, waypoint
@@ -165,4 +165,4 @@ def test_a_leg_that_leaves_the_fence_is_refused() -> None:
     around = Mission(
         (waypoint(*corner(90, 0), 30.0), waypoint(*corner(0, 0), 30.0), waypoint(*corner(0, 90), 30.0))
     )
-    assert check(COPTER, around, HERE, takeoff_altitude_m=30.0, areas=[polygon()]).waypoints == 3
+    assert check(COPTER, around, HERE, takeoff_altitude_m=30.0, areas=[polygon()]).extent == "3 waypoints, "

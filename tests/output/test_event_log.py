@@ -37,6 +37,6 @@ def test_each_event_is_logged_once_with_the_vehicles_time() -> None:
         LoggedEvent(None, "Arm and Takeoff", False),
         LoggedEvent(None, "Waiting for vehicle to initialise... (EKF is not ready)", False),
         LoggedEvent(12.5, "Waiting for vehicle to initialise... (no fix)", False),
-        LoggedEvent(12.5, "Autopilot: Arming motors", False),
+        LoggedEvent(12.5, ">>> Arming motors", False),
         LoggedEvent(12.5, "Warning: link lost, no message from the vehicle for 4.0 s", True),
     ]

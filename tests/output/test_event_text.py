@@ -44,7 +44,8 @@ EXAMPLE_LINES = [
 OTHER_LINES = [
     (PhaseStarted(Phase.UPLOAD), "Uploading the mission to vehicle..."),
     (Waiting(Phase.PREARM, "EKF is not ready"), " Waiting for vehicle to initialise... (EKF is not ready)"),
-    (Waiting(Phase.CONNECT, "no heartbeat"), " Waiting (connect)... (no heartbeat)"),
+    (Waiting(Phase.CONNECT, "no heartbeat"), " Waiting for the vehicle... (no heartbeat)"),
+    (DistanceToWaypoint(7, 3.02, 4, 3), "Distance to waypoint (3): 3.02"),
     (DistanceToWaypoint(2, None, 3), "Distance to waypoint (2): unknown"),
     (PhaseStarted(Phase.APPROACH), "Flying to where the recording begins"),
     (DistanceToStart(12.34), " Distance to the beginning: 12.3 m"),
@@ -59,7 +60,7 @@ OTHER_LINES = [
     (LinkRestored(6.25), " Link restored after 6.2 s"),
     (ReturnCommanded(confirmed=True), " The vehicle confirmed RTL"),
     (ReturnCommanded(confirmed=False), "Warning: the vehicle did not confirm RTL"),
-    (StatusText(4, "PreArm: Compass not calibrated"), " Autopilot: PreArm: Compass not calibrated"),
+    (StatusText(4, "PreArm: Compass not calibrated"), ">>> PreArm: Compass not calibrated"),
 ]
 
 
@@ -100,12 +101,12 @@ def test_problems_are_warnings_lost_links_and_unconfirmed_rtl(event: Event, expe
 @pytest.mark.parametrize(
     ("event", "expected"),
     [
-        (StatusText(5, "x"), True),
+        (StatusText(7, "x"), True),
         (StatusText(4, "x"), False),
         (WaypointReached(1, 2.0), True),
         (PhaseStarted(Phase.MISSION), False),
     ],
 )
 def test_details_are_minor_texts_and_reached_waypoints(event: Event, expected: bool) -> None:
-    """These are shown with -v only; a text of MAV_SEVERITY_WARNING is always shown."""
+    """Debugging texts are shown with -v only; the rest of what the autopilot says always."""
     assert is_detail(event) is expected

@@ -210,3 +210,11 @@ def test_a_slower_replay_covers_recorded_seconds() -> None:
     route, record, _ = made_following()
     slow = replace(route, wanted=replace(route.wanted, time_s=2.0 * route.wanted.time_s))
     assert compare_flight(slow, record).coverage.recorded_s == pytest.approx(55.0, abs=0.5)
+
+
+def test_the_clocks_are_put_on_each_other_between_two_positions() -> None:
+    """The vehicle's time at the first fix, not that of its next position."""
+    route, record, _ = made_following()
+    assert record.recording_s is not None
+    outcome = compare_flight(route, replace(record, recording_s=record.recording_s + 0.04))
+    assert outcome.first_waypoint_s == pytest.approx(1004.96)

@@ -21,11 +21,11 @@ def test_durations_are_minutes_and_seconds(seconds: float, text: str) -> None:
 def test_a_part_says_how_to_fly_all() -> None:
     """The part, the whole, and the options; nothing to be done where all was flown."""
     part = Coverage(10, 100, 46.2, 635.0, ("--route fit", "--duration all"))
-    assert coverage_lines(part) == [
+    assert coverage_lines(part, "flight-replay --duration all") == [
         " Flown: the first 46 s of the recorded flight's 10 min 35 s",
-        " To fly all of it: --route fit --duration all",
+        " To fly all of it: flight-replay --duration all",
     ]
-    assert coverage_lines(part, told_how=False) == coverage_lines(part)[:1]
+    assert coverage_lines(part) == coverage_lines(part, "")[:1]
     whole = Coverage(100, 100, 635.0, 635.0, ())
     assert coverage_lines(whole) == [" Flown: all of the recorded flight, 10 min 35 s"]
 
@@ -33,9 +33,9 @@ def test_a_part_says_how_to_fly_all() -> None:
 def test_a_flight_that_went_wrong_is_not_told_what_else_to_fly() -> None:
     """Its problem is told instead."""
     route, record, outcome = made_replay()
-    assert any("To fly all" in line for line in flight_lines(route, record, outcome))
+    assert any("To fly all" in line for line in flight_lines(route, record, outcome, "all"))
     failed = replace(record, problem="the pilot took over", ended="pilot")
-    assert not any("To fly all" in line for line in flight_lines(route, failed, outcome))
+    assert not any("To fly all" in line for line in flight_lines(route, failed, outcome, "all"))
 
 
 def test_numbers_have_their_units() -> None:
@@ -49,8 +49,8 @@ def test_numbers_have_their_units() -> None:
 def test_a_recording_that_is_followed_has_words_of_its_own() -> None:
     """Seconds instead of waypoints; what it waited is told where it did."""
     lines = flight_lines(*made_following())
-    assert lines[0] == " Followed 109.6 s of the recording in 114.9 s of GUIDED"
+    assert lines[-2] == " Followed 109.6 s of the recording in 114.9 s of GUIDED"
     assert any(line.startswith(" At equal times: by the recording's clock, ") for line in lines)
     assert not any("waited" in line for line in lines)
     waited = flight_lines(*made_following(waits_at_s=40.0, waits_s=7.0))
-    assert waited[-1] == " The recording waited 7.0 s for the vehicle"
+    assert waited[-3] == " The recording waited 7.0 s for the vehicle"

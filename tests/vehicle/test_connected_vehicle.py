@@ -11,8 +11,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import Event, Notice, Phase, PhaseStarted, Progress, Waiting
+from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Firmware, old_copter
 from flight_replay.simulator.autopilot.location import Start

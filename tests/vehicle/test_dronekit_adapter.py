@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle, import_dronekit
 

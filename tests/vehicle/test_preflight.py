@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from flight_replay.errors import FlightReplayError, MissionError, VehicleError
 from flight_replay.events import VehicleState
+from flight_replay.exceptions import FlightReplayError, MissionError, VehicleError
 from flight_replay.mission.items import Frame, Home, Mission, MissionItem, change_speed, waypoint
 from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.preflight import MAX_DISTANCE_M, check

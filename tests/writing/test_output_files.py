@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.writing.output_files import NewFile, check_suffix, write_atomically
 
 

@@ -6,7 +6,7 @@ import sys
 import time
 from contextlib import suppress
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.output.console.console import Console
 
 CONSENT_WORD = "fly"

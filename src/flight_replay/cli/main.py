@@ -6,14 +6,9 @@ which is one line on stderr, 2 wrong usage, 130 interrupted.
 
 from __future__ import annotations
 
-import math
-import signal
 import sys
-import threading
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
-from types import FrameType
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack
 from typing import TYPE_CHECKING
 
 from flight_replay import signals
@@ -21,8 +16,9 @@ from flight_replay.cli import output_step, plan_step
 from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
-from flight_replay.errors import FlightReplayError
-from flight_replay.events import Relay, combine_listeners
+from flight_replay.events import Notice, Relay, combine_listeners
+from flight_replay.exceptions import FlightReplayError
+from flight_replay.logs.log_formats import format_title
 from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
 from flight_replay.output.console.terminal import (
@@ -43,8 +39,6 @@ if TYPE_CHECKING:
     from flight_replay.planning.route import Route
 
 _ERROR_LINE_S = 1.0
-_EXIT_TIMEOUT_S = 10.0
-"""Wall-clock time in which the program exits after a signal; further signals are ignored meanwhile."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -61,7 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if lost:
             _report(lost)
         return int(stop.code or bool(lost))
-    with _signals_as_keyboard_interrupt():
+    with signals.as_keyboard_interrupt():
         try:
             return _run(options, arguments)
         except KeyboardInterrupt:
@@ -108,20 +102,30 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     output_step.check_outputs(options)
     event_log = EventLog()
     relay = Relay(combine_listeners(console.listener, event_log.listener))
-    log, flights, track = plan_step.read_recording(options, relay)
-    planner = plan_step.Planner(options, track, relay)
+    for option in options.without_effect:
+        relay(Notice(f"{option} has no effect with --dry-run", warning=True))
+    if options.compare:
+        from flight_replay.cli.compare_step import compare
+
+        compare(options, console)
+        return None
+    if options.info:
+        output_step.print_info(options, plan_step.read(options, relay), console)
+        return None
+    recording, flights, track = plan_step.read_recording(options, relay)
+    planner = plan_step.Planner(options, track, relay, format_title(recording.format))
     with ExitStack() as stack:
 
         def plan(limits: VehicleLimits) -> Route:
             """The route for a vehicle, saved, and on the live map until the results are written."""
             route = planner.route(limits)
-            output_step.save_mission(options, route)
+            output_step.save_mission(options, route, recording)
             relay.target = stack.enter_context(with_live_map(options, route, console, relay.target))
             return route
 
         route, flight = _fly(options, planner.home, plan, console, relay)
-        result = ReplayResult(log, flights, route, flight)
-        output_step.print_result(options, result, console)
+        result = ReplayResult(recording, flights, route, flight)
+        output_step.print_result(options, result, console, arguments)
         problems = [] if flight is None else [flight.record.problem]
         problems += output_step.save_charts(options, result, event_log.entries, arguments)
     return "; ".join(filter(None, problems)) or None
@@ -152,36 +156,6 @@ def _fly(
 def _console(options: Options) -> AbstractContextManager[Console]:
     """The console; on stderr where stdout has the JSON object."""
     stream = sys.stderr if options.json else sys.stdout
-    return BackgroundConsole(lambda: open_console(stream, quiet=options.quiet, verbose=options.verbose))
-
-
-@contextmanager
-def _signals_as_keyboard_interrupt() -> Iterator[None]:
-    """Raise KeyboardInterrupt on SIGTERM and SIGHUP too, so that they return the vehicle as Ctrl-C does.
-
-    Further signals are ignored while the program exits: they must not keep RTL from being commanded.
-    A signal that was ignored before (``nohup``) still is. The handlers of before are back afterwards, but
-    not after an interrupt: the program exits then, and more signals must not end it in another way.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    interrupted_s = float("-inf")
-
-    def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        nonlocal interrupted_s
-        if time.monotonic() - interrupted_s > _EXIT_TIMEOUT_S:
-            interrupted_s = time.monotonic()
-            raise KeyboardInterrupt
-
-    before = {
-        number: signal.signal(number, interrupt)
-        for number in signals.TERMINATION_SIGNALS
-        if signal.getsignal(number) is not signal.SIG_IGN
-    }
-    try:
-        yield
-    finally:
-        if math.isinf(interrupted_s):
-            for number, handler in before.items():
-                signal.signal(number, handler)
+    return BackgroundConsole(
+        lambda: open_console(stream, quiet=options.quiet, verbose=options.verbose, mode=options.mode)
+    )

@@ -17,19 +17,22 @@ from flight_replay.planning.route import Route
 def with_live_map(options: Options, route: Route, console: Console, listener: Listener) -> Iterator[Listener]:
     """The listener, combined with the live map's if ``--map`` was given.
 
-    At a terminal the map is served until Enter is pressed after the flight.
+    At a terminal the map is served until Enter is pressed after the flight; that of a dry run is served
+    anywhere, until Enter or Ctrl-C is pressed, or the input ends.
     """
     if not options.map:
         yield listener
         return
     from flight_replay.output.live_map.server import LiveMap
 
-    with LiveMap(route) as live_map:
+    with LiveMap(route, tiles=options.map_tiles) as live_map:
         listener(Notice(f"Live map: {live_map.url}"))
         _open_browser(live_map.url)
         yield combine_listeners(listener, live_map.listener)
-        if live_map.is_watched and sys.stdin.isatty():
-            _wait_for_enter(console)
+        if options.dry_run:
+            _wait_for_enter(console, "The plan is on the map")
+        elif live_map.is_watched and sys.stdin.isatty():
+            _wait_for_enter(console, "The flight is over")
 
 
 def _open_browser(url: str) -> None:
@@ -41,8 +44,8 @@ def _open_browser(url: str) -> None:
         webbrowser.open(url)
 
 
-def _wait_for_enter(console: Console) -> None:
+def _wait_for_enter(console: Console, why: str) -> None:
     with console.paused(), suppress(KeyboardInterrupt):
-        sys.stderr.write("The flight is over. Press Enter to close the live map: ")
+        sys.stderr.write(f"{why}. Press Enter to close it: ")
         sys.stderr.flush()
         sys.stdin.readline()

@@ -13,18 +13,26 @@ from flight_replay.planning.spacing import MAX_POINTS, SPACING_M
 
 def add_groups(parser: argparse.ArgumentParser) -> None:
     """Add every option to a parser."""
-    for add_group in (_log_group, _route_group, _flight_group, _vehicle_group, _output_group):
+    for add_group in (_log_group, add_route_group, _flight_group, _vehicle_group, _output_group):
         add_group(parser)
 
 
 def _log_group(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("log", "example: flight-replay --tlog flight.tlog --flight 2")
+    group = parser.add_argument_group("log", "example: flight-replay flight.bin --flight 2")
     group.add_argument(
-        "--tlog",
-        metavar="FILE",
-        help="telemetry log to replay, plain or compressed with gzip; - reads standard input "
+        "log",
+        metavar="LOG",
+        nargs="?",
+        help="log to replay: telemetry log (.tlog), DataFlash (.bin, .log), ULog, GPX, KML, KMZ, CSV or "
+        "GeoJSON, found by what it holds, plain or compressed with gzip; - reads standard input "
         "(default: flight.tlog in this folder, else the sample flight of the package)",
     )
+    _add_looking(group)
+    add_part_of_log(group)
+
+
+def add_part_of_log(group: argparse._ArgumentGroup) -> None:
+    """Which vehicle, flight and seconds of a log to replay."""
     group.add_argument(
         "--vehicle",
         metavar="SYSID[:COMPID]",
@@ -53,7 +61,20 @@ def _log_group(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _route_group(parser: argparse.ArgumentParser) -> None:
+def _add_looking(group: argparse._ArgumentGroup) -> None:
+    """Other ways to name the log, and what is only looked at."""
+    group.add_argument("--tlog", metavar="FILE", help="the same as LOG")
+    group.add_argument("--info", action="store_true", help="show what the log holds, and exit")
+    group.add_argument(
+        "--compare",
+        nargs=2,
+        metavar=("A", "B"),
+        help="measure log B, a replay by its AUTO or GUIDED part, against log A, and exit",
+    )
+
+
+def add_route_group(parser: argparse.ArgumentParser) -> None:
+    """How to plan."""
     group = parser.add_argument_group("route", "example: flight-replay --route fit --altitude recorded")
     group.add_argument(
         "--mode",
@@ -74,15 +95,13 @@ def _route_group(parser: argparse.ArgumentParser) -> None:
         dest="spacing_m",
         metavar="M",
         type=option_types.not_negative,
-        default=SPACING_M,
-        help="minimum distance between waypoints in metres, for --route spacing (default: 3)",
+        help=f"minimum distance between waypoints in metres, for --route spacing (default: {SPACING_M:g})",
     )
     group.add_argument(
         "--max-points",
         metavar="N",
         type=option_types.points,
-        default=MAX_POINTS,
-        help="maximum number of waypoints (default: %(default)s)",
+        help=f"maximum number of waypoints (default: {MAX_POINTS})",
     )
     _add_motion(group)
 
@@ -124,11 +143,11 @@ def _add_motion(group: argparse._ArgumentGroup) -> None:
 
 def _flight_group(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("flight", "example: flight-replay --duration all --land")
-    _add_flight(group)
+    add_flight(group)
     _add_safety(group)
 
 
-def _add_flight(group: argparse._ArgumentGroup) -> None:
+def add_flight(group: argparse._ArgumentGroup) -> None:
     """How long, how fast and how high to fly, and how to end."""
     group.add_argument(
         "--duration",
@@ -150,7 +169,6 @@ def _add_flight(group: argparse._ArgumentGroup) -> None:
         dest="takeoff_altitude_m",
         metavar="M",
         type=option_types.height,
-        default=30.0,
         help="take-off altitude in metres above home (default: 30)",
     )
     group.add_argument(
@@ -167,20 +185,23 @@ def _add_safety(group: argparse._ArgumentGroup) -> None:
         dest="max_distance_m",
         metavar="M",
         type=option_types.positive,
-        default=1000.0,
         help="maximum distance of the first waypoint from home in metres (default: 1000)",
     )
+    add_max_error(group)
+    group.add_argument(
+        "--yes", action="store_true", help="arm a real vehicle without asking for confirmation"
+    )
+
+
+def add_max_error(group: argparse._ArgumentGroup) -> None:
+    """How far a vehicle may be from the recording that it follows."""
     group.add_argument(
         "--max-error",
         dest="max_error_m",
         metavar="M",
         type=option_types.positive,
-        default=3.0,
         help="with --mode guided, the recording waits for a vehicle farther away from it than this, and "
         "three times as far ends the flight (default: 3)",
-    )
-    group.add_argument(
-        "--yes", action="store_true", help="arm a real vehicle without asking for confirmation"
     )
 
 
@@ -196,8 +217,12 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
         "--baud",
         metavar="N",
         type=option_types.baud,
-        default=57600,
-        help="baud rate of a serial port (default: %(default)s)",
+        help="baud rate of a serial port (default: 57600)",
+    )
+    group.add_argument(
+        "--wait",
+        action="store_true",
+        help="wait for the vehicle as long as it takes (default: 30 s for its heartbeat)",
     )
     group.add_argument(
         "--signing-key",
@@ -213,6 +238,11 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
         "auto: SITL if there is one on this machine (default: auto)",
     )
     group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary to start")
+    add_speedup(group)
+
+
+def add_speedup(group: argparse._ArgumentGroup) -> None:
+    """How fast a simulator runs."""
     group.add_argument(
         "--speedup",
         metavar="X",
@@ -245,6 +275,11 @@ def _add_results(group: argparse._ArgumentGroup) -> None:
         action="append",
         help="save the mission as .waypoints, .plan, .kml, .gpx, .geojson or .csv (repeatable)",
     )
+    group.add_argument(
+        "--bare",
+        action="store_true",
+        help="save .waypoints and .plan without take-off and return to launch, which they begin and end with",
+    )
     group.add_argument("--record", metavar="FILE.tlog", type=Path, help="record all MAVLink traffic")
     group.add_argument(
         "--plot", metavar="FILE", type=Path, help="save a plot of the replay as .png, .svg or .pdf"
@@ -267,6 +302,11 @@ def _add_display(group: argparse._ArgumentGroup) -> None:
         help="let --gcs tcpin: and udpin: listen for other machines too: they can command the vehicle",
     )
     group.add_argument("--map", action="store_true", help="show a live map in the browser")
+    group.add_argument(
+        "--map-tiles",
+        action="store_true",
+        help="put OpenStreetMap below the live map: its server learns where the flight is",
+    )
     group.add_argument("-v", dest="verbose", action="store_true", help="show more output, and tracebacks")
     group.add_argument("-q", dest="quiet", action="store_true", help="show only warnings and errors")
 
@@ -284,7 +324,7 @@ def _add_information(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--version",
-        action=_Version,
+        action=VersionAction,
         nargs=0,
         dest=argparse.SUPPRESS,
         default=argparse.SUPPRESS,
@@ -292,10 +332,11 @@ def _add_information(group: argparse._ArgumentGroup) -> None:
     )
 
 
-class _Version(argparse.Action):
+class VersionAction(argparse.Action):
     """Prints the version, which is read from the package's metadata only then."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print it, and exit."""
         from importlib.metadata import version
 
         write_line(sys.stdout, f"{parser.prog} {version('flight-replay')}")

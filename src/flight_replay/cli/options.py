@@ -8,15 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from flight_replay.cli.option_combinations import check_combinations, without_effect
 from flight_replay.cli.option_groups import add_groups
-from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded
+from flight_replay.planning.altitude import FLOOR_M, Recorded
+from flight_replay.planning.spacing import MAX_POINTS, SPACING_M
 from flight_replay.writing.terminal_text import Parser
 
 _EXAMPLES = """\
 examples:
   flight-replay
       fly ./flight.tlog, or the sample flight, on a simulator
-  flight-replay --tlog flight.tlog --speedup 10
+  flight-replay flight.bin --info
+      show which flights a log holds
+  flight-replay flight.tlog --speedup 10
       fly your own log, ten times faster than real time
   flight-replay --connect 127.0.0.1:14550
       fly it on the vehicle that sends to this UDP port
@@ -27,11 +31,25 @@ examples:
 """
 
 
+_DEFAULTS = {
+    "floor_m": FLOOR_M,
+    "spacing_m": SPACING_M,
+    "max_points": MAX_POINTS,
+    "max_error_m": 3.0,
+    "takeoff_altitude_m": 30.0,
+    "max_distance_m": 1000.0,
+    "baud": 57600,
+}
+"""The defaults of options that are told where they have no effect: None says that one was not given."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
     """The parsed options; lengths in metres, times in seconds, speeds in m/s."""
 
-    tlog: str | None
+    log: str | None
+    info: bool
+    compare: tuple[str, ...] | None
     vehicle: tuple[int, int | None] | None
     flight: int | None
     from_s: float | None
@@ -55,6 +73,7 @@ class Options:
     yes: bool
     connect: str | None
     baud: int
+    wait: bool
     signing_key: Path | None
     sim: Literal["auto", "sitl", "builtin"]
     sitl: Path | None
@@ -62,6 +81,7 @@ class Options:
     dry_run: bool
     json: bool
     save: tuple[Path, ...]
+    bare: bool
     record: Path | None
     plot: Path | None
     report: Path | None
@@ -69,8 +89,10 @@ class Options:
     gcs: tuple[str, ...]
     gcs_open: bool
     map: bool
+    map_tiles: bool
     verbose: bool
     quiet: bool
+    without_effect: tuple[str, ...] = ()
 
 
 def parse_options(argv: Sequence[str] | None = None) -> Options:
@@ -83,10 +105,15 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
     values = vars(parser.parse_args(argv))
     values["altitude_m"], values["raise_m"] = values["altitude_m"]
     values["speed_m_s"], values["pace"] = values["speed_m_s"]
-    _check_combinations(parser, values)
-    values["floor_m"] = FLOOR_M if values["floor_m"] is None else values["floor_m"]
+    check_combinations(parser, values)
+    values["without_effect"] = without_effect(values)
+    tlog = values.pop("tlog")
+    values["log"] = tlog if values["log"] is None else values["log"]
+    for name, default in _DEFAULTS.items():
+        values[name] = default if values[name] is None else values[name]
     values["sim"] = values["sim"] or ("sitl" if values["sitl"] else "auto")
     values["heading"] = values["heading"] or ("recorded" if values["mode"] == "guided" else "vehicle")
+    values["compare"] = values["compare"] and tuple(values["compare"])
     values["save"] = tuple(values["save"] or ())
     values["gcs"] = tuple(values["gcs"] or ())
     return Options(**values)
@@ -96,9 +123,8 @@ def build_parser() -> argparse.ArgumentParser:
     """The parser of ``flight-replay``."""
     parser = Parser(
         prog="flight-replay",
-        description="Fly a recorded drone flight again: turn a MAVLink telemetry log (.tlog) into a\n"
-        "mission, fly it on a simulator or a real vehicle, and compare the flight with\n"
-        "the recording.",
+        description="Fly a recorded drone flight again: turn the log of a flight into a mission, fly it\n"
+        "on a simulator or a real vehicle, and compare the flight with the recording.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
@@ -109,31 +135,3 @@ def build_parser() -> argparse.ArgumentParser:
     group.add_argument("-h", "--help", action="help", help="show this help message and exit")
     add_groups(parser)
     return parser
-
-
-def _check_combinations(parser: argparse.ArgumentParser, values: dict[str, object]) -> None:
-    """Refuse options that exclude each other."""
-    if values["connect"] is not None and (values["sim"] or values["sitl"]):
-        parser.error("--sim and --sitl start a simulator and cannot be used with --connect")
-    if values["connect"] is None and values["signing_key"]:
-        parser.error("--signing-key is for a vehicle given with --connect")
-    if values["floor_m"] is not None and values["altitude_m"] != RECORDED:
-        parser.error("--floor is for recorded altitudes and needs --altitude recorded")
-    _check_mode(parser, values)
-    if values["sitl"] and values["sim"] == "builtin":
-        parser.error("--sitl starts ArduPilot SITL and cannot be used with --sim builtin")
-    if values["verbose"] and values["quiet"]:
-        parser.error("-v and -q cannot be used together")
-    begin, end = values["from_s"], values["to_s"]
-    if isinstance(begin, float) and isinstance(end, float) and begin >= end:
-        parser.error(f"--from {begin:g} must be less than --to {end:g}")
-
-
-def _check_mode(parser: argparse.ArgumentParser, values: dict[str, object]) -> None:
-    """Refuse options that are for the other mode."""
-    if values["mode"] == "auto" and values["pace"] != 1.0:
-        parser.error("--speed with a factor needs --mode guided")
-    if values["mode"] == "guided" and values["limits"] == "recorded":
-        parser.error("--limits recorded is for missions and cannot be used with --mode guided")
-    if values["mode"] == "guided" and values["route"] == "fit":
-        parser.error("--mode guided follows the recording without waypoints; leave out --route fit")

@@ -11,10 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flight_replay.cli.options import Options
-from flight_replay.errors import FlightReplayError
+from flight_replay.cli.whole_flight import whole_flight_command
+from flight_replay.exceptions import FlightReplayError
+from flight_replay.logs.flights import find_flights
 from flight_replay.logs.sample import default_log
 from flight_replay.output.console.console import Console
 from flight_replay.output.console.terminal import write_verbatim
+from flight_replay.output.info_text import info_lines
 from flight_replay.output.json_summary import flight_summary, log_summary, route_summary
 from flight_replay.output.result_text import flight_lines, route_lines
 from flight_replay.writing.output_files import check_suffix
@@ -22,7 +25,7 @@ from flight_replay.writing.output_files import check_suffix
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
     from flight_replay.logs.flights import Flight
-    from flight_replay.logs.tlog import Log
+    from flight_replay.logs.recording import Recording
     from flight_replay.output.event_log import LoggedEvent
     from flight_replay.planning.route import Route
 
@@ -31,24 +34,28 @@ if TYPE_CHECKING:
 class ReplayResult:
     """Everything that a run has found; ``flight`` is None after a dry run."""
 
-    log: Log
+    log: Recording
     flights: tuple[Flight, ...]
     route: Route
     flight: FlightResult | None
 
 
 def check_outputs(options: Options) -> None:
-    """Refuse output files and ground stations that cannot work, before anything is read or flown.
+    """Refuse output files and connection strings that cannot work, before anything is read or flown.
 
     Raises:
-        FlightReplayError: A file has an unknown suffix or its folder does not exist, or a ground
-            station's connection string is not valid.
+        FlightReplayError: A file has an unknown suffix or its folder does not exist, or a connection
+            string is not valid.
     """
     _check_suffixes(options)
     for file in (*options.save, options.plot, options.report, options.record):
         if file:
             _check_place(file)
     _check_files(options)
+    if options.connect is not None:
+        from flight_replay.vehicle.link.connection_string import transport_for
+
+        transport_for(options.connect, options.baud)
     if options.gcs:
         from flight_replay.vehicle.link.ground_station_sockets import check_distinct, socket_for
 
@@ -70,7 +77,7 @@ def _check_place(file: Path) -> None:
 
 def _check_files(options: Options) -> None:
     """Refuse an output that is the log itself or another output, or that exists without ``--force``."""
-    log = default_log() if options.tlog is None else options.tlog
+    log = default_log() if options.log is None else options.log
     seen = {_identity(log): "the log that is replayed"}
     for file in (*options.save, options.plot, options.report, options.record):
         if file is None:
@@ -108,13 +115,30 @@ def _check_suffixes(options: Options) -> None:
         check_suffix(options.report, report.SUFFIXES)
 
 
-def save_mission(options: Options, route: Route) -> None:
-    """Write the mission, and the recorded track where the format holds one."""
+def print_info(options: Options, recording: Recording, console: Console) -> None:
+    """Write what a log holds: the "log" object with ``--json``, otherwise a table."""
+    flights = find_flights(recording.track)
+    if options.json:
+        write_verbatim(sys.stdout, json.dumps({"log": log_summary(recording, flights)}))
+        return
+    for line in info_lines(recording, flights):
+        console.print(line)
+
+
+def save_mission(options: Options, route: Route, recording: Recording) -> None:
+    """Write the mission, and the recorded track where the format holds one.
+
+    What vehicles load is complete, with take-off and return, unless it is to be ``--bare``.
+    """
     if options.save:
         from flight_replay.mission import formats
+        from flight_replay.mission.standalone import standalone
 
+        start_utc_s = recording.utc_s_of(route.covered)
         for path in options.save:
-            formats.save(path, route.mission, route.covered)
+            flies = path.suffix.lower() in formats.LOADED_SUFFIXES and not options.bare
+            mission = standalone(route.mission, options.takeoff_altitude_m) if flies else route.mission
+            formats.save(path, mission, route.covered, start_utc_s)
 
 
 def save_charts(
@@ -153,12 +177,12 @@ def _save_report(
     save_report(path, ReportText(json_object(result), events, arguments), result.route, record, outcome)
 
 
-def print_result(options: Options, result: ReplayResult, console: Console) -> None:
+def print_result(options: Options, result: ReplayResult, console: Console, arguments: Sequence[str]) -> None:
     """Write the JSON object to standard output with ``--json``, otherwise lines of text to the console."""
     if options.json:
         write_verbatim(sys.stdout, json.dumps(json_object(result)))
     else:
-        for line in result_lines(result):
+        for line in result_lines(result, arguments):
             console.print(line)
 
 
@@ -172,9 +196,11 @@ def json_object(result: ReplayResult) -> dict[str, Any]:
     }
 
 
-def result_lines(result: ReplayResult) -> list[str]:
-    """The result as lines of text that fit a terminal of 80 columns."""
+def result_lines(result: ReplayResult, arguments: Sequence[str]) -> list[str]:
+    """The result as lines of text, which but for the last, a command, fit a terminal of 80 columns."""
     lines = route_lines(result.route, len(result.log.track))
     if result.flight:
-        lines += flight_lines(result.route, result.flight.record, result.flight.outcome)
+        outcome = result.flight.outcome
+        command = whole_flight_command(arguments, outcome.coverage.fly_all)
+        lines += flight_lines(result.route, result.flight.record, outcome, command)
     return lines

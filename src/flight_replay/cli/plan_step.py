@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from flight_replay.cli.options import Options
 from flight_replay.events import Listener, Notice, Progress, ignore
+from flight_replay.exceptions import LogError
 from flight_replay.logs.flights import Flight, find_flights, select
+from flight_replay.logs.log_formats import TELEMETRY_LOG, LogFormat
+from flight_replay.logs.read_log import read_log
+from flight_replay.logs.recording import Recording
 from flight_replay.logs.sample import default_log
-from flight_replay.logs.tlog import Log, VehicleId, read_log
 from flight_replay.logs.track import Track
+from flight_replay.logs.vehicles import VehicleId
 from flight_replay.mission.items import Home
 from flight_replay.output.json_summary import reference_summary
 from flight_replay.planning.altitude import RECORDED, altitudes_m, home_of, raised
+from flight_replay.planning.doubts import check_moves, doubts
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.heights import RouteHeights
 from flight_replay.planning.prediction import with_prediction
@@ -23,24 +29,77 @@ from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
 
 
-def read_recording(options: Options, listener: Listener) -> tuple[Log, tuple[Flight, ...], Track]:
-    """The log, its flights, and the part of its track that the options select.
+def read(options: Options, listener: Listener) -> Recording:
+    """The log that the options name.
+
+    Raises:
+        LogError: The log cannot be read, or holds nothing usable.
+    """
+    what = "the motion" if options.mode == "guided" else "waypoints"
+
+    def opened(log_format: LogFormat) -> None:
+        if not options.info:
+            listener(Notice(f"Generating {what} from {log_format.title}..."))
+
+    return read_log(
+        default_log() if options.log is None else options.log,
+        vehicle=None if options.vehicle is None else VehicleId(*options.vehicle),
+        progress=lambda done, total: listener(Progress("log", done, total, "bytes")),
+        opened=opened,
+    )
+
+
+def read_recording(options: Options, listener: Listener) -> tuple[Recording, tuple[Flight, ...], Track]:
+    """The log, its flights, and the part of its track that the options select; notes are emitted.
 
     Raises:
         LogError: The log cannot be read, or has no fix in the selected part.
     """
-    what = "the motion" if options.mode == "guided" else "waypoints"
-    listener(Notice(f"Generating {what} from tlog..."))
-    log = read_log(
-        default_log() if options.tlog is None else options.tlog,
-        vehicle=None if options.vehicle is None else VehicleId(*options.vehicle),
-        progress=lambda done, total: listener(Progress("log", done, total, "bytes")),
-    )
-    track = raised(select(log.track, options.flight, options.from_s, options.to_s), options.raise_m)
-    if options.vehicle is None and len(log.vehicles) > 1:
-        others = ", ".join(f"{each.id} ({each.fixes} fixes)" for each in log.vehicles[1:])
-        listener(Notice(f" Replaying vehicle {log.vehicle.id}; choose others with --vehicle: {others}"))
-    return log, find_flights(log.track), track
+    recording = read(options, listener)
+    return recording, *part_of(options, recording, listener)
+
+
+def part_of(options: Options, recording: Recording, listener: Listener) -> tuple[tuple[Flight, ...], Track]:
+    """The flights of a recording, and the part of its track that the options select; notes are emitted.
+
+    Raises:
+        LogError: It has no fix in the selected part, or not the times that the options need.
+    """
+    _check_times(options, recording)
+    flights = find_flights(recording.track)
+    track = select(recording.track, options.flight, options.from_s, options.to_s)
+    for note in (
+        *recording.notes,
+        *_choices(options, recording, flights),
+        *doubts(recording, flights, track),
+    ):
+        listener(Notice(f" {note}"))
+    return flights, raised(track, options.raise_m)
+
+
+def _check_times(options: Options, recording: Recording) -> None:
+    """Refuse what needs the times of a recording that has none."""
+    asked = {
+        "--mode guided": options.mode == "guided",
+        "--speed recorded": options.speed_m_s == RECORDED,
+        "--limits recorded": options.limits == "recorded",
+        "--from": options.from_s is not None,
+        "--to": options.to_s is not None,
+    }
+    needs = [option for option, is_asked in asked.items() if is_asked]
+    if needs and not recording.track.timed:
+        raise LogError(f"{recording.path} has no times: leave out {' and '.join(needs)}")
+
+
+def _choices(options: Options, recording: Recording, flights: Sequence[Flight]) -> list[str]:
+    """What else of the log could be replayed."""
+    notes = []
+    if options.vehicle is None and len(recording.vehicles) > 1 and recording.vehicle is not None:
+        others = ", ".join(f"{each.id} ({each.fixes} fixes)" for each in recording.vehicles[1:])
+        notes.append(f"Replaying vehicle {recording.vehicle.id}; choose others with --vehicle: {others}")
+    if options.flight is None and len(flights) > 1:
+        notes.append(f"The log holds {len(flights)} flights; choose one with --flight, or see --info")
+    return notes
 
 
 class Planner:
@@ -50,16 +109,18 @@ class Planner:
     vehicle is started. It is planned again only for a vehicle that does not have ArduCopter's defaults.
     """
 
-    def __init__(self, options: Options, track: Track, listener: Listener) -> None:
-        """Begin.
+    def __init__(
+        self, options: Options, track: Track, listener: Listener, source: str = TELEMETRY_LOG.title
+    ) -> None:
+        """Begin; ``source`` names the log's format.
 
         Raises:
             MissionError: The track cannot be flown as the options ask.
         """
-        self._options, self._track, self._listener = options, track, listener
-        self._planned: tuple[Limits, Route] | None = None
+        self._options, self._track, self._listener, self._source = options, track, listener, source
+        self._planned: tuple[VehicleLimits, Route] | None = None
         if options.route == "spacing":
-            self._plan(Limits())
+            self._plan(VehicleLimits())
 
     @property
     def home(self) -> Home:
@@ -73,31 +134,37 @@ class Planner:
         Raises:
             MissionError: The track cannot be flown as the options ask.
         """
-        route = self._plan(vehicle.limits)
+        route = self._plan(vehicle)
         used = replace(vehicle, limits=replace(vehicle.limits, **route.required_limits))
         for note in (*vehicle.notes, *_motion_notes(route), *route.notes):
             self._listener(Notice(f" {note}"))
         return replace(route, limits=used)
 
-    def _plan(self, limits: Limits) -> Route:
+    def _plan(self, vehicle: VehicleLimits) -> Route:
         """The route for a vehicle of these limits, from before if it was planned with the same."""
-        if self._planned is None or self._planned[0] != limits:
+        wanted = replace(vehicle, vehicle=None)
+        if self._planned is None or self._planned[0] != wanted:
             told = self._planned is not None
             listener = ignore if told else self._listener
-            self._planned = limits, _planned_route(self._options, self._track, limits, listener)
+            route = _planned_route(self._options, self._track, wanted, listener, self._source)
+            self._planned = wanted, route
         return self._planned[1]
 
 
-def _planned_route(options: Options, track: Track, own_limits: Limits, listener: Listener) -> Route:
+def _planned_route(
+    options: Options, track: Track, vehicle: VehicleLimits, listener: Listener, source: str
+) -> Route:
     if options.mode == "guided":
-        return _followed_route(options, track, own_limits)
+        return _followed_route(options, track, vehicle)
+    own_limits = vehicle.limits
     required_limits = _required_limits(track, own_limits) if options.limits == "recorded" else {}
     limits = replace(own_limits, **required_limits)
     if options.route == "fit":
         route = _fitted_route(options, track, limits, listener)
     else:
         route = _spaced_route(options, track, limits)
-    listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from tlog"))
+    check_moves(route.mission)
+    listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from {source}"))
     route = _with_heights(options, route, limits)
     if options.heading == "recorded":
         route = _with_recorded_headings(route, limits, timed=options.speed_m_s == RECORDED)
@@ -106,16 +173,18 @@ def _planned_route(options: Options, track: Track, own_limits: Limits, listener:
     )
 
 
-def _followed_route(options: Options, track: Track, limits: Limits) -> Route:
+def _followed_route(options: Options, track: Track, vehicle: VehicleLimits) -> Route:
     # The solver's libraries take longer to import than all else of a dry run.
     from flight_replay.planning.following.follow_prediction import with_prediction
     from flight_replay.planning.following.followed_route import FollowOptions, followed_route
 
+    limits = vehicle.limits
     follow = FollowOptions(
         pace=options.pace,
         headings=options.heading == "recorded",
         floor_m=options.floor_m,
         approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else limits.wp_speed_m_s,
+        drag=vehicle.drag,
     )
     heights_m = altitudes_m(track, options.altitude_m, options.floor_m)
     route = with_prediction(followed_route(track, heights_m, limits, follow), limits)

@@ -1,6 +1,7 @@
 """Saves the mission on board before a replay overwrites it, and restores it.
 
-``python -m flight_replay.cli.restore FILE CONNECTION [BAUD]`` uploads a saved mission to the vehicle.
+``python -m flight_replay.cli.restore FILE CONNECTION [BAUD]`` uploads a saved mission to the vehicle, or sets
+the parameters that a replay which was killed did not put back.
 """
 
 from __future__ import annotations
@@ -10,17 +11,18 @@ import shlex
 import sys
 from collections.abc import Sequence
 from datetime import datetime
-from itertools import chain, count
 from pathlib import Path
 from typing import Protocol
 
 from flight_replay import signals
 from flight_replay.cli import option_types
-from flight_replay.errors import FlightReplayError
+from flight_replay.cli.kept_parameters import SUFFIXES, read_parameter_file
 from flight_replay.events import Event, Notice
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
 from flight_replay.output.console.terminal import flush_or_discard, write_error, write_line
+from flight_replay.writing.output_files import unused_path
 
 
 class HasMissionOnBoard(Protocol):
@@ -39,38 +41,31 @@ def save_mission_on_board(vehicle: HasMissionOnBoard, folder: Path, now: datetim
     mission = vehicle.mission_on_board()
     if not mission.items:
         return None
-    path = _unused(folder / f"mission-before-{now:%Y%m%d-%H%M%S}.waypoints")
+    path = unused_path(folder / f"mission-before-{now:%Y%m%d-%H%M%S}.waypoints")
     formats.save(path, mission)
     return path
 
 
-def _unused(path: Path) -> Path:
-    """The path, or a numbered one: missions of several vehicles may be saved in the same second."""
-    numbered = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
-    return next(other for other in chain([path], numbered) if not other.exists())
-
-
 def restore_command(path: Path, connection: str, baud: int, signing_key: Path | None = None) -> str:
-    """The shell command that restores a saved mission."""
+    """The shell command that restores a saved mission, or parameters."""
     speed = [str(baud)] if ":" not in connection else []
     signing = ["--signing-key", str(signing_key)] if signing_key else []
     return shlex.join(["python", "-m", "flight_replay.cli.restore", *signing, str(path), connection, *speed])
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Upload a saved mission; returns the exit status."""
+    """Upload a saved mission, or set parameters; returns the exit status."""
     try:
         options = _parser().parse_args(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        count = _restore(options)
-        write_line(sys.stdout, f"Restored {count} mission items from {options.file}")
+        write_line(sys.stdout, f"Restored {_restore(options)} from {options.file}")
         problem = flush_or_discard(sys.stdout)
     except FlightReplayError as error:
         problem = str(error)
     except KeyboardInterrupt:
-        write_error(sys.stderr, "interrupted; the mission on board may be incomplete")
+        write_error(sys.stderr, "interrupted; what is on board may be incomplete")
         return signals.INTERRUPTED_STATUS
     if problem is not None:
         write_error(sys.stderr, problem)
@@ -81,7 +76,7 @@ def main(arguments: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m flight_replay.cli.restore",
-        description="Upload a mission that was saved before a replay.",
+        description="Upload a mission that was saved before a replay, or put parameters (.parm) back.",
         allow_abbrev=False,
     )
     parser.add_argument("file", metavar="FILE", type=Path)
@@ -91,20 +86,24 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _restore(options: argparse.Namespace) -> int:
-    """Upload the mission; returns the number of its items."""
+def _restore(options: argparse.Namespace) -> str:
+    """Restore what the file holds; returns what that was."""
     from flight_replay import vehicle
 
     def show_notice(event: Event) -> None:
         if isinstance(event, Notice):
             write_line(sys.stderr, event.text)
 
-    mission = formats.load_mission(options.file)
+    parameters = read_parameter_file(options.file) if options.file.suffix in SUFFIXES else None
+    mission = formats.load_mission(options.file) if parameters is None else Mission(())
     with vehicle.connect(
         options.connection, baud=options.baud, listener=show_notice, signing_key=options.signing_key
     ) as connected:
-        connected.upload(mission)
-    return len(mission.items)
+        if parameters is None:
+            connected.upload(mission)
+            return f"{len(mission.items)} mission items"
+        connected.set_known_parameters(parameters)
+        return f"{', '.join(parameters)}"
 
 
 if __name__ == "__main__":

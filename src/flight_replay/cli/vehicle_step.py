@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from flight_replay.cli.options import Options
-from flight_replay.errors import VehicleError
 from flight_replay.events import Listener, Notice
+from flight_replay.exceptions import VehicleError
 from flight_replay.mission.items import Home
+from flight_replay.planning import drag
 from flight_replay.planning.vehicle_limits import PARAMETER_NAMES, VehicleLimits, limits_of
 
 if TYPE_CHECKING:
     from flight_replay.logs.tlog.writer import Recorder
     from flight_replay.vehicle import ConnectedVehicle
+
+
+_DRAG_UNKNOWN = (
+    " The vehicle does not tell its drag (EK3_DRAG_BCOEF_X, _Y, EK3_DRAG_MCOEF); planned with that of SITL's "
+    "quadcopter, about 4 m/s² at 8 m/s. With more of it, follow slower, such as with --speed 0.5x."
+)
 
 
 @contextmanager
@@ -64,6 +72,7 @@ def connected_vehicle(
             speedup=options.speedup or 1.0,
             recorder=recorder,
             signing_key=options.signing_key,
+            limit_s=math.inf if options.wait else vehicle.CONNECT_LIMIT_S,
         ) as connected,
         ground_stations(connected.link, options.gcs, allow_open=options.gcs_open),
     ):
@@ -83,9 +92,10 @@ def _check_options(connected: ConnectedVehicle, options: Options) -> None:
         raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --limits recorded")
 
 
-def vehicle_limits(connected: ConnectedVehicle, listener: Listener) -> VehicleLimits:
+def vehicle_limits(connected: ConnectedVehicle, options: Options, listener: Listener) -> VehicleLimits:
     """The limits of a vehicle; the defaults, with a warning, where it does not tell them."""
-    limits = limits_of(connected.parameters(PARAMETER_NAMES), connected.identity.name)
+    names = (*PARAMETER_NAMES, *(drag.PARAMETER_NAMES if options.mode == "guided" else ()))
+    limits = limits_of(connected.parameters(names), connected.identity.name)
     if limits is None:
         listener(
             Notice(
@@ -93,4 +103,7 @@ def vehicle_limits(connected: ConnectedVehicle, listener: Listener) -> VehicleLi
                 warning=True,
             )
         )
-    return limits or VehicleLimits()
+    limits = limits or VehicleLimits()
+    if options.mode == "guided" and limits.drag is None and not connected.identity.simulated:
+        listener(Notice(_DRAG_UNKNOWN))
+    return limits

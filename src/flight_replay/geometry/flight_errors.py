@@ -103,9 +103,10 @@ def spaced_places_m(line_m: Floats) -> Floats:
 def errors_at_equal_times(recorded: Movement, flown: Movement) -> tuple[Errors, Errors, Errors]:
     """Position error, height error and heading error at the recorded times that the flight has too.
 
-    A fix whose height or heading is unknown, on either side, has no such error.
+    A fix whose height or heading is unknown, on either side, has no such error; without recorded times
+    there is none at all.
     """
-    if not len(recorded) or not len(flown):
+    if not (len(recorded) and len(flown) and recorded.timed and flown.timed):
         return NO_ERRORS, NO_ERRORS, NO_ERRORS
     both = recorded.select((recorded.time_s >= flown.time_s[0]) & (recorded.time_s <= flown.time_s[-1]))
     off_m = both.north_east_m - flown.places_at(both.time_s)

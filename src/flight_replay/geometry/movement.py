@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,19 +15,23 @@ class Movement:
 
     ``time_s`` (n,) never falls; ``north_east_m`` (n, 2) are ground metres, ``up_m`` (n,) metres above
     home, ``heading_deg`` (n,) where the nose points; what is unknown of the last two is not a number.
+    ``timed`` tells whether the times were recorded; without, they only keep the order.
     """
 
     time_s: Floats
     north_east_m: Floats
     up_m: Floats
     heading_deg: Floats
+    timed: bool = True
 
     def __len__(self) -> int:
         return len(self.time_s)
 
     def select(self, keep: Flags | Indices | slice) -> Movement:
         """What a mask, an index array or a slice picks."""
-        return Movement(**{each.name: getattr(self, each.name)[keep] for each in fields(self)})
+        return Movement(
+            self.time_s[keep], self.north_east_m[keep], self.up_m[keep], self.heading_deg[keep], self.timed
+        )
 
     def places_at(self, times_s: Floats) -> Floats:
         """Ground positions (m, 2) at times (m,), on straight lines between those known; at least one is."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.polyline import nearest_on_segments

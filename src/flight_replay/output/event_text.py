@@ -38,6 +38,7 @@ _PHASES = {
     Phase.CLOSE: "Close vehicle object",
 }
 _WAITS = {
+    Phase.CONNECT: " Waiting for the vehicle...",
     Phase.PREARM: " Waiting for vehicle to initialise...",
     Phase.ARM: " Waiting for arming...",
     Phase.RETURN: " Waiting for the vehicle to return...",
@@ -55,8 +56,8 @@ def is_problem(event: Event) -> bool:
 
 def is_detail(event: Event) -> bool:
     """Whether the event is shown only with ``-v``."""
-    minor_text = isinstance(event, StatusText) and event.severity > Severity.WARNING
-    return minor_text or isinstance(event, WaypointReached)
+    debugging = isinstance(event, StatusText) and event.severity >= Severity.DEBUG
+    return debugging or isinstance(event, WaypointReached)
 
 
 @singledispatch
@@ -91,7 +92,7 @@ def _target_altitude_reached(event: TargetAltitudeReached) -> str:
 @event_line.register
 def _distance_to_waypoint(event: DistanceToWaypoint) -> str:
     distance = "unknown" if event.distance_m is None else f"{event.distance_m:.2f}"
-    return f"Distance to waypoint ({event.seq}): {distance}"
+    return f"Distance to waypoint ({event.number}): {distance}"
 
 
 @event_line.register
@@ -114,7 +115,7 @@ def _waypoint_reached(event: WaypointReached) -> str:
 
 @event_line.register
 def _status_text(event: StatusText) -> str:
-    return f" Autopilot: {event.text}"
+    return f">>> {event.text}"
 
 
 @event_line.register

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
     from flight_replay.geometry.reference_motion import ReferenceMotion
     from flight_replay.logs.flights import Flight
-    from flight_replay.logs.tlog import Log
+    from flight_replay.logs.recording import Recording
     from flight_replay.output.outcome import Outcome
     from flight_replay.planning.heights import HeightChange, RouteHeights
     from flight_replay.planning.route import Route
@@ -30,28 +30,46 @@ Json = Mapping[str, Any]
 _REFERENCE_STEP_S = 0.1
 
 
-def log_summary(log: Log, flights: Sequence[Flight]) -> Json:
-    """The "log" object; ``fixes`` counts the usable fixes of the chosen vehicle."""
+def log_summary(log: Recording, flights: Sequence[Flight]) -> Json:
+    """The "log" object; ``fixes`` counts the usable fixes of the chosen vehicle.
+
+    A log that is not ``timed`` was recorded without times: where its flights begin and end is null.
+    """
     return {
         "path": log.path,
+        "format": log.format,
         "bytes": log.bytes,
+        "firmware": log.firmware,
+        "vehicle_type": log.vehicle_type,
+        "start_utc_s": log.start_utc_s,
+        "boots": int(np.ptp(log.track.boot)) + 1,
+        "timed": log.track.timed,
         "fixes": len(log.track),
         "without_position": log.without_position,
-        "rejected": sum(log.rejected.values()),
+        "rejected": log.rejected_total,
+        "rejected_by_reason": dict(log.rejected),
         "vehicles": [
             {"system": each.system, "component": each.component, "fixes": each.fixes} for each in log.vehicles
         ],
         "flights": [
             {
                 "number": flight.number,
-                "start_s": round(flight.start_s, 3),
-                "end_s": round(flight.end_s, 3),
+                "start_s": _rounded(flight.start_s if log.track.timed else None),
+                "end_s": _rounded(flight.end_s if log.track.timed else None),
                 "fixes": flight.fixes,
                 "length_m": round(flight.length_m, 3),
+                "highest_m": _rounded(flight.highest_m),
+                "top_speed_m_s": _rounded(flight.top_speed_m_s),
             }
             for flight in flights
         ],
+        "notes": list(log.notes),
     }
+
+
+def _rounded(value: float | None) -> float | None:
+    """A value to the thousandth."""
+    return None if value is None else round(value, 3)
 
 
 def route_summary(route: Route) -> Json:
@@ -66,7 +84,7 @@ def route_summary(route: Route) -> Json:
         **objective,
         "limits": _limits(route.limits),
         "heights": None if route.heights is None else _heights(route.heights),
-        "predicted": None if route.predicted is None else _errors(route.predicted),
+        "predicted": None if route.predicted is None else errors_summary(route.predicted),
         "predicted_duration_s": round(route.predicted_duration_s, 3),
     }
 
@@ -106,7 +124,7 @@ def flight_summary(vehicle: str, simulated: bool, record: FlightRecord, outcome:
         "auto_s": round(record.auto_s, 3),
         "rtl_confirmed": record.rtl_confirmed,
         "coverage": _coverage(outcome),
-        **_errors(outcome.errors),
+        **errors_summary(outcome.errors),
         "alignment": _alignment(outcome),
         "not_measured": dict(outcome.not_measured),
     }
@@ -118,8 +136,8 @@ def _coverage(outcome: Outcome) -> Json:
     return {
         "fixes": coverage.fixes,
         "of_fixes": coverage.of_fixes,
-        "recorded_s": round(coverage.recorded_s, 3),
-        "of_recorded_s": round(coverage.of_recorded_s, 3),
+        "recorded_s": _rounded(coverage.recorded_s if coverage.timed else None),
+        "of_recorded_s": _rounded(coverage.of_recorded_s if coverage.timed else None),
         "to_fly_all": list(coverage.fly_all),
     }
 
@@ -143,7 +161,7 @@ def _alignment(outcome: Outcome) -> Json:
     }
 
 
-def _errors(errors: FlightErrors) -> Json:
+def errors_summary(errors: FlightErrors) -> Json:
     """All errors of a flight, flown or predicted; the heading's null where none is known."""
     heading = errors.heading_deg.statistics
     return {

@@ -11,6 +11,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flight_errors import FlightErrors, flight_errors
 from flight_replay.geometry.matching import match_in_order
+from flight_replay.logs.track import Track
 from flight_replay.mission.path import Path
 from flight_replay.planning.route import Route, movement_of
 
@@ -27,7 +28,7 @@ class Coverage:
     """Which part of the recorded flight was flown again: fixes and seconds, and how many there are.
 
     ``recorded_s`` runs to the last fix that was reached; ``fly_all`` are the options with which all of
-    it is flown, none where all of it was.
+    it is flown, none where all of it was. Of a recording that is not ``timed`` the seconds mean nothing.
     """
 
     fixes: int
@@ -35,6 +36,7 @@ class Coverage:
     recorded_s: float
     of_recorded_s: float
     fly_all: tuple[str, ...]
+    timed: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,11 +59,15 @@ class Outcome:
         errors, in_step = self.errors, self.waited_s is not None
         never = f"the first {'fix' if in_step else 'waypoint'} was not reached"
         when = "while following" if in_step else "in AUTO"
+        untimed = None if self.coverage.timed else "the recording has no times"
         reasons = {
             "path_error_m": (errors.path_m.recorded_to_path, f"no position was received {when}"),
-            "position_error_m": (errors.position_m, "there is no time that both flights have"),
-            "height_error_m": (errors.height_m, "the recording has no height at times that both have"),
-            "heading_error_deg": (errors.heading_deg, "one of both flights has no heading"),
+            "position_error_m": (errors.position_m, untimed or "there is no time that both flights have"),
+            "height_error_m": (
+                errors.height_m,
+                untimed or "the recording has no height at times that both have",
+            ),
+            "heading_error_deg": (errors.heading_deg, untimed or "one of both flights has no heading"),
         }
         return {
             name: never if self.first_waypoint_s is None else reason
@@ -97,25 +103,35 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
 def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) -> Outcome:
     """The errors of a flight that followed the recording, by the reference's clock.
 
-    Where the reference went back to a vehicle that had lost it, the second time over counts. What the
-    vehicle's clock is ahead of the reference's in the end, the recording waited for it.
+    What the vehicle's clock is ahead of the reference's in the end, the recording waited for it.
     """
     known = np.isfinite(recording_s)
-    flown, recording_s = record.flown.select(known), recording_s[known]
-    latest_s = np.minimum.accumulate(recording_s[::-1])[::-1]
-    kept = recording_s <= latest_s
-    movement = replace(movement_of(flown, route.frame), time_s=recording_s).select(kept)
+    late_s = (record.flown.time_s - recording_s)[known & (recording_s >= 0.0)]
+    flown, recording_s = followed_part(record.flown, recording_s)
+    movement = replace(movement_of(flown, route.frame), time_s=recording_s)
     end_s = float(recording_s.max(initial=0.0))
     fixes = _count_up_to(route.wanted.time_s, end_s)
-    errors = flight_errors(route.wanted, movement, last_s=end_s, fixes=fixes, line=fixes)
-    late_s = (flown.time_s - recording_s)[recording_s >= 0.0]
-    begun = flown.time_s[kept][movement.time_s >= 0.0]
+    # The vehicle may be on its way to the next fix: its path is measured from the line to that one too.
+    errors = flight_errors(route.wanted, movement, last_s=end_s, fixes=fixes, line=fixes + 1)
+    begun_s = (flown.time_s - recording_s)[recording_s >= 0.0]
     return Outcome(
         errors,
         _coverage(route, fixes),
-        float(begun[0]) if len(begun) else None,
+        float(begun_s[0]) if len(begun_s) else None,
         waited_s=max(float(late_s[-1] - late_s[0]), 0.0) if len(late_s) else 0.0,
     )
+
+
+def followed_part(flown: Track, recording_s: Floats) -> tuple[Track, Floats]:
+    """What of a flown track (n,) counts as following, and the recording's time at each of its positions.
+
+    Where the reference went back to a vehicle that had lost it, the second time over counts.
+    """
+    known = np.isfinite(recording_s)
+    flown, recording_s = flown.select(known), recording_s[known]
+    latest_s = np.minimum.accumulate(recording_s[::-1])[::-1]
+    kept = recording_s <= latest_s
+    return flown.select(kept), recording_s[kept]
 
 
 def _coverage(route: Route, fixes: int) -> Coverage:
@@ -130,6 +146,7 @@ def _coverage(route: Route, fixes: int) -> Coverage:
         recorded_s=float(route.recorded.time_s[fixes - 1] - route.recorded.time_s[0]) if fixes else 0.0,
         of_recorded_s=float(route.recording.time_s[-1] - route.recording.time_s[0]),
         fly_all=fly_all,
+        timed=route.recording.timed,
     )
 
 

@@ -8,6 +8,7 @@ from functools import singledispatchmethod
 
 from flight_replay.events import (
     Climbing,
+    DistanceToStart,
     DistanceToWaypoint,
     Event,
     Finished,
@@ -40,12 +41,20 @@ class ReplayStatus:
     target_altitude_m: float | None = None
     current_waypoint: DistanceToWaypoint | None = None
     following: Following | None = None
+    to_start_m: float | None = None
     reached: list[int] = field(default_factory=list)
     vehicle: VehicleState | None = None
     status_texts: tuple[StatusText, ...] = ()
     warning: str = ""
     rtl_confirmed: bool | None = None
     ended: str | None = None
+
+    @property
+    def mode(self) -> str:
+        """The flight mode: once the vehicle confirmed RTL, that, though no further state may come."""
+        if self.rtl_confirmed:
+            return "RTL"
+        return "" if self.vehicle is None else self.vehicle.mode
 
     @property
     def speed_m_s(self) -> float:
@@ -80,6 +89,10 @@ class ReplayStatus:
     @update.register
     def _distance_to_waypoint(self, event: DistanceToWaypoint) -> None:
         self.current_waypoint = event
+
+    @update.register
+    def _distance_to_start(self, event: DistanceToStart) -> None:
+        self.to_start_m = event.distance_m
 
     @update.register
     def _following(self, event: Following) -> None:
@@ -117,6 +130,13 @@ class ReplayStatus:
     @update.register
     def _finished(self, event: Finished) -> None:
         self.ended = event.ended
+
+
+def following_text(following: Following) -> str:
+    """How far a recording is followed, such as "24 of 60 s" or "begins in 4 s"."""
+    if following.recording_s < 0:
+        return f"begins in {math.ceil(-following.recording_s)} s"
+    return f"{following.recording_s:.0f} of {following.of_s:.0f} s"
 
 
 def battery_text(vehicle: VehicleState) -> str:

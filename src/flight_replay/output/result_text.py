@@ -28,13 +28,15 @@ def route_lines(route: Route, fixes_in_log: int) -> list[str]:
     return lines
 
 
-def flight_lines(route: Route, record: FlightRecord, outcome: Outcome) -> list[str]:
-    """The flight: what it covered, what flies the rest, and its errors."""
+def flight_lines(
+    route: Route, record: FlightRecord, outcome: Outcome, fly_all_command: str | None = None
+) -> list[str]:
+    """The flight: its errors, what it covered, and at the end the command that flies all of the recording."""
     return [
-        _reached_line(route, record, outcome),
-        *coverage_lines(outcome.coverage, told_how=record.problem is None),
         *error_lines("", outcome.errors),
         *alignment_lines(outcome),
+        _reached_line(route, record, outcome),
+        *coverage_lines(outcome.coverage, fly_all_command if record.problem is None else None),
     ]
 
 
@@ -48,15 +50,16 @@ def _reached_line(route: Route, record: FlightRecord, outcome: Outcome) -> str:
     )
 
 
-def coverage_lines(coverage: Coverage, *, told_how: bool = True) -> list[str]:
-    """Which part of the recorded flight was flown again, and with which options all of it is."""
-    all_of_it = duration_text(coverage.of_recorded_s)
+def coverage_lines(coverage: Coverage, fly_all_command: str | None = None) -> list[str]:
+    """Which part of the recorded flight was flown again, and how all of it is."""
+    timed = coverage.timed
+    all_of_it = duration_text(coverage.of_recorded_s) if timed else f"{coverage.of_fixes} fixes"
     if not coverage.fly_all:
         return [f" Flown: all of the recorded flight, {all_of_it}"]
-    part = duration_text(coverage.recorded_s)
+    part = duration_text(coverage.recorded_s) if timed else f"{coverage.fixes}"
     lines = [f" Flown: the first {part} of the recorded flight's {all_of_it}"]
-    if told_how:
-        lines.append(f" To fly all of it: {' '.join(coverage.fly_all)}")
+    if fly_all_command is not None:
+        lines.append(f" To fly all of it: {fly_all_command}")
     return lines
 
 

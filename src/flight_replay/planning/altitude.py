@@ -46,12 +46,13 @@ def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M) -> Floats:
     """Recorded altitudes above home (n,), none below ``floor_m``.
 
     Before home is set, the altitude above it is meaningless (often that above the sea): where the
-    implied altitude of home is far from its median in that boot, the next plausible one is taken.
+    implied altitude of home is far from its median in that boot, the next plausible one is taken. In a
+    boot without altitudes above the sea all are plausible.
     """
     home_amsl_m = track.amsl_m - track.alt_m
-    plausible = np.isfinite(track.alt_m) & np.isfinite(home_amsl_m)
+    plausible = np.isfinite(track.alt_m)
     for boot in np.unique(track.boot):
-        known = plausible & (track.boot == boot)
+        known = np.isfinite(home_amsl_m) & (track.boot == boot)
         if known.any():
             error_m = np.abs(home_amsl_m - np.median(home_amsl_m[known]))
             plausible &= (track.boot != boot) | (error_m <= _MAX_HOME_ERROR_M)

@@ -15,10 +15,14 @@ MAX_GAP_M = 50.0
 """Flights that begin farther than this from where the last one ended are worth a note."""
 
 
-def flown_part(track: Track) -> tuple[Track, tuple[str, ...]]:
+def flown_part(track: Track, *, tell_joins: bool = True) -> tuple[Track, tuple[str, ...]]:
     """The fixes of a track's flights with a clock that has no gaps, and notes for people.
 
     A track without a flight is returned whole: nothing in it tells flying from standing.
+
+    Args:
+        track: at least one fix.
+        tell_joins: whether a note tells of each flight that begins far from where the last one ended.
     """
     flights = find_flights(track)
     if not flights:
@@ -26,7 +30,7 @@ def flown_part(track: Track) -> tuple[Track, tuple[str, ...]]:
     parts = [track.select(slice(flight.first, flight.last + 1)) for flight in flights]
     index = np.concatenate([np.arange(flight.first, flight.last + 1) for flight in flights])
     flown = replace(track.select(index), time_s=_times_without_gaps_s(parts))
-    notes = _gap_notes(parts, flights)
+    notes = _gap_notes(parts, flights) if tell_joins else []
     if len(flown) < len(track):
         left_out = len(track) - len(flown)
         notes = [f"{left_out} of {len(track)} fixes are left out: they are not part of a flight.", *notes]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
@@ -15,7 +15,7 @@ from flight_replay.simulator.dynamics.vector import Vector
 _STEP_S, _LONG_STEP_S = 0.02, 0.05
 _LONG_M = 5_000.0
 """Beyond this, the tenths of a second at sharp turns that long steps miss are not worth the wait."""
-_SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
+SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
 _LONGEST_SIMULATED_M = 50_000.0
 _CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
@@ -48,12 +48,17 @@ def after_takeoff(takeoff_m: float, limits: Limits) -> tuple[Vector, Vector]:
     return (0.0, 0.0, takeoff_m - short_m), (0.0, 0.0, climb_m_s)
 
 
+def step_for_s(route: Route) -> float:
+    """How long the model's steps are for a route: long ones where the path is long."""
+    return _STEP_S if route.path.length_m <= _LONG_M else _LONG_STEP_S
+
+
 def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Movement, float, float]:
     """The flight from when the first waypoint is reached, when the last one is, and the time in AUTO."""
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import home_frame, simulate
 
-    step_s = _STEP_S if route.path.length_m <= _LONG_M else _LONG_STEP_S
+    step_s = step_for_s(route)
     start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
     flight = simulate(route.mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=step_s)
     seqs = [seq for seq, _ in route.mission.waypoints]
@@ -61,5 +66,5 @@ def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Mo
     ground_m = route.frame.to_metres(*home_frame(route.mission).to_degrees(flight.north_east_m))
     whole = Movement(flight.time_s - first_s, ground_m, flight.up_m, flight.heading_deg)
     begin_s, end_s = flight.auto_s
-    every = round(_SAMPLE_S / step_s)
+    every = round(SAMPLE_S / step_s)
     return whole.select(slice(None, None, every)), last_s - first_s, end_s - begin_s

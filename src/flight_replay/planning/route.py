@@ -30,7 +30,8 @@ class Route:
     ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path error
     of the mission's path, ``predicted_duration_s`` the time in AUTO, or of following, ``predicted`` the
     errors of the flight where the planning simulated it. ``reference`` is the motion to follow in GUIDED,
-    where the mission is only its outline, and is not uploaded. ``required_limits`` are the fields of
+    where the mission is only its outline, and is not uploaded, ``pace`` times as fast as recorded: the clock
+    of ``wanted`` is that of the reference. ``required_limits`` are the fields of
     ``Limits`` to raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made
     small; ``limits`` are those that the plan is made with; ``heights`` says what the route does with them;
     ``notes`` are sentences for people.
@@ -49,6 +50,7 @@ class Route:
     predicted: FlightErrors | None = None
     objective_m: float | None = None
     reference: ReferenceMotion | None = None
+    pace: float = 1.0
     required_limits: Mapping[str, float] = field(default_factory=dict)
     limits: VehicleLimits = field(default_factory=VehicleLimits)
     heights: RouteHeights | None = None
@@ -110,4 +112,5 @@ def _flown_at(track: Track, heights_m: Floats) -> Track:
 def movement_of(track: Track, frame: LocalFrame, start_s: float | None = None) -> Movement:
     """A track in metres around ``frame``, its clock counting from ``start_s``, or else its first fix."""
     begin_s = (track.time_s[0] if len(track) else 0.0) if start_s is None else start_s
-    return Movement(track.time_s - begin_s, track.north_east_m(frame), track.alt_m, track.heading_deg)
+    places_m = track.north_east_m(frame)
+    return Movement(track.time_s - begin_s, places_m, track.alt_m, track.heading_deg, track.timed)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import degrees, isclose
 
+from flight_replay.planning.drag import DragModel, drag_model_of
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 
@@ -34,10 +35,14 @@ _SAME = 1e-5
 
 @dataclass(frozen=True, slots=True)
 class VehicleLimits:
-    """``limits`` of ``vehicle``; without a vehicle they are the defaults of ArduCopter 4.6."""
+    """``limits`` of ``vehicle``; without a vehicle they are the defaults of ArduCopter 4.6.
+
+    ``drag`` is what its parameters tell of its drag, None where they do not.
+    """
 
     limits: Limits = field(default_factory=Limits)
     vehicle: str | None = None
+    drag: DragModel | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -69,13 +74,15 @@ def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | 
     """The limits that a vehicle's parameters set, or None where its speed is not among them.
 
     Args:
-        parameters: those of ``PARAMETER_NAMES`` that the vehicle has, in its own units.
+        parameters: those of ``PARAMETER_NAMES`` that the vehicle has, in its own units, and of its drag.
         vehicle: its name, for people.
     """
     if not any(PARAMETERS[name][0] == "wp_speed_m_s" for name in parameters):
         return None
     if _JERK_NAMES.isdisjoint(parameters):
         parameters = {**parameters, "WPNAV_JERK": _NO_JERK_LIMIT_M_S3}
-    limits, default = Limits.from_parameters(parameters), Limits()
+    known = {name: value for name, value in parameters.items() if name in PARAMETERS}
+    limits, default = Limits.from_parameters(known), Limits()
     same = [name for name in _FIELDS if isclose(getattr(limits, name), getattr(default, name), rel_tol=_SAME)]
-    return VehicleLimits(replace(limits, **{name: getattr(default, name) for name in same}), vehicle)
+    limits = replace(limits, **{name: getattr(default, name) for name in same})
+    return VehicleLimits(limits, vehicle, drag_model_of(parameters))

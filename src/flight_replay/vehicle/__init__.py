@@ -3,6 +3,6 @@
 DroneKit is imported in ``dronekit_adapter`` alone, when a vehicle is connected.
 """
 
-from flight_replay.vehicle.connected_vehicle import ConnectedVehicle, connect
+from flight_replay.vehicle.connected_vehicle import CONNECT_LIMIT_S, ConnectedVehicle, connect
 
-__all__ = ["ConnectedVehicle", "connect"]
+__all__ = ["CONNECT_LIMIT_S", "ConnectedVehicle", "connect"]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
-from flight_replay.errors import PhaseTimeoutError, VehicleError
 from flight_replay.events import (
     Listener,
     Notice,
@@ -18,6 +18,7 @@ from flight_replay.events import (
     Waiting,
     ignore,
 )
+from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mission.fence import FenceArea, active_fence_types, areas_from_items
@@ -25,7 +26,7 @@ from flight_replay.mission.items import Mission
 from flight_replay.supervisor.vehicle_interface import Report, Target
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
-from flight_replay.vehicle.link.connection_string import open_transport
+from flight_replay.vehicle.link.connection_string import open_transport, silence_hint
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.signing import Signing, is_readable_by_others, read_key
@@ -38,6 +39,7 @@ from flight_replay.vehicle.protocol.parameters import (
     limits_as_parameters,
     parameters_set,
     read_parameters,
+    request_parameter,
     write_parameters,
 )
 from flight_replay.vehicle.protocol.stream_requests import StreamRequests
@@ -106,6 +108,11 @@ class ConnectedVehicle:
     def request_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
         """Request to fly to a place in GUIDED, at a height above home."""
         self._targets.send_position(lat_deg, lon_deg, alt_m)
+
+    def request_speedup(self, speedup: float) -> None:
+        """Request another speed of a simulator's clock; nothing is waited for."""
+        request_parameter(self._vehicle_link, _SPEEDUP, speedup)
+        self.link.speedup = speedup
 
     @property
     def takes_targets(self) -> bool:
@@ -209,9 +216,14 @@ class ConnectedVehicle:
         values = read_parameters(self._vehicle_link, [*wanted, *list(self.identity.parameters)[:1]])
         return {name: value for name, value in values.items() if name in wanted}
 
-    def parameters_set(self, wanted: Mapping[str, float]) -> AbstractContextManager[None]:
-        """Set parameters, in the vehicle's own units, for as long as the context lasts."""
-        return parameters_set(self._vehicle_link, wanted)
+    def parameters_set(
+        self, wanted: Mapping[str, float], restored: Callable[[], None] = lambda: None
+    ) -> AbstractContextManager[None]:
+        """Set parameters, in the vehicle's own units, for as long as the context lasts.
+
+        ``restored`` is called once the vehicle has confirmed the values of before.
+        """
+        return parameters_set(self._vehicle_link, wanted, restored)
 
     def set_speedup(self, speedup: float | None) -> None:
         """Run a simulated vehicle's clock ``speedup`` times as fast as wall-clock time.
@@ -263,17 +275,19 @@ def connect(  # noqa: PLR0913
         speedup: How fast the vehicle's clock runs: heartbeats are sent often enough for it.
         recorder: Records every frame of both directions.
         signing_key: The file with the key of a vehicle that requires signed messages.
-        limit_s: Seconds to wait for a heartbeat.
+        limit_s: Seconds to wait for a heartbeat; infinite to try to connect without end too.
 
     Raises:
         VehicleError: The connection cannot be opened, or no vehicle sends a heartbeat.
     """
     listener(PhaseStarted(Phase.CONNECT, connection_string))
     signing = _signing(signing_key, listener)
-    link = Link(open_transport(connection_string, baud), speedup=speedup, recorder=recorder, signing=signing)
+    transport = open_transport(connection_string, baud, keeps_trying=math.isinf(limit_s))
+    link = Link(transport, speedup=speedup, recorder=recorder, signing=signing)
     try:
         link.start()
-        vehicle = _find(link, connection_string, limit_s, listener)
+        hint = silence_hint(connection_string, baud)
+        vehicle = _find(link, connection_string, hint, limit_s, listener)
         yield ConnectedVehicle(link, vehicle)
     finally:
         try:
@@ -282,7 +296,9 @@ def connect(  # noqa: PLR0913
             link.close()
 
 
-def _find(link: Link, connection_string: str, limit_s: float, listener: Listener) -> DiscoveredVehicle:
+def _find(
+    link: Link, connection_string: str, hint: str, limit_s: float, listener: Listener
+) -> DiscoveredVehicle:
     """The vehicle on a link; notices of other vehicles, and of signed messages that cannot be checked.
 
     Raises:
@@ -291,7 +307,7 @@ def _find(link: Link, connection_string: str, limit_s: float, listener: Listener
     discovery = VehicleDiscovery()
     link.add_receiver(discovery.receive)
     try:
-        vehicle = find_vehicle(discovery, connection_string, limit_s)
+        vehicle = find_vehicle(discovery, connection_string, hint, limit_s, listener)
     except VehicleError as error:
         if link.ignored:
             raise VehicleError(

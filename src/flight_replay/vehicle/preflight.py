@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flight_replay.errors import MissionError, VehicleError
 from flight_replay.events import VehicleState
+from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.fence import FenceArea, active_fence_types
 from flight_replay.mission.items import Frame, Mission, MissionItem
+from flight_replay.vehicle.route_words import MissionWords, RouteWords
 
 if TYPE_CHECKING:
     from flight_replay.vehicle.identity import Identity
@@ -40,7 +41,7 @@ class _Fence(IntFlag):
 class Briefing:
     """What a person has to know before a vehicle is armed: degrees, metres, volts, percent.
 
-    ``waypoints`` is 0 where none are uploaded, because targets are streamed.
+    ``beginning`` names where the route begins, ``extent`` what there is of it: see ``RouteWords``.
     """
 
     vehicle: str
@@ -48,7 +49,8 @@ class Briefing:
     lon_deg: float
     battery_v: float | None
     battery_percent: float | None
-    waypoints: int
+    beginning: str
+    extent: str
     first_m: float
     farthest_m: float
     highest_m: float
@@ -59,13 +61,13 @@ class Briefing:
         battery = "unknown" if self.battery_v is None else f"{self.battery_v:.1f} V"
         if self.battery_percent is not None:
             battery += f", {self.battery_percent:.0f} %"
-        first, route = ("waypoint", f"{self.waypoints} waypoints, ") if self.waypoints else ("fix", "")
+        beginning = self.beginning.removeprefix("the ").capitalize()
         return (
             f"Vehicle: {self.vehicle}",
             f"Position: {self.lat_deg:.7f}, {self.lon_deg:.7f}",
             f"Battery: {battery}",
-            f"First {first}: {self.first_m:.0f} m away",
-            f"Route: {route}up to {self.farthest_m:.0f} m away and {self.highest_m:.0f} m above home",
+            f"{beginning}: {self.first_m:.0f} m away",
+            f"Route: {self.extent}up to {self.farthest_m:.0f} m away and {self.highest_m:.0f} m above home",
         )
 
 
@@ -77,33 +79,38 @@ def check(  # noqa: PLR0913
     takeoff_altitude_m: float,
     max_distance_m: float = MAX_DISTANCE_M,
     areas: Sequence[FenceArea] = (),
+    words: RouteWords | None = None,
 ) -> Briefing:
     """Refuse a vehicle or route that must not be flown; otherwise the briefing.
 
     Args:
         identity: What the vehicle is, with its fence parameters.
-        mission: What would be uploaded.
+        mission: What would be uploaded, or the outline of what is followed.
         state: The vehicle's position, battery and mode now.
         takeoff_altitude_m: Metres above home.
         max_distance_m: How far from the vehicle the first waypoint may be, metres.
         areas: The polygons and circles of the vehicle's fence.
+        words: What its places are called; those of a mission if None.
 
     Raises:
         VehicleError: The vehicle is not a multicopter with ArduPilot, or is already armed.
         MissionError: The route starts too far away, leaves the fence, or has an invalid waypoint.
     """
+    words = words or MissionWords()
     _check_vehicle(identity, state)
     for seq, item in mission.waypoints:
-        _check_waypoint(seq, item)
+        _check_waypoint(words.place(seq), item)
     distances_m = _distances_m(mission, state)
-    _check_distance(float(distances_m[0]), max_distance_m)
-    _check_areas(areas, mission, state)
+    _check_distance(float(distances_m[0]), max_distance_m, words)
+    _check_areas(areas, mission, state, words)
     heights_m = np.append(_heights_m(mission), takeoff_altitude_m)
     _check_fence(identity.parameters, distances_m, heights_m)
-    return _briefing(identity, state, distances_m, heights_m)
+    return _briefing(identity, state, distances_m, heights_m, words)
 
 
-def _briefing(identity: Identity, state: VehicleState, distances_m: Floats, heights_m: Floats) -> Briefing:
+def _briefing(
+    identity: Identity, state: VehicleState, distances_m: Floats, heights_m: Floats, words: RouteWords
+) -> Briefing:
     """``distances_m`` (n,) from the vehicle to each waypoint, ``heights_m`` (m,) above home."""
     return Briefing(
         vehicle=identity.name,
@@ -111,7 +118,8 @@ def _briefing(identity: Identity, state: VehicleState, distances_m: Floats, heig
         lon_deg=state.lon_deg,
         battery_v=state.battery_v,
         battery_percent=state.battery_percent,
-        waypoints=len(distances_m),
+        beginning=words.beginning,
+        extent=words.extent(len(distances_m)),
         first_m=float(distances_m[0]),
         farthest_m=float(distances_m.max()),
         highest_m=float(heights_m.max()),
@@ -127,27 +135,27 @@ def _check_vehicle(identity: Identity, state: VehicleState) -> None:
         )
 
 
-def _check_distance(first_m: float, max_distance_m: float) -> None:
+def _check_distance(first_m: float, max_distance_m: float, words: RouteWords) -> None:
     if first_m > max_distance_m:
         raise MissionError(
-            f"the first waypoint is {first_m:.0f} m from the vehicle, more than {max_distance_m:.0f} m; "
+            f"{words.beginning} is {first_m:.0f} m from the vehicle, more than {max_distance_m:.0f} m; "
             "move the vehicle closer, or allow more with --max-distance"
         )
 
 
-def _check_waypoint(seq: int, item: MissionItem) -> None:
+def _check_waypoint(place: str, item: MissionItem) -> None:
     if item.frame not in _FLYABLE_FRAMES:
         raise MissionError(
-            f"waypoint {seq} has altitude frame {item.frame}, which ArduCopter does not support; "
+            f"{place} has altitude frame {item.frame}, which ArduCopter does not support; "
             "use an altitude above home, above sea level or above terrain"
         )
     if not np.isfinite([item.lat_deg, item.lon_deg, item.alt_m]).all() or abs(item.lat_deg) > 90.0:
         raise MissionError(
-            f"waypoint {seq} has invalid coordinates: {item.lat_deg}, {item.lon_deg}, {item.alt_m} m; "
+            f"{place} has invalid coordinates: {item.lat_deg}, {item.lon_deg}, {item.alt_m} m; "
             "correct it, then start again"
         )
     if item.frame != Frame.ABSOLUTE and item.alt_m <= 0:
-        raise MissionError(f"waypoint {seq} is at {item.alt_m:g} m above home; fly higher with --altitude")
+        raise MissionError(f"{place} is at {item.alt_m:g} m above home; fly higher with --altitude")
 
 
 def _distances_m(mission: Mission, state: VehicleState) -> Floats:
@@ -158,7 +166,9 @@ def _distances_m(mission: Mission, state: VehicleState) -> Floats:
     return np.asarray(np.hypot(north_east_m[:, 0], north_east_m[:, 1]))
 
 
-def _check_areas(areas: Sequence[FenceArea], mission: Mission, state: VehicleState) -> None:
+def _check_areas(
+    areas: Sequence[FenceArea], mission: Mission, state: VehicleState, words: RouteWords
+) -> None:
     """Refuse straight legs, from the vehicle's position on, that leave the fence."""
     frame = LocalFrame(state.lat_deg, state.lon_deg)
     places = [
@@ -170,7 +180,7 @@ def _check_areas(areas: Sequence[FenceArea], mission: Mission, state: VehicleSta
         forbidden = np.flatnonzero(area.forbids_legs(waypoints_m[:-1], waypoints_m[1:], frame))
         if len(forbidden):
             raise MissionError(
-                f"the leg to waypoint {mission.waypoints[forbidden[0]][0]} crosses the vehicle's fence; "
+                f"{words.way(mission.waypoints[forbidden[0]][0])} crosses the vehicle's fence; "
                 "choose another part of the log, or change the fence"
             )
 

@@ -7,9 +7,10 @@ import secrets
 import stat
 from collections.abc import Sequence
 from contextlib import suppress
+from itertools import chain, count
 from pathlib import Path
 
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
 
 _CREATE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
@@ -42,6 +43,12 @@ def write_atomically(path: Path | str, content: bytes | str) -> None:
     except OSError as error:
         new.discard()
         raise _cannot_write(path, error) from error
+
+
+def unused_path(path: Path) -> Path:
+    """The path, or a numbered one: two programs may write to one folder in the same second."""
+    numbered = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
+    return next(other for other in chain([path], numbered) if not other.exists())
 
 
 class NewFile:

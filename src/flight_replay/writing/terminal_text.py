@@ -7,7 +7,12 @@ titles, or reverse the order of what follows, so that a person reads something e
 from __future__ import annotations
 
 import argparse
-from typing import NoReturn
+import difflib
+import sys
+from typing import TYPE_CHECKING, NoReturn
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
 
 
 def escaped(text: str) -> str:
@@ -22,8 +27,34 @@ def escaped(text: str) -> str:
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of a command line whose errors repeat what was typed, escaped."""
+    """A parser of a command line whose errors are one line and a hint, with what was typed escaped."""
+
+    _unwritten: OSError | None = None
 
     def error(self, message: str) -> NoReturn:
-        """Write usage and message to stderr, and exit with status 2."""
-        super().error(escaped(message))
+        """Write what is wrong, and what may have been meant, to stderr; exit with status 2."""
+        hint = self._meant(message) or f"see {self.prog} --help"
+        self.exit(2, f"{self.prog}: error: {escaped(message)}; {escaped(hint)}\n")
+
+    def _print_message(self, message: str, file: SupportsWrite[str] | None = None) -> None:
+        """Write help, usage or an error; ``exit`` tells what could not be written, which argparse ignores."""
+        try:
+            (file or sys.stderr).write(message)
+        except OSError as error:
+            self._unwritten = error
+
+    def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
+        """End the program; a reader that has exited (``| head``) is no failure."""
+        unwritten, self._unwritten = self._unwritten, None
+        if unwritten is not None and not isinstance(unwritten, BrokenPipeError):
+            why = f"cannot write stdout: {unwritten.strerror}; free some space, or write elsewhere"
+            super().exit(1, f"{self.prog}: error: {why}\n")
+        super().exit(status, message)
+
+    def _meant(self, message: str) -> str | None:
+        """The option that is most like one that does not exist."""
+        unknown = message.removeprefix("unrecognized arguments: ").split("=")[0].split()
+        if not message.startswith("unrecognized") or not unknown[0].startswith("--"):
+            return None
+        close = difflib.get_close_matches(unknown[0], self._option_string_actions, 1)
+        return f"did you mean {close[0]}?" if close else None

@@ -5,11 +5,15 @@ import subprocess
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flight_replay.errors import FlightReplayError, MissionError
+from flight_replay.exceptions import FlightReplayError, MissionError
+from flight_replay.logs.flights import select
+from flight_replay.logs.read_log import read_log
+from flight_replay.logs.sample import sample_log
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission, MissionItem
 from tests.helpers.format_examples import HOME, MISSION, assert_same, recorded_track
@@ -89,3 +93,15 @@ def test_gpsbabel_reads_kml_and_gpx(
     names = [element.tag.rpartition("}")[2] for element in Xml.parse(out).getroot().iter()]
     lines = len(formats.item_text.route_line(MISSION)[0]) if kind == "kml" else 0
     assert (names.count("wpt"), names.count("rtept"), names.count("trkpt") - lines) == counts
+
+
+@pytest.mark.parametrize("suffix", [".kml", ".gpx"])
+def test_tracks_with_the_time_of_day_are_read_back_with_it(tmp_path: Path, suffix: str) -> None:
+    """KML has them in a gx:Track, GPX at each point; a replay of the file is one of the flight."""
+    recording = read_log(sample_log())
+    track = select(recording.track, from_s=60.0, to_s=90.0)
+    formats.save(tmp_path / f"a{suffix}", MISSION, track, recording.utc_s_of(track))
+    back = read_log(tmp_path / f"a{suffix}")
+    assert back.start_utc_s == pytest.approx((recording.start_utc_s or 0.0) + 60.0, abs=1.0)
+    assert np.diff(back.track.time_s) == pytest.approx(np.diff(track.time_s), abs=0.0015)
+    assert back.track.lat_deg == pytest.approx(track.lat_deg, abs=1e-8)

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.mission import formats
 from tests.helpers.format_examples import HOME, MISSION
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.mission import formats
 from flight_replay.mission.items import Home, Mission, MissionItem, waypoint
 from tests.helpers.format_examples import HOME, MISSION

@@ -55,8 +55,8 @@ def test_left_of_a_path_to_the_north_is_west() -> None:
 
 def test_charts_over_time_zoom_together() -> None:
     """They share a range; errors start at 0."""
-    first: Any = time_chart("path error", "error (m)")
-    second = time_chart("ground speed", "speed (m/s)", x_range=first.x_range)
+    first: Any = time_chart("path error", "time (s)", "error (m)")
+    second = time_chart("ground speed", "time (s)", "speed (m/s)", x_range=first.x_range)
     assert second.x_range is first.x_range
     assert first.y_range.start == 0
     add_line(first, [0.0, 1.0], np.array([2.0, 3.0]), "recorded")
@@ -66,6 +66,6 @@ def test_charts_over_time_zoom_together() -> None:
 @pytest.mark.parametrize("name", ["recorded, not covered", "recorded", "planned", "flown"])
 def test_the_tooltip_of_a_line_shows_its_values(name: str) -> None:
     """It has the line's name, the value and the time."""
-    chart = time_chart("ground speed", "speed (m/s)")
+    chart = time_chart("ground speed", "time (s)", "speed (m/s)")
     add_line(chart, [0.0, 1.0], np.array([2.0, 3.0]), name)
     assert chart.hover[0].tooltips == f"{name} @y{{0.00}} at @x{{0.0}} s"

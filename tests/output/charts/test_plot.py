@@ -6,7 +6,7 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.charts.plot import save_plot, scale_bar_m
 from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
@@ -114,4 +114,5 @@ def test_a_recording_that_is_followed_is_drawn_without_waypoints(tmp_path: Path)
     save_plot(tmp_path / "a.svg", *made_following())
     page = (tmp_path / "a.svg").read_text(encoding="utf-8")
     assert "<!-- flown -->" in page
+    assert page.count("<!-- time of the recording (s) -->") == 6
     assert "waypoints -->" not in page

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.charts.report import ReportText, save_report
 from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.json_summary import flight_summary, route_summary
@@ -24,6 +24,10 @@ def summary(*, flown: bool = True) -> dict[str, Any]:
     return {
         "log": {
             "path": "/logs/<b>flight.tlog",
+            "format": "dataflash",
+            "firmware": "ArduCopter V4.6.0",
+            "vehicle_type": "quadcopter",
+            "start_utc_s": 1_700_000_000.0,
             "bytes": 12,
             "fixes": 300,
             "without_position": 7,

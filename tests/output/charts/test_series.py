@@ -68,6 +68,29 @@ def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:
     assert path_errors_m(curved.path.north_east_m, drawn).max() < 0.05
 
 
+def test_what_is_followed_is_on_one_clock() -> None:
+    """Recorded and flown are on the reference's: at half the pace, and where it waited, at equal times."""
+    series = replay_series(*made_following(pace=0.5, waits_at_s=30.0, waits_s=4.0))
+    assert series.time_label == "time of the recording at 0.5x (s)"
+    recorded, flown = series.recorded, series.flown
+    assert flown is not None
+    assert series.recording.time_s[-1] == pytest.approx(2 * 0.4 * 299)
+    apart_m = [
+        np.interp(flown.time_s, recorded.time_s, recorded.north_east_m[:, axis]) - flown.north_east_m[:, axis]
+        for axis in (0, 1)
+    ]
+    assert np.hypot(*apart_m)[flown.time_s >= 0].max() < 2.0
+    assert recorded.speed_m_s[100] == pytest.approx(
+        ground_speed_m_s(figure_of_eight(), np.zeros((300, 2)))[100] / 2
+    )
+
+
+def test_times_are_named() -> None:
+    """By what they count from."""
+    assert replay_series(made_replay()[0]).time_label == "time since the first fix / first waypoint (s)"
+    assert replay_series(made_following()[0]).time_label == "time of the recording (s)"
+
+
 def test_a_plan_has_no_flown_series() -> None:
     """What does not exist is None."""
     series = replay_series(made_replay()[0])

@@ -39,7 +39,7 @@ def lines_of(*events: Event, quiet: bool = False, verbose: bool = False) -> list
 
 
 def test_verbose_shows_details_and_quiet_only_problems() -> None:
-    """Minor texts of the autopilot need -v; -q leaves the warnings."""
+    """The autopilot's words are shown as in DroneKit's example; -q leaves the warnings."""
     events: list[Event] = [
         StatusText(6, "Mission: 1 WP"),
         WaypointReached(1, 12.34),
@@ -47,9 +47,14 @@ def test_verbose_shows_details_and_quiet_only_problems() -> None:
         Notice("another", warning=True),
         PhaseStarted(Phase.MISSION),
     ]
-    assert lines_of(*events) == ["one thing", "Warning: another", "Starting mission"]
+    assert lines_of(*events) == [
+        ">>> Mission: 1 WP",
+        "one thing",
+        "Warning: another",
+        "Starting mission",
+    ]
     assert lines_of(*events, verbose=True)[:2] == [
-        " Autopilot: Mission: 1 WP",
+        ">>> Mission: 1 WP",
         " Reached waypoint (1) at 12.3 s",
     ]
     assert lines_of(*events, quiet=True) == ["Warning: another"]

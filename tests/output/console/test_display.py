@@ -7,6 +7,7 @@ from rich.console import Console as RichConsole
 
 from flight_replay.events import (
     Climbing,
+    DistanceToStart,
     DistanceToWaypoint,
     Event,
     Finished,
@@ -49,7 +50,7 @@ FLIGHT: list[Event] = [
 ]
 
 
-def shown(*events: Event, width: int = 80, encoding: str = "utf-8") -> list[str]:
+def shown(*events: Event, width: int = 80, encoding: str = "utf-8", mode: str = "auto") -> list[str]:
     """The lines of the display after some events."""
     status = ReplayStatus()
     for event in events:
@@ -57,7 +58,7 @@ def shown(*events: Event, width: int = 80, encoding: str = "utf-8") -> list[str]
     stream = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
     console = RichConsole(file=stream, width=width, force_terminal=True, no_color=True, legacy_windows=False)
     with console.capture() as capture:
-        console.print(Display(status))
+        console.print(Display(status, mode))
     text = RichConsole(file=io.StringIO(), width=width).render_str(capture.get())
     return [line.rstrip() for line in _plain(str(text)).splitlines()]
 
@@ -159,10 +160,19 @@ def test_readings_that_are_not_known_are_left_out() -> None:
 
 def test_following_shows_its_phases_and_how_far_off_it_is() -> None:
     """Instead of those of a mission; a recording that waits says so."""
-    begun = [PhaseStarted(phase) for phase in (Phase.CONNECT, Phase.PREARM, Phase.APPROACH, Phase.FOLLOW)]
-    lines = shown(*begun, Following(1.0, 24.0, 60.0, 0.21, waiting=False))
-    assert not any("Mission" in line or "Upload" in line for line in lines)
-    assert any("Follow" in line for line in lines)
-    assert any(line.startswith("Following") and "24 of 60 s, 0.21 m off" in line for line in lines)
-    waits = shown(*begun, Following(1.0, 24.0, 60.0, 3.5, waiting=True))
+    phases = (Phase.CONNECT, Phase.PREARM, Phase.ARM, Phase.TAKEOFF, Phase.APPROACH, Phase.FOLLOW)
+    begun = [PhaseStarted(phase) for phase in phases]
+    assert shown(begun[0], mode="guided") == [
+        "▶ Connect  · Prepare  · Arm  · Takeoff  · Approach  · Follow  · Return  · Close"
+    ]
+    assert shown(*begun[:5], DistanceToStart(12.34), mode="guided")[1] == "Beginning 12.3 m ahead"
+    runs_up = shown(
+        *begun, DistanceToStart(0.1), Following(1.0, -3.5, 60.0, 0.2, waiting=False), mode="guided"
+    )
+    assert runs_up[1].endswith("begins in 4 s, 0.20 m off")
+    follows = shown(*begun, Following(1.0, 24.0, 60.0, 0.21, waiting=False), mode="guided")
+    assert follows[0].startswith("✔ Connect  ✔ Prepare  ✔ Arm  ✔ Takeoff  ✔ Approach  ▶ Follow")
+    assert follows[1].startswith("Following ━")
+    assert follows[1].endswith("24 of 60 s, 0.21 m off")
+    waits = shown(*begun, Following(1.0, 24.0, 60.0, 3.5, waiting=True), mode="guided")
     assert any(line.startswith("Waiting") and "3.50 m off" in line for line in waits)

@@ -11,6 +11,7 @@ from flight_replay.events import (
     Notice,
     Phase,
     PhaseStarted,
+    ReturnCommanded,
     StatusText,
 )
 from flight_replay.output.console.live_console import LiveConsole
@@ -42,9 +43,9 @@ def test_text_and_notices_are_lines_above_the_display() -> None:
     assert "Generating waypoints from tlog..." in written
     assert "Warning: one thing" in written
     assert "question?" in written
-    assert " Autopilot: Mission: 22 WP" not in written
+    assert ">>> Mission: 22 WP" not in written
     everything = run_live(True, events)
-    assert " Autopilot: Mission: 22 WP" in everything
+    assert ">>> Mission: 22 WP" in everything
     assert "Distance to waypoint" not in everything
 
 
@@ -93,3 +94,19 @@ def test_a_closed_terminal_does_not_hide_an_interrupt() -> None:
         console.listener(PhaseStarted(Phase.CONNECT))
         stream.closed_now = True
         raise KeyboardInterrupt
+
+
+def test_an_interrupt_ends_with_what_became_of_the_vehicle() -> None:
+    """Whether RTL is confirmed is a line; the display, whose mode is old by then, is gone."""
+    stream = Terminal()
+    with pytest.raises(KeyboardInterrupt), LiveConsole(stream) as console:
+        for event in FLIGHT:
+            console.listener(event)
+        console.listener(ReturnCommanded(True))
+        stream.seek(0)
+        stream.truncate()
+        raise KeyboardInterrupt
+    assert "\x1b[2K" in stream.getvalue()  # Its lines are erased.
+    with LiveConsole(stream) as console:
+        console.listener(ReturnCommanded(True))
+    assert " The vehicle confirmed RTL" in stream.getvalue()

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from flight_replay.events import DistanceToWaypoint, Finished, WaypointReached
+from flight_replay.events import DistanceToWaypoint, Finished, Following, Phase, PhaseStarted, WaypointReached
 from flight_replay.output.live_map.data import LivePathError, MapData
-from tests.helpers.made_replays import FRAME, figure_of_eight, made_replay, vehicle_at
+from tests.helpers.made_replays import FRAME, figure_of_eight, made_following, made_replay, vehicle_at
 
 
 @pytest.fixture
@@ -74,11 +74,50 @@ def test_a_single_fix_is_a_path() -> None:
 
 def test_the_current_waypoint_is_the_one_flown_to(data: MapData) -> None:
     """Items without a position have none, and there is none after the flight."""
-    assert data.current_waypoint_m() is None
+    assert data.target() is None
     data.listener(DistanceToWaypoint(1, 3.0, 60))
-    assert data.current_waypoint_m() == pytest.approx((0, 0), abs=1e-3)
+    target = data.target()
+    assert target is not None
+    assert (target.north_m, target.east_m) == pytest.approx((0, 0), abs=1e-3)
+    assert target.label == "1"
     data.listener(DistanceToWaypoint(999, 3.0, 60))
-    assert data.current_waypoint_m() is None
+    assert data.target() is None
     data.listener(DistanceToWaypoint(1, 3.0, 60))
     data.listener(Finished("duration"))
-    assert data.current_waypoint_m() is None
+    assert data.target() is None
+
+
+def test_what_is_followed_is_the_target() -> None:
+    """The place of the reference now, between two events too; it stands while the recording waits."""
+    route, _, _ = made_following()
+    assert route.reference is not None
+    data = MapData(route)
+    assert data.target() is None
+    data.listener(Following(100.0, 24.0, 110.0, 0.2, waiting=False))
+    data.listener(vehicle_at(0, 0, 100.5, mode="GUIDED"))
+    target = data.target()
+    assert target is not None
+    expected_m = route.reference.state(24.5).position_m[:2]
+    assert (target.north_m, target.east_m) == pytest.approx(tuple(expected_m), abs=0.2)
+    assert target.label == ""
+    data.listener(Following(101.0, 25.0, 110.0, 0.2, waiting=True))
+    data.listener(vehicle_at(0, 0, 102.0, mode="GUIDED"))
+    target = data.target()
+    assert target is not None
+    expected_m = route.reference.state(25.0).position_m[:2]
+    assert (target.north_m, target.east_m) == pytest.approx(tuple(expected_m), abs=0.2)
+    data.listener(PhaseStarted(Phase.RETURN))
+    assert data.target() is None
+
+
+def test_a_recording_that_is_followed_has_errors_from_its_first_fix_on() -> None:
+    """Not on the run-up, which was not recorded."""
+    data = MapData(made_following()[0])
+    data.listener(Following(100.0, -3.0, 110.0, 0.2, waiting=False))
+    data.listener(vehicle_at(0, 0, 101.0, mode="GUIDED"))
+    data.listener(Following(104.0, 1.0, 110.0, 0.2, waiting=False))
+    data.listener(vehicle_at(0, 0, 104.0, mode="GUIDED"))
+    before, after = data.points(0)
+    assert math.isnan(before.path_error_m)
+    assert after.elapsed_s == pytest.approx(1.0)
+    assert math.isfinite(after.path_error_m)

@@ -15,6 +15,7 @@ from flight_replay.events import (
     DistanceToWaypoint,
     Event,
     Finished,
+    Following,
     LinkLost,
     Phase,
     PhaseStarted,
@@ -25,7 +26,7 @@ from flight_replay.output.charts.series import replay_series
 from flight_replay.output.live_map.data import MapData
 from flight_replay.output.live_map.page import Page, readings_html
 from flight_replay.planning.spacing import spaced_route
-from tests.helpers.made_replays import FRAME, figure_of_eight, made_replay, vehicle_at
+from tests.helpers.made_replays import FRAME, figure_of_eight, made_following, made_replay, vehicle_at
 
 
 @pytest.fixture
@@ -129,6 +130,22 @@ def test_readings_show_the_status(data: MapData) -> None:
         assert value in text
     assert "link lost" in readings(LinkLost(4.0), data=data)
     assert "ended: duration" in readings(Finished("duration"), data=data)
+
+
+def test_a_recording_that_is_followed_has_its_own_readings_and_times() -> None:
+    """How far it is followed, whether it waits, and the recording's time below the errors."""
+    route = made_following()[0]
+    data = MapData(route)
+    text = readings(Following(100.0, 24.0, 110.0, 0.2, waiting=False), data=data)
+    assert "Following" in text
+    assert "24 of 110 s" in text
+    assert "Waiting for the vehicle" in readings(Following(101.0, 24.5, 110.0, 3.2, waiting=True), data=data)
+    page, document = Page(data, replay_series(route), route.frame, threading.Event()), Document()
+    page.fill(document)
+    for name in ("path", "position"):
+        chart: Any = document.get_model_by_name(name)
+        assert chart.xaxis[0].axis_label == "time of the recording (s)"
+    assert len(source(document, "target")["east"]) == 1
 
 
 def test_a_route_of_one_waypoint_has_a_page() -> None:

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.vehicle.link.ground_station_servers import MAX_CONNECTIONS, TcpServer, UdpServer
 from flight_replay.vehicle.link.ground_station_sockets import TransportSocket, check_distinct, socket_for
 from flight_replay.vehicle.link.ground_stations import QUEUED_FRAMES, GroundStation, ground_stations

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay.logs.tlog import read_log
+from flight_replay.logs.read_log import read_log
 from flight_replay.mission import formats
 from flight_replay.mission.items import Home, Mission, change_speed, waypoint
 from flight_replay.simulator.server.launch import run
@@ -54,6 +54,7 @@ def test_a_station_watches_the_whole_replay_and_may_take_over(tmp_path: Path) ->
     (recorded,) = tmp_path.rglob("*.tlog")
     log = read_log(recorded)
     assert log.track.alt_m.max() > 25
+    assert log.vehicle is not None
     assert log.vehicle.system == 1
 
 

@@ -17,8 +17,8 @@ import pytest
 
 from flight_replay import supervisor
 from flight_replay.cli import restore
-from flight_replay.errors import VehicleError
 from flight_replay.events import Event, Notice
+from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.mission import formats
 from flight_replay.supervisor import Plan

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.vehicle.link import connection_string, transport
 from flight_replay.vehicle.link.connection_string import open_transport, transport_for
 from flight_replay.vehicle.link.transport import Serial, TcpClient, Transport, UdpClient, UdpListener

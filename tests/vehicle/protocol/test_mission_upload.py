@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flight_replay.errors import FlightReplayError, MissionError, VehicleError
+from flight_replay.exceptions import FlightReplayError, MissionError, VehicleError
 from flight_replay.geometry.geodesy import distance_m
 from flight_replay.mavlink import MISSION_RESULTS, dialect
 from flight_replay.mission.items import Command, Frame, Mission, MissionItem, change_speed, waypoint

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.simulator.autopilot.faults import old_copter
 from flight_replay.vehicle.identity import identify
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle

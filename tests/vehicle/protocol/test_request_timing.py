@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Home, Mission, waypoint
 from flight_replay.simulator.autopilot.faults import old_copter

@@ -20,8 +20,8 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay.errors import SimulatorError
 from flight_replay.events import Event, Notice, Progress
+from flight_replay.exceptions import SimulatorError
 from flight_replay.vehicle.sitl import fetch
 from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
 
@@ -234,7 +234,7 @@ BOMBS = {
 MEASURED = """
 import resource, sys
 from pathlib import Path
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 from flight_replay.vehicle.sitl.download import DownloadSource, download
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 try:

@@ -13,8 +13,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from flight_replay.errors import SimulatorError
 from flight_replay.events import Event, Notice
+from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl import choose, process, simulator
 from flight_replay.vehicle.sitl.bench_parameters import bench_text

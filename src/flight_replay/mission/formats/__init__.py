@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.formats import csv_table, geojson, gpx, kml, qgc_plan, wpl
 from flight_replay.mission.formats.validation import checked_length
@@ -35,17 +35,35 @@ _READERS: dict[str, Callable[[str, str], Mission]] = {
     ".plan": qgc_plan.parse,
 }
 
+_TIMED_WRITERS: dict[str, Callable[[Mission, Track, float | None], str]] = {
+    ".kml": kml.text,
+    ".gpx": gpx.text,
+}
+
 SAVED_SUFFIXES = tuple(_WRITERS)
 LOADED_SUFFIXES = tuple(_READERS)
 
 
-def save(path: Path | str, mission: Mission, track: Track | None = None) -> None:
+def save(
+    path: Path | str, mission: Mission, track: Track | None = None, start_utc_s: float | None = None
+) -> None:
     """Write a mission, and the recorded track where the format holds one; replaces the file whole.
+
+    Args:
+        path: The file, whose suffix chooses the format.
+        mission: What to write.
+        track: The recorded track.
+        start_utc_s: Unix time of the track's first fix, for formats whose times are those of the day.
 
     Raises:
         FlightReplayError: No format has this suffix, or the file cannot be written.
     """
-    write_atomically(path, _WRITERS[check_suffix(path, SAVED_SUFFIXES)](mission, track))
+    suffix = check_suffix(path, SAVED_SUFFIXES)
+    if track is not None and suffix in _TIMED_WRITERS:
+        text = _TIMED_WRITERS[suffix](mission, track, start_utc_s)
+    else:
+        text = _WRITERS[suffix](mission, track)
+    write_atomically(path, text)
 
 
 def load_mission(path: Path | str) -> Mission:

@@ -1,6 +1,8 @@
 """CSV: one table, one row an item or a fix, told apart by the column ``kind`` (home, item, track).
 
-A cell is empty where its row's kind has no such value. Lines end in LF, numbers use a point.
+A cell is empty where its row's kind has no such value. What was recorded is there to the millimetre
+and the microsecond: ``logs/tracks/saved_csv.py`` reads the same track again. Lines end in LF, numbers
+use a point.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from flight_replay.mission.items import FIRST_SEQ, HOME_SEQ, Mission
 
 _ITEM = ("kind", "seq", "command", "command_name", "frame", "param1", "param2", "param3", "param4")
 _PLACE = ("lat_deg", "lon_deg", "alt_m", "amsl_m")
-_FIX = ("time_s", "north_m_s", "east_m_s", "up_m_s", "boot", "armed")
+_FIX = ("time_s", "north_m_s", "east_m_s", "up_m_s", "boot", "armed", "heading_deg")
 COLUMNS = _ITEM + _PLACE + _FIX
 
 
@@ -54,12 +56,13 @@ def _track_rows(track: Track) -> list[dict[str, object]]:
                 float(track.alt_m[n]),
                 float(track.amsl_m[n]),
             ),
-            "time_s": _number(float(track.time_s[n]), 3),
+            "time_s": _number(float(track.time_s[n]), 6) if track.timed else "",
             "north_m_s": _number(float(track.north_m_s[n]), 3),
             "east_m_s": _number(float(track.east_m_s[n]), 3),
             "up_m_s": _number(float(track.up_m_s[n]), 3),
             "boot": int(track.boot[n]),
             "armed": int(track.armed[n]),
+            "heading_deg": _number(float(track.heading_deg[n]), 3),
         }
         for n in range(len(track))
     ]

@@ -1,7 +1,8 @@
 """GeoJSON (RFC 7946): every mission item as a feature, the route and the track as lines.
 
 Lines are cut where they cross the antimeridian, as section 3.1.9 asks. Third coordinates are metres
-above mean sea level, and left out of a geometry where one of them is not known.
+above mean sea level, and left out of a geometry where one of them is not known. The track's properties
+hold its other columns, one value a fix: ``logs/tracks/geojson_reader.py`` reads the same track again.
 """
 
 from __future__ import annotations
@@ -13,10 +14,24 @@ from typing import Any
 
 import numpy as np
 
-from flight_replay.logs.track import Track
+from flight_replay.logs.track import Armed, Track
 from flight_replay.mission.formats.item_text import amsl_m, command_name, description, route_line, speeds_m_s
 from flight_replay.mission.items import FIRST_SEQ, Home, Mission, MissionItem
 
+_COLUMNS = {
+    "time_s": 6,
+    "alt_m": 3,
+    "amsl_m": 3,
+    "north_m_s": 3,
+    "east_m_s": 3,
+    "up_m_s": 3,
+    "heading_deg": 3,
+    "boot": 0,
+    "armed": 0,
+}
+"""A track's columns besides its line, and their digits."""
+_USUAL = {"boot": 0, "armed": Armed.UNKNOWN}
+"""What columns are taken to be that are left out."""
 Place = tuple[float, float, float]
 """Latitude and longitude in degrees, height above mean sea level in metres or not a number."""
 
@@ -63,8 +78,18 @@ def _item_feature(seq: int, item: MissionItem, home: Home | None, speed_m_s: flo
 
 def _track_feature(track: Track) -> dict[str, Any]:
     places = zip(track.lat_deg.tolist(), track.lon_deg.tolist(), track.amsl_m.tolist(), strict=True)
-    times_s = [round(time_s, 3) for time_s in track.time_s.tolist()]
-    return _feature(_line(list(places)), {"kind": "track", "name": "Recorded track", "time_s": times_s})
+    columns = {name: values for name, digits in _COLUMNS.items() if (values := _values(track, name, digits))}
+    return _feature(_line(list(places)), {"kind": "track", "name": "Recorded track", **columns})
+
+
+def _values(track: Track, name: str, digits: int) -> list[float | None]:
+    """A column of a track, null where unknown; nothing at all where it tells nothing."""
+    column = getattr(track, name)
+    is_empty = not np.isfinite(column).any() or (name == "time_s" and not track.timed)
+    in_line = name == "amsl_m" and np.isfinite(column).all()
+    if is_empty or in_line or (name in _USUAL and (column == _USUAL[name]).all()):
+        return []
+    return [round(value, digits) if math.isfinite(value) else None for value in column.tolist()]
 
 
 def _feature(geometry: dict[str, Any] | None, properties: dict[str, Any]) -> dict[str, Any]:

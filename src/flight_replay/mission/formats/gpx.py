@@ -12,15 +12,18 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.item_text import amsl_m, command_name, description, speeds_m_s
+from flight_replay.mission.formats.item_text import amsl_m, command_name, description, speeds_m_s, utc_texts
 from flight_replay.mission.items import Mission
 
 _NAMESPACE = "http://www.topografix.com/GPX/1/1"
 _OURS = "https://pypi.org/project/flight-replay/gpx"
 
 
-def text(mission: Mission, track: Track | None = None) -> str:
-    """The mission, and the recorded track if there is one."""
+def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
+    """The mission, and the recorded track if there is one.
+
+    Its points have times with ``start_utc_s``, the Unix time of its first fix.
+    """
     attributes = {"version": "1.1", "creator": "flight-replay", "xmlns": _NAMESPACE, "xmlns:replay": _OURS}
     root = Xml.Element("gpx", attributes)
     if mission.home is not None:
@@ -29,7 +32,7 @@ def text(mission: Mission, track: Track | None = None) -> str:
         _child(point, "name", "Home")
     _add_route(root, mission)
     if track is not None and len(track):
-        _add_track(root, track)
+        _add_track(root, track, start_utc_s)
     Xml.indent(root)
     return Xml.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
@@ -51,14 +54,18 @@ def _add_route(root: Xml.Element, mission: Mission) -> None:
             _child(extensions, "replay:speed_m_s", f"{speeds[seq]:g}")
 
 
-def _add_track(root: Xml.Element, track: Track) -> None:
+def _add_track(root: Xml.Element, track: Track, start_utc_s: float | None) -> None:
+    times = np.array([""] * len(track) if start_utc_s is None else utc_texts(track, start_utc_s))
     element = Xml.SubElement(root, "trk")
     _child(element, "name", "Recorded track")
     for boot in np.unique(track.boot):
         segment = Xml.SubElement(element, "trkseg")
         part = track.select(track.boot == boot)
-        for lat_deg, lon_deg, amsl in zip(part.lat_deg, part.lon_deg, part.amsl_m, strict=True):
-            _point(segment, "trkpt", lat_deg, lon_deg, amsl)
+        columns = part.lat_deg, part.lon_deg, part.amsl_m, times[track.boot == boot]
+        for lat_deg, lon_deg, amsl, time in zip(*columns, strict=True):
+            point = _point(segment, "trkpt", lat_deg, lon_deg, amsl)
+            if time:
+                _child(point, "time", str(time))
 
 
 def _point(parent: Xml.Element, tag: str, lat_deg: float, lon_deg: float, height_m: float) -> Xml.Element:

@@ -9,6 +9,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.logs.track import Track
 from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Home, Mission, MissionItem
 from flight_replay.mission.path import destinations, path_through
 
@@ -78,3 +79,9 @@ def _with_amsl(item: MissionItem, home: Home | None) -> MissionItem:
     if not item.is_waypoint or item.alt_m == 0:
         return item
     return replace(item, alt_m=amsl_m(item, home))
+
+
+def utc_texts(track: Track, start_utc_s: float) -> list[str]:
+    """When each fix was recorded, such as 2023-11-14T22:14:02.250Z, by the Unix time of the first one."""
+    times_ms = np.round((track.time_s - track.time_s[0] + start_utc_s) * 1e3).astype("datetime64[ms]")
+    return [f"{time}Z" for time in np.datetime_as_string(times_ms)]

@@ -13,18 +13,30 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.item_text import amsl_m, command_name, description, route_line, speeds_m_s
+from flight_replay.mission.formats.item_text import (
+    amsl_m,
+    command_name,
+    description,
+    route_line,
+    speeds_m_s,
+    utc_texts,
+)
 from flight_replay.mission.formats.validation import finite
 from flight_replay.mission.items import Home, Mission, MissionItem
 
 _NAMESPACE = "http://www.opengis.net/kml/2.2"
+_GOOGLE = "http://www.google.com/kml/ext/2.2"
 # aabbggrr: colours that the colour-blind tell apart (Okabe and Ito), those of the plots.
 _STYLES = {"recorded": "ff999999", "planned": "ffb27200"}
 
 
-def text(mission: Mission, track: Track | None = None) -> str:
-    """The mission, and the recorded track if there is one."""
-    root = Xml.Element("kml", xmlns=_NAMESPACE)
+def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
+    """The mission, and the recorded track if there is one.
+
+    The track is a line; with ``start_utc_s``, the Unix time of its first fix, it is there once more
+    with times (gx:Track), which Google Earth plays.
+    """
+    root = Xml.Element("kml", {"xmlns": _NAMESPACE, "xmlns:gx": _GOOGLE})
     document = Xml.SubElement(root, "Document")
     _child(document, "name", "Flight replay")
     for name, colour in _STYLES.items():
@@ -37,6 +49,8 @@ def text(mission: Mission, track: Track | None = None) -> str:
     if track is not None and len(track):
         line = np.column_stack([track.lat_deg, track.lon_deg, track.amsl_m])
         _add_line(document, "Recorded track", "recorded", "absolute", line)
+        if start_utc_s is not None:
+            _add_timed_track(document, utc_texts(track, start_utc_s), line)
     Xml.indent(root)
     return Xml.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
@@ -93,6 +107,18 @@ def _add_line(parent: Xml.Element, name: str, style: str, mode: str, places: Flo
     geometry = Xml.SubElement(line, "LineString")
     _child(geometry, "altitudeMode", mode)
     _child(geometry, "coordinates", "\n".join(_coordinates(*place) for place in places))
+
+
+def _add_timed_track(parent: Xml.Element, times: list[str], places: Floats) -> None:
+    placemark = Xml.SubElement(parent, "Placemark")
+    _child(placemark, "name", "Recorded flight")
+    _child(placemark, "styleUrl", "#recorded")
+    track = Xml.SubElement(placemark, "gx:Track")
+    _child(track, "altitudeMode", "absolute")
+    for time in times:
+        _child(track, "when", time)
+    for place in places:
+        _child(track, "gx:coord", _coordinates(*place).replace(",", " "))
 
 
 def _coordinates(lat_deg: float, lon_deg: float, height_m: float) -> str:

@@ -10,7 +10,7 @@ import json
 import math
 from typing import Any
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.formats.validation import checked_home, checked_item, finite
 from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Home, Mission, MissionItem

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.mission.items import Home, Mission, MissionItem
 
 MAX_ITEMS = 0xFFFE

@@ -8,7 +8,7 @@ for 0, so that is what is written.
 
 from __future__ import annotations
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.formats.validation import checked_item, finite
 from flight_replay.mission.items import FIRST_SEQ, HOME_SEQ, Command, Frame, Home, Mission, MissionItem

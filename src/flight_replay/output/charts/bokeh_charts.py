@@ -17,8 +17,9 @@ from flight_replay.output.charts.series import LINE_COLOURS, PLANNED_COLOUR, Rep
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 LABEL_GAP_SHARE = 0.08
 """Least distance between two waypoint numbers, as a share of the map's longer side."""
-_MARGIN_SHARE = 0.08
+_MARGIN_SHARE = 0.16  # Waypoint numbers stand outside the path, on narrow screens too.
 _LABEL_OFFSET_PX = 13
+_LEGEND_COLUMNS = 2  # More do not fit a telephone.
 
 
 def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
@@ -46,6 +47,7 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
     if series.waypoint_seqs:
         _add_waypoints(chart, series)
     chart.legend.orientation = "horizontal"
+    chart.legend.ncols = _LEGEND_COLUMNS
     chart.add_layout(chart.legend[0], "above")
     chart.legend.border_line_color = None
     return chart
@@ -94,12 +96,14 @@ def left_of_path(points_m: Floats) -> Floats:
     return np.where(length[:, None] > 0, left / np.maximum(length, 1e-9)[:, None], [1.0, 0.0])
 
 
-def time_chart(title: str, y_label: str, *, x_range: Range | None = None, height: int = 220) -> figure:
+def time_chart(
+    title: str, x_label: str, y_label: str, *, x_range: Range | None = None, height: int = 220
+) -> figure:
     """An empty chart over time; charts that are given the same ``x_range`` zoom together."""
     chart = figure(
         title=title,
         height=height,
-        x_axis_label="time since the first fix / first waypoint (s)",
+        x_axis_label=x_label,
         y_axis_label=y_label,
         tools=TOOLS,
         sizing_mode="stretch_width",

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".svg", ".pdf")
 _PAGE_IN = (7.2, 11.4)
 _PNG_DOTS_PER_IN = 150
-_TIME_LABEL = "time since the first fix / first waypoint (s)"
 _SMALLEST_RANGE = 0.1  # Metres or degrees: millimetres must not look like much.
 _STYLE: dict[Any, Any] = {
     "font.size": 8,
@@ -64,6 +63,18 @@ def save_plot(
     """
     file_format = check_suffix(path, SUFFIXES).removeprefix(".")
     from matplotlib import rc_context
+
+    page = io.BytesIO()
+    dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    figure = replay_figure(route, record, outcome)
+    with rc_context(_STYLE):
+        figure.savefig(page, format=file_format, dpi=_PNG_DOTS_PER_IN, metadata=dates[file_format])
+    write_atomically(path, page.getvalue())
+
+
+def replay_figure(route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None) -> Figure:
+    """The page of plots of a route, and of the flight that followed it if there was one."""
+    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -71,10 +82,7 @@ def save_plot(
         figure = Figure(figsize=_PAGE_IN, layout="constrained")
         FigureCanvasAgg(figure)
         _fill(figure, replay_series(route, record, outcome))
-        page = io.BytesIO()
-        dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
-        figure.savefig(page, format=file_format, dpi=_PNG_DOTS_PER_IN, metadata=dates[file_format])
-    write_atomically(path, page.getvalue())
+    return figure
 
 
 def _fill(figure: Figure, series: ReplaySeries) -> None:
@@ -89,7 +97,7 @@ def _fill(figure: Figure, series: ReplaySeries) -> None:
         # The errors end where the flight did, altitude and speed are those of the whole recording.
         first = 0 if n < len(errors) else len(errors)
         axes = figure.add_subplot(cell, sharex=figure.axes[1 + first] if n > first else None)
-        axes.set_xlabel(_TIME_LABEL)
+        axes.set_xlabel(series.time_label)
         draw(axes, series)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)

@@ -6,12 +6,14 @@ import math
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timezone
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.logs.log_formats import format_title
 from flight_replay.mission.formats.item_text import description
 from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
 from flight_replay.output.charts.series import (
@@ -115,8 +117,8 @@ def _time_charts(series: ReplaySeries) -> list[Model]:
     """Errors, altitude and speed over one time axis."""
     from flight_replay.output.charts.bokeh_charts import add_line, time_chart
 
-    altitude = time_chart("altitude above home", "altitude (m)")
-    speed = time_chart("ground speed", "speed (m/s)", x_range=altitude.x_range)
+    altitude = time_chart("altitude above home", series.time_label, "altitude (m)")
+    speed = time_chart("ground speed", series.time_label, "speed (m/s)", x_range=altitude.x_range)
     flown = () if series.flown is None else (("flown", series.flown),)
     for name, track in (*series.recorded_lines, *flown):
         add_line(altitude, track.time_s, track.alt_m, name)
@@ -146,7 +148,7 @@ def _error_charts(series: ReplaySeries) -> list[Model]:
     for title, y_label, planned, flown in _errors_shown(series):
         if planned is None and flown is None:
             continue
-        chart = time_chart(title, y_label, x_range=x_range)
+        chart = time_chart(title, series.time_label, y_label, x_range=x_range)
         x_range = chart.x_range
         end_s = math.inf if flown is None else flown.time_s[-1]
         for name, errors in (("planned", planned), ("flown", flown)):
@@ -196,12 +198,24 @@ def _log_rows(log: Summary) -> list[tuple[str, str]]:
     )
     return [
         ("file", str(log["path"])),
+        ("format", format_title(log["format"])),
+        *_when_and_what(log),
         ("usable fixes", str(log["fixes"])),
         ("records without a position", str(log["without_position"])),
         ("implausible fixes", str(log["rejected"])),
         ("vehicles", vehicles),
         ("flights", str(len(log["flights"]))),
     ]
+
+
+def _when_and_what(log: Summary) -> list[tuple[str, str]]:
+    """When the recording begins, and what flew, as far as the log tells."""
+    rows = []
+    if log["start_utc_s"] is not None:
+        begin = datetime.fromtimestamp(log["start_utc_s"], timezone.utc)
+        rows.append(("begins", f"{begin:%Y-%m-%d %H:%M:%S} UTC"))
+    vehicle = ", ".join(filter(None, [log["vehicle_type"], log["firmware"]]))
+    return [*rows, ("recorded vehicle", vehicle)] if vehicle else rows
 
 
 def _route_rows(route: Summary) -> list[tuple[str, str]]:
@@ -230,7 +244,10 @@ def _what_is_flown_rows(route: Summary) -> list[tuple[str, str]]:
 
 def _coverage_rows(coverage: Summary) -> list[tuple[str, str]]:
     """Which part of the recorded flight was flown, and how to fly all of it."""
-    part, whole = (duration_text(coverage[key]) for key in ("recorded_s", "of_recorded_s"))
+    if coverage["recorded_s"] is None:  # recorded without times
+        part, whole = f"{coverage['fixes']}", f"{coverage['of_fixes']} fixes"
+    else:
+        part, whole = (duration_text(coverage[key]) for key in ("recorded_s", "of_recorded_s"))
     if not coverage["to_fly_all"]:
         return [("flown", f"all of the recorded flight, {whole}")]
     return [

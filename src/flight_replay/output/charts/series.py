@@ -1,7 +1,8 @@
 """The series that charts of a replay draw, in local metres and in seconds.
 
-The frame is that of the route's first fix. Recorded time counts from the first fix that was flown,
-flown time from when the vehicle reached the first waypoint, as the position error does.
+The frame is that of the route's first fix. Times are those of the errors at equal times: recorded time
+counts from the first fix that was flown, flown time from when the vehicle reached the first waypoint; where
+a recording is followed, both are by the reference's clock.
 """
 
 from __future__ import annotations
@@ -14,10 +15,9 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.distances import ErrorStatistics
 from flight_replay.geometry.flight_errors import Errors, FlightErrors, PathErrors
-from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import destinations, path_through
-from flight_replay.output.outcome import Outcome
+from flight_replay.output.outcome import Outcome, followed_part
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 
@@ -69,7 +69,8 @@ class ReplaySeries:
     """Everything that the charts of a replay draw; what does not exist is None.
 
     ``recording`` is all of the recorded flight, ``recorded`` what of it was flown again, or is
-    planned to be. ``reached`` holds (time, planned altitude) of each waypoint reached.
+    planned to be. ``reached`` holds (time, planned altitude) of each waypoint reached. ``time_label`` is
+    what charts over time say of their time.
     """
 
     recording: TrackSeries
@@ -78,6 +79,7 @@ class ReplaySeries:
     waypoints_m: Floats
     waypoint_seqs: tuple[int, ...]
     planned_error: PathErrorSeries
+    time_label: str
     flown: TrackSeries | None = None
     path_error: PathErrorSeries | None = None
     position_error: ErrorSeries | None = None
@@ -106,14 +108,15 @@ def replay_series(
         waypoints = ()
     covered = slice(None if outcome is None else outcome.coverage.fixes)
     series = ReplaySeries(
-        recording=_recorded_series(route.recording, frame),
-        recorded=_recorded_series(route.recorded, frame, covered),
+        recording=_recorded_series(route, route.recording),
+        recorded=_recorded_series(route, route.recorded, covered),
         planned_m=planned.north_east_m,
         waypoints_m=frame.to_metres(
             [item.lat_deg for _, item in waypoints], [item.lon_deg for _, item in waypoints]
         ),
         waypoint_seqs=tuple(seq for seq, _ in waypoints),
         planned_error=_path_error_series(route.planned_error),
+        time_label=time_label(route),
     )
     if record is not None:
         flown = _flown_series(route, record) if len(record.flown) else None
@@ -131,17 +134,28 @@ def _with_errors(series: ReplaySeries, errors: FlightErrors) -> ReplaySeries:
     )
 
 
+def time_label(route: Route) -> str:
+    """What charts of a route say of their time."""
+    if route.reference is None:
+        return "time since the first fix / first waypoint (s)"
+    return (
+        "time of the recording (s)" if route.pace == 1.0 else f"time of the recording at {route.pace:g}x (s)"
+    )
+
+
 def flown_start_s(route: Route, record: FlightRecord) -> float:
     """The vehicle's time when it reached the first waypoint, or when AUTO began if it never did."""
-    if record.recording_s is not None:
-        begun = record.flown.time_s[record.recording_s >= 0.0]
-        return float(begun[0]) if len(begun) else record.auto_start_s
     return dict(record.reached).get(route.mission.waypoints[0][0], record.auto_start_s)
 
 
 def _flown_series(route: Route, record: FlightRecord) -> TrackSeries:
-    north_east_m = record.flown.north_east_m(route.frame)
-    return _track_series(record.flown, north_east_m, record.flown.time_s - flown_start_s(route, record))
+    """The flown track; where the recording was followed, by the reference's clock."""
+    flown = record.flown
+    if record.recording_s is None:
+        times_s = flown.time_s - flown_start_s(route, record)
+    else:
+        flown, times_s = followed_part(flown, record.recording_s)
+    return _track_series(flown, flown.north_east_m(route.frame), times_s)
 
 
 def _reached(route: Route, record: FlightRecord) -> tuple[tuple[float, float], ...]:
@@ -150,16 +164,17 @@ def _reached(route: Route, record: FlightRecord) -> tuple[tuple[float, float], .
     return tuple((time_s - start_s, altitudes_m[seq]) for seq, time_s in record.reached if seq in altitudes_m)
 
 
-def _track_series(track: Track, north_east_m: Floats, time_s: Floats) -> TrackSeries:
+def _track_series(track: Track, north_east_m: Floats, time_s: Floats, pace: float = 1.0) -> TrackSeries:
     keep = thin_indices(len(track))
-    speed_m_s = ground_speed_m_s(track, north_east_m)
+    speed_m_s = pace * ground_speed_m_s(track, north_east_m)
     return TrackSeries(north_east_m[keep], time_s[keep], track.alt_m[keep], speed_m_s[keep])
 
 
-def _recorded_series(track: Track, frame: LocalFrame, part: slice = slice(None)) -> TrackSeries:
-    """A part of a recorded track; time counts from the track's first fix."""
+def _recorded_series(route: Route, track: Track, part: slice = slice(None)) -> TrackSeries:
+    """A part of a recorded track; time counts from the track's first fix, at the route's pace."""
     kept = track.select(part)
-    return _track_series(kept, kept.north_east_m(frame), kept.time_s - track.time_s[0])
+    times_s = track.time_s - track.time_s[0] if route.reference is None else route.wanted.time_s
+    return _track_series(kept, kept.north_east_m(route.frame), times_s[part], route.pace)
 
 
 def _path_error_series(errors: PathErrors) -> PathErrorSeries:

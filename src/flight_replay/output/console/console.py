@@ -35,7 +35,12 @@ class Console(Protocol):
 
 @contextmanager
 def open_console(
-    stream: TextIO, *, quiet: bool = False, verbose: bool = False, live: bool | None = None
+    stream: TextIO,
+    *,
+    quiet: bool = False,
+    verbose: bool = False,
+    live: bool | None = None,
+    mode: str = "auto",
 ) -> Iterator[Console]:
     """A console on ``stream``.
 
@@ -44,6 +49,7 @@ def open_console(
         quiet: Show warnings only.
         verbose: Show every text of the autopilot.
         live: Use the live display; by default, where ``stream`` is a terminal that supports it.
+        mode: The way of flying, "auto" or "guided", whose phases the live display shows.
     """
     if quiet or not (is_capable_terminal(stream) if live is None else live):
         yield PlainConsole(stream, quiet=quiet, verbose=verbose)
@@ -51,7 +57,7 @@ def open_console(
     # Importing rich takes 0.1 s, which a replay without a terminal saves.
     from flight_replay.output.console.live_console import LiveConsole
 
-    with LiveConsole(stream, verbose=verbose) as console:
+    with LiveConsole(stream, verbose=verbose, mode=mode) as console:
         yield console
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Console as RichConsole
 from rich.console import ConsoleOptions, Group, RenderableType, RenderResult
 from rich.progress_bar import ProgressBar
@@ -9,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from flight_replay.events import DistanceToWaypoint, Following, Phase, Progress, Severity, VehicleState
-from flight_replay.output.replay_status import ReplayStatus, battery_text
+from flight_replay.output.replay_status import ReplayStatus, battery_text, following_text
 
 _PHASE_NAMES = {
     Phase.CONNECT: "Connect",
@@ -23,8 +25,7 @@ _PHASE_NAMES = {
     Phase.RETURN: "Return",
     Phase.CLOSE: "Close",
 }
-_OF_MISSIONS = frozenset({Phase.UPLOAD, Phase.MISSION})
-_OF_FOLLOWING = frozenset({Phase.APPROACH, Phase.FOLLOW})
+_LEFT_OUT = {"auto": {Phase.APPROACH, Phase.FOLLOW}, "guided": {Phase.UPLOAD, Phase.MISSION}}
 _MARKS = {"done": "✔", "now": "▶", "ahead": "·"}
 _ASCII_MARKS = {"done": "+", "now": ">", "ahead": "-"}
 _MARK_STYLES = {"done": "green", "now": "bold cyan", "ahead": "dim"}
@@ -33,10 +34,14 @@ _BYTES_PER_MB = 1_000_000
 
 
 class Display:
-    """Renders a status at the width of the terminal; nothing before the first event."""
+    """Renders a status at the width of the terminal; nothing before the first event.
 
-    def __init__(self, status: ReplayStatus) -> None:
+    ``mode`` is the way of flying, "auto" or "guided".
+    """
+
+    def __init__(self, status: ReplayStatus, mode: str = "auto") -> None:
         self._status = status
+        self._phases = [phase for phase in _PHASE_NAMES if phase not in _LEFT_OUT[mode]]
 
     def __rich_console__(self, console: RichConsole, options: ConsoleOptions) -> RenderResult:
         """The lines that have something to show."""
@@ -44,13 +49,15 @@ class Display:
         parts: list[RenderableType] = []
         if status.started:
             marks = _ASCII_MARKS if options.ascii_only else _MARKS
-            parts += _rows(_phases(status, marks), options.max_width)
+            parts += _rows(_phases(status, self._phases, marks), options.max_width)
         if status.progress is not None:
             parts.append(_progress(status.progress))
         if status.current_waypoint is not None:
             parts.append(_waypoint(status.current_waypoint, flying=status.ended is None))
         if status.following is not None:
             parts.append(_following(status.following))
+        elif status.to_start_m is not None and status.ended is None:
+            parts.append(_line("Beginning", f"{status.to_start_m:.1f} m ahead", ""))
         if status.ended is None:
             parts += _readings(status, options.max_width)
         if status.warning:
@@ -71,18 +78,14 @@ def _readings(status: ReplayStatus, width: int) -> list[RenderableType]:
     return parts
 
 
-def _phases(status: ReplayStatus, marks: dict[str, str]) -> list[Text]:
-    phases = []
-    follows = Phase.PREARM in status.started and Phase.UPLOAD not in status.started
-    left_out = _OF_MISSIONS if follows else _OF_FOLLOWING
-    for phase, name in _PHASE_NAMES.items():
-        if phase in left_out:
-            continue
+def _phases(status: ReplayStatus, phases: Sequence[Phase], marks: dict[str, str]) -> list[Text]:
+    shown = []
+    for phase in phases:
         state = "ahead" if phase not in status.started else "done"
         if phase is status.phase and status.ended is None:
             state = "now"
-        phases.append(Text(f"{marks[state]} {name}", style=_MARK_STYLES[state]))
-    return phases
+        shown.append(Text(f"{marks[state]} {_PHASE_NAMES[phase]}", style=_MARK_STYLES[state]))
+    return shown
 
 
 def _rows(pieces: list[Text], width: int) -> list[Text]:
@@ -106,15 +109,15 @@ def _progress(progress: Progress) -> RenderableType:
 
 
 def _waypoint(waypoint: DistanceToWaypoint, *, flying: bool) -> RenderableType:
-    amount = f"{waypoint.seq} of {waypoint.last_seq}"
+    amount = f"{waypoint.number} of {waypoint.waypoints}"
     if flying and waypoint.distance_m is not None:
         amount += f", {waypoint.distance_m:.1f} m ahead"
-    return _bar("Waypoint", amount, waypoint.seq, waypoint.last_seq)
+    return _bar("Waypoint", amount, waypoint.number, waypoint.waypoints)
 
 
 def _following(following: Following) -> RenderableType:
     done_s, of_s = max(following.recording_s, 0.0), following.of_s
-    amount = f"{done_s:.0f} of {of_s:.0f} s, {following.error_m:.2f} m off"
+    amount = f"{following_text(following)}, {following.error_m:.2f} m off"
     return _bar("Waiting" if following.waiting else "Following", amount, round(done_s), round(of_s))
 
 
@@ -135,7 +138,7 @@ def _vehicle(status: ReplayStatus, vehicle: VehicleState) -> list[Text]:
     values = {
         "Altitude": f"{altitude} m",
         "Speed": f"{status.speed_m_s:.1f} m/s",
-        "Mode": vehicle.mode,
+        "Mode": status.mode,
         "Battery": battery_text(vehicle),
     }
     return [Text.assemble((label, "dim"), " ", value) for label, value in values.items() if value]

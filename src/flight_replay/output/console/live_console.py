@@ -13,12 +13,15 @@ from rich.text import Text
 
 from flight_replay.events import (
     Climbing,
+    DistanceToStart,
     DistanceToWaypoint,
     Event,
     Finished,
+    Following,
     Notice,
     PhaseStarted,
     Progress,
+    ReturnCommanded,
     Waiting,
 )
 from flight_replay.output.console.display import Display
@@ -27,19 +30,22 @@ from flight_replay.output.event_text import event_line, is_problem
 from flight_replay.output.replay_status import ReplayStatus
 
 REFRESHES_PER_S = 8
-_IN_DISPLAY = PhaseStarted | Progress | Waiting | Climbing | DistanceToWaypoint
+_IN_DISPLAY = PhaseStarted | Progress | Waiting | Climbing | DistanceToStart | DistanceToWaypoint | Following
 """Events that the display itself shows, so that they need no line above it."""
 
 
 class LiveConsole:
-    """Shows the status of the replay, and lines of text that scroll above it."""
+    """Shows the status of the replay, and lines of text that scroll above it.
 
-    def __init__(self, stream: TextIO, *, verbose: bool = False) -> None:
+    ``mode`` is the way of flying, "auto" or "guided".
+    """
+
+    def __init__(self, stream: TextIO, *, verbose: bool = False, mode: str = "auto") -> None:
         self._rich = RichConsole(file=stream, highlight=False, force_terminal=True)
         self._verbose = verbose
         self._status = ReplayStatus()
         self._live = Live(
-            get_renderable=lambda: Display(self._status),
+            get_renderable=lambda: Display(self._status, mode),
             console=self._rich,
             refresh_per_second=REFRESHES_PER_S,
             redirect_stdout=False,
@@ -53,6 +59,7 @@ class LiveConsole:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._live.transient = kind is not None  # What it showed last is not what became of the vehicle.
         self._stop()
 
     def _stop(self) -> None:
@@ -71,7 +78,7 @@ class LiveConsole:
 
     def _has_line(self, event: Event) -> bool:
         return (
-            isinstance(event, Notice)
+            isinstance(event, Notice | ReturnCommanded)
             or is_problem(event)
             or (self._verbose and not isinstance(event, _IN_DISPLAY))
         )

@@ -21,14 +21,20 @@ def is_capable_terminal(stream: TextIO, environment: Mapping[str, str] = os.envi
     return stream.isatty() and environment.get("TERM", "").lower() not in {"dumb", "unknown"}
 
 
-def write_error(stream: TextIO, message: str, environment: Mapping[str, str] = os.environ) -> None:
+def write_error(
+    stream: TextIO,
+    message: str,
+    environment: Mapping[str, str] = os.environ,
+    *,
+    program: str = "flight-replay",
+) -> None:
     """Write ``flight-replay: error: ...`` as one line, in colour on a terminal unless NO_COLOR is set.
 
     The message may hold a newline, in a file name for example; it is escaped.
     """
     coloured = is_capable_terminal(stream, environment) and not environment.get("NO_COLOR")
     error = "\x1b[1;31merror:\x1b[0m" if coloured else "error:"
-    write_verbatim(stream, f"flight-replay: {error} {printable(message, stream)}")
+    write_verbatim(stream, f"{program}: {error} {printable(message, stream)}")
 
 
 def show_cursor(*streams: TextIO) -> None:

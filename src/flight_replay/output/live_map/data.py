@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.events import Event, Following, VehicleState, WaypointReached
+from flight_replay.events import Event, Following, Phase, VehicleState, WaypointReached
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments
 from flight_replay.output.replay_status import ReplayStatus
@@ -27,7 +27,8 @@ SEARCH_WINDOW_M = 15.0
 class MapPoint:
     """A position of the vehicle relative to the first fix, and its errors; NaN where not known.
 
-    ``elapsed_s`` counts from when the vehicle reached the first waypoint.
+    ``elapsed_s`` counts from when the vehicle reached the first waypoint; where it follows a recording, it
+    is the recording's time.
     """
 
     north_m: float
@@ -39,6 +40,15 @@ class MapPoint:
     heading_error_deg: float
 
 
+@dataclass(frozen=True, slots=True)
+class MapTarget:
+    """Where the vehicle is to be: a waypoint with its number, or the place of what is followed."""
+
+    north_m: float
+    east_m: float
+    label: str
+
+
 class MapData:
     """A listener that turns positions into points of the map; other threads may read them."""
 
@@ -46,6 +56,7 @@ class MapData:
         self._frame = route.frame
         self._wanted = route.wanted
         self._path_error = LivePathError(route.wanted.north_east_m)
+        self._reference = route.reference
         self._first_seq = route.mission.waypoints[0][0]
         waypoints = route.mission.waypoints if route.reference is None else ()
         self._waypoints = {seq: (item.lat_deg, item.lon_deg) for seq, item in waypoints}
@@ -71,13 +82,28 @@ class MapData:
         with self._lock:
             return self._points[start:]
 
-    def current_waypoint_m(self) -> tuple[float, float] | None:
-        """North and east of the waypoint that the vehicle flies to; None without one."""
-        current = self.status.current_waypoint
-        if current is None or self.status.ended is not None or current.seq not in self._waypoints:
+    def target(self) -> MapTarget | None:
+        """The waypoint that the vehicle flies to, or where it is to be while following; None without one."""
+        current, following = self.status.current_waypoint, self.status.following
+        if self.status.ended is not None or self.status.phase is Phase.RETURN:
             return None
-        north_m, east_m = self._frame.to_metres(*self._waypoints[current.seq])
-        return float(north_m), float(east_m)
+        if following is not None and self._reference is not None:
+            place_m = self._reference.state(self._recording_s(following)).position_m[:2]
+            lat_deg, lon_deg = self._reference.frame.to_degrees(place_m)
+            return self._target(float(lat_deg), float(lon_deg), "")
+        if current is None or current.seq not in self._waypoints:
+            return None
+        return self._target(*self._waypoints[current.seq], str(current.number))
+
+    def _recording_s(self, following: Following) -> float:
+        """The recording's time of the latest position: it goes on between two events, unless it waits."""
+        vehicle = self.status.vehicle
+        since_s = 0.0 if vehicle is None or following.waiting else max(vehicle.time_s - following.time_s, 0.0)
+        return following.recording_s + since_s
+
+    def _target(self, lat_deg: float, lon_deg: float, label: str) -> MapTarget:
+        north_m, east_m = self._frame.to_metres(lat_deg, lon_deg)
+        return MapTarget(float(north_m), float(east_m), label)
 
     def _point(self, state: VehicleState) -> MapPoint:
         position_m = self._frame.to_metres(state.lat_deg, state.lon_deg)
@@ -85,6 +111,8 @@ class MapData:
         if self._start_s is None or state.mode not in ("AUTO", "GUIDED"):
             return MapPoint(north_m, east_m, *[math.nan] * 5)
         elapsed_s = state.time_s - self._start_s
+        if elapsed_s < 0:
+            return MapPoint(north_m, east_m, *[math.nan] * 5)
         path_error_m = self._path_error.update(position_m)
         return MapPoint(north_m, east_m, elapsed_s, path_error_m, *self._errors_at(elapsed_s, state))
 

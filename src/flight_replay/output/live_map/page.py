@@ -18,7 +18,7 @@ from flight_replay.output.charts.bokeh_charts import map_chart, time_chart
 from flight_replay.output.charts.map_tiles import tile_source
 from flight_replay.output.charts.series import FLOWN_COLOUR, ReplaySeries
 from flight_replay.output.live_map.data import MapData, MapPoint
-from flight_replay.output.replay_status import ReplayStatus, battery_text
+from flight_replay.output.replay_status import ReplayStatus, battery_text, following_text
 
 TICK_MS = 100
 """Milliseconds between two updates of the page."""
@@ -45,6 +45,7 @@ class Page:
         self._readings = Div(name="readings", sizing_mode="stretch_width")
         self._readings.js_on_change("tags", CustomJS(code=_EXPECT_DISCONNECT))
         self._map = map_chart(series)
+        self._time_label = series.time_label
         self._draw_vehicle()
 
     def fill(self, document: Document) -> None:
@@ -95,8 +96,7 @@ class Page:
         )
 
     def _error_chart(self, name: str, title: str) -> Any:
-        chart = time_chart(title, "error (m)")
-        chart.xaxis[0].axis_label = "time since the first waypoint (s)"
+        chart = time_chart(title, self._time_label, "error (m)")
         chart.line("time", name, source=self._errors, color=FLOWN_COLOUR, width=1.5)
         chart.name, chart.sizing_mode = name, "stretch_both"
         chart.toolbar_location = None
@@ -123,11 +123,11 @@ class Page:
         self._copter.data = {"east": [last.east_m], "north": [last.north_m], "angle": [angle]}
 
     def _update_target(self) -> None:
-        """Mark the waypoint that the vehicle flies to."""
-        position_m, current = self._data.current_waypoint_m(), self._data.status.current_waypoint
+        """Mark where the vehicle is to be."""
         target: dict[str, list[Any]] = {"east": [], "north": [], "seq": []}
-        if position_m is not None and current is not None:
-            target = {"east": [position_m[1]], "north": [position_m[0]], "seq": [str(current.seq)]}
+        current = self._data.target()
+        if current is not None:
+            target = {"east": [current.east_m], "north": [current.north_m], "seq": [current.label]}
         if target != self._target.data:
             self._target.data = target
 
@@ -139,14 +139,20 @@ def _template() -> Template:
 
 
 def readings_html(status: ReplayStatus, last: list[MapPoint]) -> str:
-    """Phase, waypoint, altitude, speed, mode, battery and errors; ``last`` holds the latest point, if any."""
+    """Phase, waypoint or time of the recording, what the vehicle reports, and errors.
+
+    ``last`` holds the latest point, if any.
+    """
     values = {"Phase": _phase(status)}
     if status.current_waypoint is not None:
-        values["Waypoint"] = f"{status.current_waypoint.seq} of {status.current_waypoint.last_seq}"
+        values["Waypoint"] = f"{status.current_waypoint.number} of {status.current_waypoint.waypoints}"
+    if status.following is not None:
+        name = "Waiting for the vehicle" if status.following.waiting else "Following"
+        values[name] = following_text(status.following)
     if status.vehicle is not None:
         values["Altitude"] = f"{status.vehicle.alt_m:.1f} m"
         values["Speed"] = f"{status.speed_m_s:.1f} m/s"
-        values["Mode"] = status.vehicle.mode
+        values["Mode"] = status.mode
         values["Battery"] = battery_text(status.vehicle)
     for point in last:
         values["Path error"] = _metres(point.path_error_m)

@@ -14,8 +14,8 @@ import time
 from types import TracebackType
 from typing import Any
 
-from flight_replay.errors import FlightReplayError
 from flight_replay.events import Event
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.charts.series import replay_series
 from flight_replay.output.live_map.data import MapData
@@ -33,7 +33,9 @@ _FINAL_UPDATE_S = 3 * TICK_MS / 1000
 class LiveMap:
     """Serves the map of one replay at ``url``, which nobody can guess, while the context is open."""
 
-    def __init__(self, route: Route) -> None:
+    def __init__(self, route: Route, *, tiles: bool = False) -> None:
+        """A map of a route; with ``tiles``, a server on the internet is asked for what is below it."""
+        self._wants_tiles = tiles
         self._data = MapData(route)
         self._series = replay_series(route)
         self._frame = route.covered.frame
@@ -44,7 +46,7 @@ class LiveMap:
         self.url = ""
 
     def __enter__(self) -> LiveMap:
-        self._tiles = map_tiles.probe()
+        self._tiles = map_tiles.probe() if self._wants_tiles else threading.Event()
         self._thread.start()
         if not self._ready.wait(_START_TIMEOUT_S):
             raise FlightReplayError(

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight_replay.errors import MissionError
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Mission, MissionItem
 from flight_replay.mission.path import planned_path

@@ -6,15 +6,20 @@ import os
 import socket
 import time
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.vehicle.link.transport import Serial, TcpClient, Transport, UdpClient, UdpListener
 
 _RETRY_S = 5.0  # A simulator that was just started may not listen yet.
 _PAUSE_S = 0.2
 
 
-def open_transport(connection_string: str, baud: int) -> Transport:
+def open_transport(connection_string: str, baud: int, *, keeps_trying: bool = False) -> Transport:
     """The open transport of a connection string.
+
+    Args:
+        connection_string: As for DroneKit: see ``transport``.
+        baud: Baud rate of a serial port.
+        keeps_trying: Try again as long as it takes, whatever keeps it from being opened.
 
     Raises:
         VehicleError: The string is invalid, or the connection cannot be opened.
@@ -25,23 +30,42 @@ def open_transport(connection_string: str, baud: int) -> Transport:
         try:
             transport.open()
             return transport
-        except ConnectionRefusedError as error:
-            if time.monotonic() > end_s:
-                raise VehicleError(
-                    f"connection to {connection_string} refused: nothing listens there; "
-                    "start the vehicle or simulator first"
-                ) from error
-            time.sleep(_PAUSE_S)
-        except socket.gaierror as error:
-            raise VehicleError(
-                f"cannot resolve the host of {connection_string}: {error.strerror}; check the host name"
-            ) from error
         except OSError as error:
             transport.close()
-            raise VehicleError(
-                f"cannot open {connection_string}: {os.strerror(error.errno) if error.errno else error}; "
-                "check that it exists and that no other program uses it"
-            ) from error
+            is_refused = isinstance(error, ConnectionRefusedError)
+            if not keeps_trying and not (is_refused and time.monotonic() <= end_s):
+                raise _cannot_open(connection_string, error) from error
+            time.sleep(_PAUSE_S)
+
+
+def _cannot_open(connection_string: str, error: OSError) -> VehicleError:
+    """What keeps a connection from being opened, and what to do."""
+    if isinstance(error, ConnectionRefusedError):
+        return VehicleError(
+            f"connection to {connection_string} refused: nothing listens there; "
+            "start the vehicle or simulator first, or wait for it with --wait"
+        )
+    if isinstance(error, socket.gaierror):
+        return VehicleError(
+            f"cannot resolve the host of {connection_string}: {error.strerror}; check the host name"
+        )
+    return VehicleError(
+        f"cannot open {connection_string}: {os.strerror(error.errno) if error.errno else error}; "
+        "check that it exists and that no other program uses it"
+    )
+
+
+def silence_hint(connection_string: str, baud: int) -> str:
+    """What to check on a connection that is open, where no vehicle is heard."""
+    transport = transport_for(connection_string, baud)
+    if isinstance(transport, UdpListener):
+        return (
+            "check that the vehicle's telemetry is sent to this address (MAVProxy: --out=udpout:HOST:PORT), "
+            "and that no firewall or other program takes it"
+        )
+    if isinstance(transport, Serial):
+        return f"check the port, the baud rate (--baud, now {transport.baud}), and the vehicle's power"
+    return "check that this is the address of a vehicle, and that it is switched on"
 
 
 def transport_for(connection_string: str, baud: int) -> Transport:

@@ -10,7 +10,7 @@ import ipaddress
 from collections.abc import Hashable, Sequence
 from typing import Protocol
 
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.vehicle.link.ground_station_servers import Received, TcpServer, UdpServer
 from flight_replay.vehicle.link.transport import TcpClient, Transport, UdpClient
 

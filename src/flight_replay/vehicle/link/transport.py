@@ -13,7 +13,7 @@ import time
 from contextlib import suppress
 from typing import Any, Protocol
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.vehicle.link.host_lookup import AddressInfo, look_up
 from flight_replay.vehicle.link.udp_peers import UdpPeers
 
@@ -194,7 +194,7 @@ class Serial(_OneSender):
     reopen_if_silent = False
 
     def __init__(self, device: str, baud: int) -> None:
-        self._device, self._baud = device, baud
+        self._device, self.baud = device, baud
         self._port: Any = None
 
     def open(self) -> None:
@@ -210,7 +210,7 @@ class Serial(_OneSender):
                 f"serial port {self._device} needs pyserial; install it with: pip install pyserial"
             ) from error
         self.close()
-        self._port = serial.Serial(self._device, self._baud, timeout=0.05, write_timeout=1.0)
+        self._port = serial.Serial(self._device, self.baud, timeout=0.05, write_timeout=1.0)
 
     def read(self, timeout_s: float) -> bytes:
         """Data that arrived."""

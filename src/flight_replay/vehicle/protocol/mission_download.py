@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import islice
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.mission.items import MissionItem
 from flight_replay.vehicle.link import timesync

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Home, Mission, MissionItem
 from flight_replay.vehicle.link.vehicle_link import VehicleLink

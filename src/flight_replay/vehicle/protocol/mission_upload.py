@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from flight_replay.errors import MissionError, VehicleError
+from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.mavlink import MISSION_RESULTS, Message, dialect
 from flight_replay.mission.items import MissionItem
 from flight_replay.vehicle.link import timesync

@@ -7,10 +7,10 @@ ArduCopter 4.7 renamed and rescaled many (ardupilot PR 32147); the table of both
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 
-from flight_replay.errors import VehicleError
+from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 from flight_replay.vehicle.link import timesync
@@ -120,6 +120,11 @@ def write_parameters(
                 missing = [name for name in missing if not _equal(reported.get(name), wanted[name])]
 
 
+def request_parameter(link: VehicleLink, name: str, value: float) -> None:
+    """Request that a parameter is set, without waiting for the vehicle to confirm it."""
+    link.send(_set_message(link, name, value))
+
+
 def _equal(reported: float | None, value: float) -> bool:
     return reported is not None and math.isclose(reported, value, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
 
@@ -136,8 +141,12 @@ def _set_message(link: VehicleLink, name: str, value: float) -> Message:
 
 
 @contextmanager
-def parameters_set(link: VehicleLink, wanted: Mapping[str, float]) -> Iterator[None]:
+def parameters_set(
+    link: VehicleLink, wanted: Mapping[str, float], restored: Callable[[], None] = lambda: None
+) -> Iterator[None]:
     """Set parameters for as long as the context lasts, and restore their values on every way out.
+
+    ``restored`` is called once the vehicle has confirmed the values of before.
 
     Raises:
         VehicleError: The vehicle has no such parameter, or does not accept or restore a value.
@@ -156,8 +165,10 @@ def parameters_set(link: VehicleLink, wanted: Mapping[str, float]) -> Iterator[N
         # The first error counts; and Ctrl-C has to end the program within 10 s, of which RTL may take 8.
         with suppress(VehicleError):
             write_parameters(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S)
+            restored()
         raise
     write_parameters(link, before)
+    restored()
 
 
 def limits_as_parameters(link: VehicleLink, limits: Mapping[str, float]) -> dict[str, float]:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from flight_replay.errors import SimulatorError
 from flight_replay.events import Listener, Notice, ignore
+from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl import process
 from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source

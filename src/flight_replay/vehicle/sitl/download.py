@@ -20,8 +20,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from flight_replay.errors import SimulatorError
 from flight_replay.events import Listener, Notice, ignore
+from flight_replay.exceptions import SimulatorError
 from flight_replay.vehicle.sitl.fetch import fetch
 from flight_replay.vehicle.sitl.unpack import unpack
 

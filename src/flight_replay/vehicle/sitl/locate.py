@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 from flight_replay.vehicle.sitl.download import DownloadSource
 
 _ON_PATH = "arducopter"

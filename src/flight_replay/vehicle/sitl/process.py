@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from flight_replay.errors import SimulatorError
+from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl.bench_parameters import bench_text
 from flight_replay.vehicle.sitl.locate import SitlBinary

@@ -1,0 +1,83 @@
+"""Two recordings of one motion compared: a replay with what it replayed, or two replays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flight_replay.exceptions import LogError
+from flight_replay.flight_modes import CopterMode
+from flight_replay.geometry.flight_errors import FlightErrors, flight_errors
+from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.movement import Movement
+from flight_replay.geometry.polyline import lengths_along_m
+from flight_replay.logs.recording import Recording
+from flight_replay.logs.track import Track
+from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.route import movement_of
+
+_END_M = 1.0
+"""Beyond this distance from its ends a track covers another one; within, both may hover."""
+_ELSEWHERE_M = 100.0
+"""Tracks that never come closer than this are not of one motion."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison:
+    """The errors of the second motion against the first, of which ``fixes`` were covered."""
+
+    errors: FlightErrors
+    fixes: int
+
+
+def compare_tracks(first: Track, second: Track) -> Comparison:
+    """The errors of the second track, over what it covers of the first.
+
+    Its clock is put on the first one's where it passes the first fix that it covers.
+
+    Raises:
+        LogError: One of them does not move, or the second does not follow the first.
+    """
+    frame = first.frame
+    recorded, flown = movement_of(first, frame), movement_of(second, frame)
+    for movement in (recorded, flown):
+        if len(movement) < 2 or np.ptp(movement.north_east_m, axis=0).max() < _END_M:
+            raise LogError("one of the recordings does not move; name another to compare")
+    recorded = _reached(recorded, flown)
+    matching = match_in_order(recorded.north_east_m, flown.north_east_m)
+    along_m = matching.along_m
+    lengths_m = lengths_along_m(flown.north_east_m)
+    covered = np.flatnonzero((along_m > _END_M) & (along_m < lengths_m[-1] - _END_M))
+    if len(covered) < 2 or matching.distance_m.min() > _ELSEWHERE_M:
+        raise LogError("the second recording does not follow the first; name another to compare")
+    recorded = recorded.select(slice(int(covered[0]), int(covered[-1]) + 1))
+    # Where the track stands, lengths are equal: the last time there is when it goes on.
+    passed_s = np.interp(along_m[covered[[0, -1]]], lengths_m + 1e-9 * np.arange(len(flown)), flown.time_s)
+    start_s = float(passed_s[0])
+    errors = flight_errors(
+        replace(recorded, time_s=recorded.time_s - recorded.time_s[0]),
+        replace(flown, time_s=flown.time_s - start_s),
+        last_s=float(passed_s[1]) - start_s,
+    )
+    return Comparison(errors, len(recorded))
+
+
+def _reached(recorded: Movement, flown: Movement) -> Movement:
+    """What of a recording a flight goes along, which may end long before it, or begin elsewhere."""
+    along_m = match_in_order(flown.north_east_m, recorded.north_east_m).along_m
+    lengths_m = lengths_along_m(recorded.north_east_m)
+    first = int(np.searchsorted(lengths_m, along_m[0], "left"))
+    return recorded.select(slice(first, int(np.searchsorted(lengths_m, along_m[-1], "right"))))
+
+
+def part_in(recording: Recording, modes: Sequence[CopterMode]) -> tuple[Track, str]:
+    """The part of a recording in the first of some modes that it has, else its flights; and which it is."""
+    track = recording.track
+    if recording.modes is not None:
+        for mode in modes:
+            flown = recording.modes == mode
+            if flown.any():
+                return track.select(flown), f"its {mode.name} part"
+    return flown_part(track)[0], "what was flown"

@@ -1,0 +1,26 @@
+"""whole_flight.py: the command that flies the rest, as a person would type it."""
+
+import pytest
+
+from flight_replay.cli.options import parse_options
+from flight_replay.cli.whole_flight import whole_flight_command
+
+ALL = ("--route fit", "--duration all")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fly_all", "command"),
+    [
+        ([], ALL, "flight-replay --route fit --duration all"),
+        (["a b.tlog"], ALL[1:], "flight-replay 'a b.tlog' --duration all"),
+        (["--duration", "5", "--speedup", "10"], ALL[1:], "flight-replay --speedup 10 --duration all"),
+        (["--duration=5", "--spacing=2", "x.bin"], ALL, "flight-replay x.bin --route fit --duration all"),
+        (["--route", "spacing", "--spacing", "2"], ALL, "flight-replay --route fit --duration all"),
+    ],
+)
+def test_options_take_the_place_of_those_given(
+    arguments: list[str], fly_all: tuple[str, ...], command: str
+) -> None:
+    """And what they make useless goes."""
+    assert whole_flight_command(arguments, fly_all) == command
+    parse_options(command.replace("'a b.tlog'", "a").split()[1:])

@@ -1,0 +1,60 @@
+"""comparison.py: two recordings of one motion, of which the second may cover a part."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flight_replay.exceptions import LogError
+from flight_replay.flight_modes import CopterMode
+from flight_replay.logs.recording import Recording
+from flight_replay.logs.track import Track, track_from_columns
+from flight_replay.output.comparison import compare_tracks, part_in
+
+
+def loops(count: int, *, late_s: float = 0.0, beside_m: float = 0.0, hover_s: int = 10) -> Track:
+    """So many circles of 40 m radius at 4 m/s with a hover before them, each farther east by 30 m."""
+    time_s = np.arange(0.0, count * 60.0, 0.5)
+    turn = time_s / 60.0 * 2 * np.pi
+    north = np.r_[np.zeros(hover_s * 2), (40.0 + beside_m) * np.sin(turn)]
+    east = np.r_[np.zeros(hover_s * 2), 30.0 * time_s / 60.0 + 40.0 - (40.0 + beside_m) * np.cos(turn)]
+    lat, lon = 47.0 + north / 111_200.0, 8.0 + east / (111_200.0 * np.cos(np.radians(47.0)))
+    times = np.arange(len(lat), dtype=np.float64) * 0.5 + late_s
+    return track_from_columns(
+        times.astype(np.float64), lat.astype(np.float64), lon.astype(np.float64), np.full(len(lat), 20.0)
+    )
+
+
+def test_equal_motions_have_no_error() -> None:
+    """However late, and however long each hovered before."""
+    errors = compare_tracks(loops(2), loops(2, late_s=77.0, hover_s=25)).errors
+    assert errors.path_m.recorded_to_path.error.max() < 0.05
+    assert errors.position_m.error.max() < 0.05
+
+
+def test_a_replay_of_a_part_is_measured_over_that() -> None:
+    """A later circle that comes near the first one's end does not count."""
+    result = compare_tracks(loops(3), loops(3, beside_m=0.5).select(slice(0, 120)))
+    assert 80 < result.fixes < 120
+    assert result.errors.path_m.recorded_to_path.error.mean() == pytest.approx(0.5, abs=0.1)
+    assert result.errors.path_m.path_to_recorded.error.max() < 0.7
+
+
+def test_what_does_not_move_or_follow_is_refused() -> None:
+    """One line says so."""
+    here, away = loops(1), loops(1)
+    with pytest.raises(LogError, match="does not move"):
+        compare_tracks(here, here.select(slice(0, 10)))
+    with pytest.raises(LogError, match="does not follow the first"):
+        compare_tracks(here, replace(away, lat_deg=away.lat_deg + 0.1))
+
+
+def test_a_replay_is_the_part_in_auto() -> None:
+    """Of the modes asked for, the first that there is; else what was flown."""
+    track = loops(1)
+    modes = np.full(len(track), CopterMode.GUIDED, np.int16)
+    modes[20:60] = CopterMode.AUTO
+    recording = Recording(path="made", format="tlog", bytes=0, track=track, modes=modes)
+    part, words = part_in(recording, [CopterMode.AUTO, CopterMode.GUIDED])
+    assert (len(part), words) == (40, "its AUTO part")
+    assert part_in(recording, [CopterMode.LOITER])[1] == "what was flown"
