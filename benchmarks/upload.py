@@ -23,7 +23,7 @@ from statistics import median
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from flight_replay import vehicle
-from flight_replay.errors import FlightReplayError
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.simulator.autopilot.location import Start
