@@ -22,6 +22,7 @@ TERMINATION_SIGNALS = tuple(
 _STDERR = 2
 _EXIT_TIMEOUT_S = 10.0
 """Wall-clock time in which a program exits after a signal; further signals are ignored meanwhile."""
+_AGAIN_S = 0.05
 
 
 def exit_at_once(message: str) -> None:
@@ -49,6 +50,8 @@ def as_keyboard_interrupt(*, exits: bool = True) -> Iterator[None]:
 
     Further signals are ignored for some seconds: they must not keep RTL from being commanded. A signal
     that was ignored before (``nohup``) still is. Outside the main thread, signals are as they were.
+    One that comes within a ``__del__`` or a callback of the importer, where Python drops exceptions, comes
+    again a moment later.
 
     Args:
         exits: Whether the program exits after an interrupt, which more signals must then not end in
@@ -57,25 +60,52 @@ def as_keyboard_interrupt(*, exits: bool = True) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    interrupted_s = float("-inf")
-
-    def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        nonlocal interrupted_s
-        if time.monotonic() - interrupted_s > _EXIT_TIMEOUT_S:
-            interrupted_s = time.monotonic()
-            raise KeyboardInterrupt
-
+    interrupts = _Interrupts()
     before = {
-        number: signal.signal(number, interrupt)
+        number: signal.signal(number, interrupts.handler)
         for number in TERMINATION_SIGNALS
         if signal.getsignal(number) is not signal.SIG_IGN
     }
+    hook_before, sys.unraisablehook = sys.unraisablehook, interrupts.unraisable_hook
     try:
         yield
     finally:
-        if not exits or math.isinf(interrupted_s):
+        sys.unraisablehook = hook_before
+        if not exits or math.isinf(interrupts.interrupted_s):
             for number, handler in before.items():
                 signal.signal(number, handler)
+
+
+class _Interrupts:
+    """Raises one KeyboardInterrupt for all signals that come together, until it is noticed."""
+
+    def __init__(self) -> None:
+        self.interrupted_s = float("-inf")
+        self._signal = signal.SIGINT
+        self._other_hook = sys.unraisablehook
+
+    def handler(self, number: int, _frame: FrameType | None) -> None:
+        if time.monotonic() - self.interrupted_s > _EXIT_TIMEOUT_S:
+            self.interrupted_s = time.monotonic()
+            self._signal = signal.Signals(number)
+            raise KeyboardInterrupt
+
+    def unraisable_hook(self, dropped: sys.UnraisableHookArgs) -> None:
+        if not issubclass(dropped.exc_type, KeyboardInterrupt):
+            self._other_hook(dropped)
+            return
+        self.interrupted_s = float("-inf")
+        again = threading.Timer(_AGAIN_S, _send, (self._signal,))
+        again.daemon = True
+        again.start()
+
+
+def _send(number: signal.Signals) -> None:
+    """Send a signal to the main thread, where it ends a wait too if the system can do that."""
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
 def ignore() -> None:

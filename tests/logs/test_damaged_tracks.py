@@ -96,6 +96,11 @@ def test_damaged_files_give_a_track_or_one_clear_error(kind: str, capsys: pytest
     assert check(kind, seeds, capsys) >= len(seeds) * USABLE.get(kind, 0.2)
 
 
+def test_a_ulog_whose_damage_sends_pyulog_back_and_back_ends(capsys: pytest.CaptureFixture[str]) -> None:
+    """A message that claims to be longer than the file; two million steps in 80 kB."""
+    check("ulog", range(2_644, 2_645), capsys)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ORIGINALS)
 def test_two_thousand_damaged_files_give_a_track_or_one_clear_error(

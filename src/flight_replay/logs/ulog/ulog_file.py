@@ -22,7 +22,9 @@ _MOST_BUFFERED = 512 << 20
 """pyulog needs a file to move in: what comes through a pipe or out of gzip is kept in memory."""
 _MOST_FIELDS = 4096
 """No topic of PX4 has a tenth of them, but formats of formats can say more than any memory holds."""
-_MOST_STEPS_BACK = 200_000
+_READS_A_BYTE = 0.1
+"""pyulog reads twice a message, and messages are longer than 20 bytes in the mean."""
+_READS_AT_LEAST = 200_000
 """pyulog searches damaged bytes one by one, a third of a second for so many."""
 _BUFFER_LENGTH = 1 << 20
 _LONGEST_S = 10 * 86_400.0
@@ -74,7 +76,7 @@ def read_topics(log: OpenLog, names: tuple[str, ...], progress: Progress | None)
     else:
         data = contents(log, _MOST_BUFFERED, progress)
         length = len(data)
-        files = lambda: _PatientFile(io.BytesIO(data), _BUFFER_LENGTH)  # noqa: E731
+        files = lambda: _PatientFile(io.BytesIO(data), length)  # noqa: E731
     ulog, was_stopped = _parsed(files, names, log.name)
     topics = {name: topic for name in names if (topic := _topic(ulog, name)) is not None}
     dropouts_s = sum(dropout.duration for dropout in ulog.dropouts) / 1e3
@@ -97,7 +99,7 @@ def _parsed(files: Callable[[], _PatientFile], names: tuple[str, ...], name: str
         if max(_field_counts(header.message_formats).values(), default=0) > _MOST_FIELDS:
             raise LogError(f"{name} has a damaged list of formats; name another log")
         file = files()
-        return core.ULog(file, list(names)), file.steps_back > _MOST_STEPS_BACK
+        return core.ULog(file, list(names)), file.is_exhausted
     except ULogException as error:
         raise LogError(f"{name} is a ULog that cannot be read ({error}); name another log") from error
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -142,7 +144,7 @@ def _topic(ulog: ULog, name: str) -> Topic | None:
 
 def _from_disk(path: Path, size: int, progress: Progress | None) -> Callable[[], _PatientFile]:
     def opened() -> _PatientFile:
-        return _PatientFile(_CountedFile(path, size, progress), _BUFFER_LENGTH)
+        return _PatientFile(_CountedFile(path, size, progress), size)
 
     return opened
 
@@ -162,13 +164,22 @@ class _CountedFile(io.FileIO):
 
 
 class _PatientFile(io.BufferedReader):
-    """A file that is at its end once it was stepped back in too often."""
+    """A file that is at its end once it was read more often than an intact one has messages.
 
-    steps_back = 0
+    In damaged ones pyulog goes byte by byte, or back again and again where a message claims to be longer
+    than the file.
+    """
 
-    def seek(self, target: int, whence: int = 0, /) -> int:
-        """Move; ``steps_back`` counts the moves from where it is."""
-        self.steps_back += whence == io.SEEK_CUR
-        if self.steps_back > _MOST_STEPS_BACK:
-            return super().seek(0, io.SEEK_END)
-        return super().seek(target, whence)
+    def __init__(self, raw: io.FileIO | io.BytesIO, length: int) -> None:
+        super().__init__(raw, _BUFFER_LENGTH)
+        self._reads_left = _READS_AT_LEAST + int(length * _READS_A_BYTE)
+
+    @property
+    def is_exhausted(self) -> bool:
+        """Whether it ended before its bytes did."""
+        return self._reads_left < 0
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Read; nothing, once it is exhausted."""
+        self._reads_left -= 1
+        return b"" if self._reads_left < 0 else super().read(size)
