@@ -1,33 +1,30 @@
 """Compare two flights: path error and position error of the second against the first.
 
-    python examples/compare_flights.py [FIRST.tlog SECOND.tlog]
+    python examples/compare_flights.py [FIRST SECOND]
 
 Without arguments, the sample flight is compared with a copy of it half a metre farther north.
 """
 
 import sys
 from dataclasses import replace
+from pathlib import Path
 
-import numpy as np
+import flight_replay
 
-from flight_replay.geometry.distances import error_statistics, path_errors_m, position_errors_m
-from flight_replay.logs.read_log import read_log
-from flight_replay.logs.sample import sample_log
+SAMPLE = Path(__file__).parents[1] / "data" / "flight.tlog"
+METRES_PER_DEGREE = 111_319.5
 
 if len(sys.argv) > 2:
-    first, second = read_log(sys.argv[1]).track, read_log(sys.argv[2]).track
+    first, second = (flight_replay.read_log(path).track for path in sys.argv[1:3])
 else:
-    first = read_log(sample_log()).track
-    lat_deg, lon_deg = first.frame.to_degrees(first.north_east_m() + np.array([0.5, 0.0]))
-    second = replace(first, lat_deg=lat_deg, lon_deg=lon_deg)
+    first = flight_replay.read_log(SAMPLE).track
+    second = replace(first, lat_deg=first.lat_deg + 0.5 / METRES_PER_DEGREE)
 
-first_m, second_m = first.north_east_m(first.frame), second.north_east_m(first.frame)
-first_s, second_s = first.time_s - first.time_s[0], second.time_s - second.time_s[0]
-errors = {
-    "path error": path_errors_m(second_m, first_m),
-    "position error": position_errors_m(second_s, second_m, first_s, first_m),
-}
-for name, errors_m in errors.items():
-    error = error_statistics(errors_m)
+errors = flight_replay.errors(first, second)
+for name, error in (
+    ("path error, first to second", errors.path_m.recorded_to_path.statistics),
+    ("path error, second to first", errors.path_m.path_to_recorded.statistics),
+    ("position error", errors.position_m.statistics),
+):
     if error is not None:
         print(f"{name}: mean {error.mean:.2f} m, p95 {error.p95:.2f} m, max {error.max:.2f} m")

@@ -1,22 +1,15 @@
-"""Replay a log on the built-in copter, twenty times faster than real time, and measure the path error.
+"""Replay half a minute of a log on a simulator, twenty times faster than real time, and measure the path error.
 
-python examples/replay_builtin.py [LOG.tlog]
+python examples/replay_builtin.py [LOG]
 """
 
 import sys
+from pathlib import Path
 
-from flight_replay import vehicle
+import flight_replay
 from flight_replay.events import Event, WaypointReached
-from flight_replay.logs.read_log import read_log
-from flight_replay.logs.sample import sample_log
-from flight_replay.output.outcome import compare_flight
-from flight_replay.planning.altitude import home_of
-from flight_replay.planning.spacing import spaced_route
-from flight_replay.simulator.autopilot.location import Start
-from flight_replay.simulator.server import launch
-from flight_replay.supervisor import Plan, WallClock, fly
 
-SPEEDUP = 20.0
+SAMPLE = Path(__file__).parents[1] / "data" / "flight.tlog"
 
 
 def listener(event: Event) -> None:
@@ -25,22 +18,15 @@ def listener(event: Event) -> None:
         print(f"waypoint {event.seq} at {event.time_s:.1f} s")
 
 
-track = read_log(sys.argv[1] if len(sys.argv) > 1 else sample_log()).track
-route = spaced_route(track, max_points=30)
-home = home_of(track)
-start = Start(home.lat_deg, home.lon_deg, home.alt_amsl_m)
-with (
-    launch.run(start, speedup=SPEEDUP) as copter,
-    vehicle.connect(copter.connection, speedup=SPEEDUP) as connected,
-):
-    connected.upload(route.mission)
-    record = fly(connected, WallClock(), Plan(mission=route.mission, duration_s=30.0), listener)
+track = flight_replay.read_log(sys.argv[1] if len(sys.argv) > 1 else SAMPLE).track
+route = flight_replay.plan(track, max_points=30)
+replay = flight_replay.replay(route, duration_s=30.0, speedup=20.0, listener=listener)
 
-outcome = compare_flight(route, record)
+record, errors = replay.record, replay.outcome.errors.path_m
 print(f"{record.waypoints_reached} waypoints in {record.auto_s:.0f} s of AUTO, ended by: {record.ended}")
-for way, errors in (
-    ("recorded to flown", outcome.errors.path_m.recorded_to_path),
-    ("flown to recorded", outcome.errors.path_m.path_to_recorded),
+for way, error in (
+    ("recorded to flown", errors.recorded_to_path.statistics),
+    ("flown to recorded", errors.path_to_recorded.statistics),
 ):
-    if len(errors):
-        print(f"path error, {way}: mean {errors.error.mean():.2f} m, max {errors.error.max():.2f} m")
+    if error is not None:
+        print(f"path error, {way}: mean {error.mean:.2f} m, max {error.max:.2f} m")
