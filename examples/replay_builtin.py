@@ -1,4 +1,4 @@
-"""Replay half a minute of a log on a simulator, twenty times faster than real time, and measure the path error.
+"""Replay half a minute of a log on a simulator, twenty times faster than real time, and measure the error.
 
 python examples/replay_builtin.py [LOG]
 """
