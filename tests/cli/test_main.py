@@ -145,6 +145,7 @@ def test_plain_lines_keep_the_example_s_wording(capsys: pytest.CaptureFixture[st
     lines = [
         "Generating waypoints from tlog...",
         " Generated 100 waypoints from tlog",
+        "Starting copter simulator (built-in copter)",
         "Connecting to vehicle on: ",
         "Uploading 100 waypoints to vehicle...",
         "Arm and Takeoff",

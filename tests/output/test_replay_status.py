@@ -86,7 +86,13 @@ def test_speed_is_the_horizontal_one() -> None:
 
 @pytest.mark.parametrize(
     ("volts", "percent", "text"),
-    [(12.61, 84.0, "12.6 V 84 %"), (12.61, None, "12.6 V"), (None, 84.0, "84 %"), (math.nan, None, "")],
+    [
+        (12.61, 84.0, "12.6 V 84 %"),
+        (10.5, 0.0, "10.5 V 0 %"),
+        (12.61, None, "12.6 V"),
+        (None, 84.0, "84 %"),
+        (math.nan, None, ""),
+    ],
 )
 def test_battery_values_that_are_not_known_are_left_out(
     volts: float | None, percent: float | None, text: str

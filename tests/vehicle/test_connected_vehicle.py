@@ -53,7 +53,7 @@ def test_a_vehicle_is_found_over_any_transport(kind: str) -> None:
     """TCP, UDP that listens, and UDP that sends first."""
     port = 0 if kind == "tcp" else free_udp_port()
     with copter(listen=f"{kind}:127.0.0.1:{port}") as vehicle:
-        assert vehicle.identity.name == "ArduCopter 4.6.0 (simulated quadcopter, system 1)"
+        assert vehicle.identity.name == "built-in copter, flies as ArduCopter 4.6 (system 1)"
         assert vehicle.identity.takes_item_int
         vehicle.upload(ROUTE)
         assert vehicle.mission_verified()

@@ -17,6 +17,8 @@ from flight_replay.vehicle.protocol.parameters import read_parameters
 
 _VERSION_S = 8.0
 _SAY_EVERY_S = 5.0
+_BUILTIN = b"builtin\0"
+"""What the built-in copter sends where ArduPilot has the hash of its source code."""
 _REQUEST_CAPABILITIES = 520  # MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, which 3.3 knows too.
 
 _SIMULATOR_PARAMETERS = ("SIM_SPEEDUP", "SIM_WIND_SPD")
@@ -29,7 +31,10 @@ FENCE_PARAMETERS = (
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """A vehicle: ``vehicle_type`` is a MAV_TYPE, ``autopilot`` a MAV_AUTOPILOT, ``version`` "4.6.0" or ""."""
+    """A vehicle: ``vehicle_type`` is a MAV_TYPE, ``autopilot`` a MAV_AUTOPILOT, ``version`` "4.6.0" or "".
+
+    ``builtin`` is this program's own copter, whose version is that of the firmware that it flies as.
+    """
 
     system: int
     component: int
@@ -38,6 +43,7 @@ class Identity:
     version: str
     takes_item_int: bool
     simulated: bool
+    builtin: bool = False
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -68,6 +74,9 @@ class Identity:
         firmware = (
             "ArduCopter" if self.is_multicopter else "ArduPilot" if self.is_ardupilot else "unknown firmware"
         )
+        if self.builtin:
+            release = ".".join(map(str, self.version_numbers[:2]))
+            return f"built-in copter, flies as {firmware} {release} (system {self.system})"
         what = f"{firmware} {self.version}".strip()
         return f"{what} ({'simulated ' if self.simulated else ''}{self.kind}, system {self.system})"
 
@@ -113,6 +122,7 @@ def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
         version=_version(version.flight_sw_version) if version else "",
         takes_item_int=bool(capabilities & dialect.MAV_PROTOCOL_CAPABILITY_MISSION_INT),
         simulated=any(name in parameters for name in _SIMULATOR_PARAMETERS),
+        builtin=version is not None and bytes(version.flight_custom_version) == _BUILTIN,
         parameters={name: parameters[name] for name in FENCE_PARAMETERS if name in parameters},
     )
 

@@ -65,9 +65,10 @@ class Page(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         if data.strip() and not self._silent:
-            self.texts.append(data.strip())
+            text = " ".join(data.split())
+            self.texts.append(text)
             if self._in_row:
-                self.rows[-1].append(data.strip())
+                self.rows[-1].append(text)
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +90,9 @@ def test_the_file_refers_to_no_other(page: Page) -> None:
 def test_the_report_has_the_results(page: Page) -> None:
     """Log, route and flight as in ``--json``, with units."""
     rows = {row[0]: row[1:] for row in page.rows if row}
+    assert rows["date"] == ["2023-11-14 22:13:20 UTC"]
+    assert rows["place"] == ["home at 47.397700°, 8.545600°"]
+    assert rows["duration"] == ["2 min 0 s"]
     assert rows["usable fixes"] == ["300"]
     assert rows["records without a position"] == ["7"]
     assert rows["waypoints reached"][0].startswith(f"{summary()['flight']['waypoints_reached']} of ")

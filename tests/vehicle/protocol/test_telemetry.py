@@ -86,6 +86,20 @@ def test_positions_are_in_si_units() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("volts", "level", "known"),
+    [(0.0, None, (None, None)), (65.535, None, (None, None)), (11.1, 0, (11.1, 0)), (11.1, -1, (11.1, None))],
+)
+def test_what_a_vehicle_does_not_know_of_its_battery_is_no_figure(
+    volts: float, level: int | None, known: tuple[float | None, int | None]
+) -> None:
+    """An empty battery is at 0 %, an unknown one at nothing."""
+    drone = SimpleNamespace(battery=SimpleNamespace(voltage=volts, level=level))
+    _, state = news_of(heartbeat(), position(1000), drone=drone)
+    assert isinstance(state, VehicleState)
+    assert (state.battery_v, state.battery_percent) == known
+
+
 def test_a_position_of_0_0_is_ignored() -> None:
     """ArduPilot sends it before it has a position."""
     assert news_of(heartbeat(), position(1000, 0, 0)) == [Heartbeat("GUIDED", True)]

@@ -296,16 +296,14 @@ def no_sitl(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("no_sitl")
 def test_without_ardupilot_the_built_in_copter_flies() -> None:
-    """``auto`` falls back with a notice; ``builtin`` needs none; ``sitl`` is an error."""
+    """``auto`` falls back and says how to have another; ``sitl`` is an error."""
     said: list[Event] = []
     with simulator("auto", None, START, listener=said.append) as connection:
         assert connection.startswith("tcp:127.0.0.1:")
-    (notice,) = said
-    assert isinstance(notice, Notice)
-    assert notice.text.startswith("Flying the built-in copter: no ArduPilot SITL on this machine")
+    assert said == [Notice("Starting copter simulator (built-in copter; --sim sitl downloads ArduPilot's)")]
     said.clear()
     with simulator("builtin", None, START, listener=said.append):
-        assert said == []
+        assert said == [Notice("Starting copter simulator (built-in copter)")]
     with pytest.raises(SimulatorError, match="cannot download"), simulator("sitl", None, START):
         raise AssertionError
 
@@ -334,12 +332,17 @@ def test_a_binary_on_path_is_preferred(tmp_path: Path, monkeypatch: pytest.Monke
     bin_folder = tmp_path / "empty"
     bin_folder.mkdir()
     stand_in(bin_folder)
-    with simulator("auto", None, START) as connection:
-        assert int(connection.split(":")[2]) % 10 == 0
-    stand_in(bin_folder, "sys.exit(1)")
     said: list[Event] = []
+    with simulator("auto", None, START, listener=said.append) as connection:
+        assert int(connection.split(":")[2]) % 10 == 0
+    assert said == [Notice("Starting copter simulator (SITL)")]
+    stand_in(bin_folder, "sys.exit(1)")
+    said.clear()
     with simulator("auto", None, START, listener=said.append):
-        assert len(said) == 1
+        starting, why, instead = (each.text for each in said if isinstance(each, Notice))
+    assert starting == "Starting copter simulator (SITL)"
+    assert "ended with status 1" in why
+    assert instead == "Starting copter simulator (built-in copter)"
     monkeypatch.setenv("SITL_BINARY", str(bin_folder / "arducopter"))
     with pytest.raises(SimulatorError, match="ended with status 1"), simulator("auto", None, START):
         raise AssertionError

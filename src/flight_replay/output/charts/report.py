@@ -84,7 +84,7 @@ def save_report(
         template=Template(template),
         template_variables={
             "lead": _lead(record),
-            "tables": _tables(text.summary, record),
+            "tables": _tables(text.summary, route, record),
             "mission": _mission_rows(route, record),
             "events": text.events,
             "command": shlex.join(["flight-replay", *text.argv]),
@@ -159,9 +159,9 @@ def _error_charts(series: ReplaySeries) -> list[Model]:
     return charts
 
 
-def _tables(summary: Summary, record: FlightRecord | None) -> dict[str, list[tuple[str, str]]]:
+def _tables(summary: Summary, route: Route, record: FlightRecord | None) -> dict[str, list[tuple[str, str]]]:
     """Rows of (label, value) by heading."""
-    tables = {"Log": _log_rows(summary["log"]), "Route": _route_rows(summary["route"])}
+    tables = {"Log": _log_rows(summary["log"], route), "Route": _route_rows(summary["route"])}
     flight = summary.get("flight")
     if flight is not None:
         tables["Flight"] = [
@@ -192,14 +192,14 @@ def _waypoint_rows(summary: Summary) -> list[tuple[str, str]]:
     ]
 
 
-def _log_rows(log: Summary) -> list[tuple[str, str]]:
+def _log_rows(log: Summary, route: Route) -> list[tuple[str, str]]:
     vehicles = ", ".join(
         f"{each['system']}:{each['component']} ({each['fixes']} fixes)" for each in log["vehicles"]
     )
     return [
         ("file", str(log["path"])),
         ("format", format_title(log["format"])),
-        *_when_and_what(log),
+        *_when_where_and_what(log, route),
         ("usable fixes", str(log["fixes"])),
         ("records without a position", str(log["without_position"])),
         ("implausible fixes", str(log["rejected"])),
@@ -208,12 +208,17 @@ def _log_rows(log: Summary) -> list[tuple[str, str]]:
     ]
 
 
-def _when_and_what(log: Summary) -> list[tuple[str, str]]:
-    """When the recording begins, and what flew, as far as the log tells."""
+def _when_where_and_what(log: Summary, route: Route) -> list[tuple[str, str]]:
+    """When and where the recording begins, how long it flies, and what flew, as far as the log tells."""
     rows = []
     if log["start_utc_s"] is not None:
         begin = datetime.fromtimestamp(log["start_utc_s"], timezone.utc)
-        rows.append(("begins", f"{begin:%Y-%m-%d %H:%M:%S} UTC"))
+        rows.append(("date", f"{begin:%Y-%m-%d %H:%M:%S} UTC"))
+    home, recording = route.mission.home, route.recording
+    if home is not None:
+        rows.append(("place", f"home at {home.lat_deg:.6f}°, {home.lon_deg:.6f}°"))
+    if recording.timed:
+        rows.append(("duration", duration_text(float(recording.time_s[-1] - recording.time_s[0]))))
     vehicle = ", ".join(filter(None, [log["vehicle_type"], log["firmware"]]))
     return [*rows, ("recorded vehicle", vehicle)] if vehicle else rows
 
@@ -272,7 +277,11 @@ def _path_error_rows(label: str, errors: Summary) -> list[tuple[str, str]]:
 
 def _statistics(error: Summary | None, unit: str = "m") -> str:
     known = error is not None and error["mean"] is not None
-    return statistics_text(ErrorStatistics(**error) if error and known else None, unit)
+    if not (error and known):
+        return statistics_text(None)
+    values = statistics_text(ErrorStatistics(**error), unit).split(", ")
+    # Lines break between the values, not within one.
+    return ", ".join(value.replace(" ", "\N{NO-BREAK SPACE}") for value in values)
 
 
 def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, str]]:

@@ -33,6 +33,7 @@ _DUPLICATE_S = 0.9  # ... nor is the next heartbeat of an autopilot that does no
 _TOTAL_UNKNOWN = frozenset({0, 65535})  # Values of MISSION_CURRENT.total.
 _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _UNKNOWN_HEADING = 65535
+_UNKNOWN_V = 65.535  # UINT16_MAX millivolts; without a battery monitor ArduPilot sends 0.
 
 
 def _printable(text: str) -> str:
@@ -135,7 +136,7 @@ class Telemetry:
             heading_deg=None if message.hdg == _UNKNOWN_HEADING else message.hdg / 1e2,
             mode=self._mode,
             armed=self._armed,
-            battery_v=battery.voltage if battery else None,
+            battery_v=battery.voltage if battery and 0 < battery.voltage < _UNKNOWN_V else None,
             battery_percent=battery.level if battery and (battery.level or 0) >= 0 else None,
         )
 

@@ -13,7 +13,10 @@ from flight_replay.vehicle.sitl import process
 from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
 from flight_replay.vehicle.sitl.locate import SitlBinary, find_binary
 
-_NO_SITL = "Flying the built-in copter: no ArduPilot SITL on this machine (--sim sitl downloads one)"
+# As DroneKit's example says it.
+_STARTING_SITL = "Starting copter simulator (SITL)"
+_STARTING_BUILTIN = "Starting copter simulator (built-in copter{})"
+_NO_SITL = "; --sim sitl downloads ArduPilot's"
 
 
 @contextmanager
@@ -27,19 +30,23 @@ def simulator(
         path: An ArduPilot SITL binary, or None to search for one.
         start: The copter's position and heading.
         speedup: How fast the vehicle's clock runs.
-        listener: Gets the progress of a download, and a notice if "auto" falls back to the built-in copter.
+        listener: Gets the progress of a download, and which simulator starts.
 
     Raises:
         SimulatorError: No simulator of that kind can be found or started, or the one named fails.
     """
     with ExitStack() as stack:
         if kind == "sitl" or path is not None:
-            running = stack.enter_context(process.run(_binary(path, listener), start, speedup=speedup))
+            binary = _binary(path, listener)
+            listener(Notice(_STARTING_SITL))
+            running = stack.enter_context(process.run(binary, start, speedup=speedup))
             yield running.connection
             return
         if kind == "auto" and (connection := _start_auto(stack, start, speedup, listener)) is not None:
             yield connection
             return
+        if kind == "builtin":
+            listener(Notice(_STARTING_BUILTIN.format("")))
         from flight_replay.simulator.server import launch
 
         yield stack.enter_context(launch.run(start, speedup=speedup)).connection
@@ -54,14 +61,16 @@ def _start_auto(stack: ExitStack, start: Start, speedup: float, listener: Listen
     source, _ = _download_source()
     binary = find_binary(None, source)
     if binary is None:
-        listener(Notice(_NO_SITL))
+        listener(Notice(_STARTING_BUILTIN.format(_NO_SITL)))
         return None
+    listener(Notice(_STARTING_SITL))
     try:
         return stack.enter_context(process.run(binary, start, speedup=speedup)).connection
     except SimulatorError as error:
         if binary.named:
             raise
-        listener(Notice(f"Flying the built-in copter: {error}"))
+        listener(Notice(f" {error}"))
+        listener(Notice(_STARTING_BUILTIN.format("")))
         return None
 
 
