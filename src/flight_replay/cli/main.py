@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, ExitStack
 from typing import TYPE_CHECKING
 
 from flight_replay import signals
-from flight_replay.cli import output_step, plan_step
+from flight_replay.cli import output_step, plan_step, save_step
 from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
@@ -119,7 +119,7 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
         def plan(limits: VehicleLimits) -> Route:
             """The route for a vehicle, saved, and on the live map until the results are written."""
             route = planner.route(limits)
-            output_step.save_mission(options, route, recording)
+            save_step.save_mission(options, route, recording)
             relay.target = stack.enter_context(with_live_map(options, route, console, relay.target))
             return route
 
@@ -127,6 +127,7 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
         result = ReplayResult(recording, flights, route, flight)
         output_step.print_result(options, result, console, arguments)
         problems = [] if flight is None else [flight.record.problem]
+        problems += save_step.save_flown(options, result)
         problems += output_step.save_charts(options, result, event_log.entries, arguments)
     return "; ".join(filter(None, problems)) or None
 

@@ -1,11 +1,11 @@
-"""The results of a replay: text, the JSON object, the mission, the plot and the report."""
+"""The results of a replay: text, the JSON object, the plot and the report."""
 
 from __future__ import annotations
 
 import json
 import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -125,43 +125,34 @@ def print_info(options: Options, recording: Recording, console: Console) -> None
         console.print(line)
 
 
-def save_mission(options: Options, route: Route, recording: Recording) -> None:
-    """Write the mission, and the recorded track where the format holds one.
-
-    What vehicles load is complete, with take-off and return, unless it is to be ``--bare``.
-    """
-    if options.save:
-        from flight_replay.mission import formats
-        from flight_replay.mission.standalone import standalone
-
-        start_utc_s = recording.utc_s_of(route.covered)
-        for path in options.save:
-            flies = path.suffix.lower() in formats.LOADED_SUFFIXES and not options.bare
-            mission = standalone(route.mission, options.takeoff_altitude_m) if flies else route.mission
-            formats.save(path, mission, route.covered, start_utc_s)
-
-
 def save_charts(
     options: Options, result: ReplayResult, events: Sequence[LoggedEvent], arguments: Sequence[str]
 ) -> list[str]:
-    """Write the plot and the report; returns a sentence for each that could not be written.
-
-    The flight has been flown: whatever goes wrong with one of them, the other is still written.
-    """
-    problems = []
-    for path, save in ((options.plot, _save_plot), (options.report, _save_report)):
-        try:
-            if path is not None:
-                save(path, result, events, arguments)
-        except FlightReplayError as error:
-            problems.append(str(error))
-        except Exception as error:
-            logging.getLogger(__name__).exception("cannot write %s", path)
-            problems.append(f"cannot write {path}: {type(error).__name__}: {error}")
+    """Write the plot and the report; returns a sentence for each that could not be written."""
+    plot, report, problems = options.plot, options.report, []
+    if plot is not None:
+        problems += problems_of_writing(plot, lambda: _save_plot(plot, result))
+    if report is not None:
+        problems += problems_of_writing(report, lambda: _save_report(report, result, events, arguments))
     return problems
 
 
-def _save_plot(path: Path, result: ReplayResult, _events: object, _arguments: object) -> None:
+def problems_of_writing(path: Path, write: Callable[[], None]) -> list[str]:
+    """Write a file after the flight: why it could not be written, if so.
+
+    The flight has been flown: whatever goes wrong with one file, the others are still written.
+    """
+    try:
+        write()
+    except FlightReplayError as error:
+        return [str(error)]
+    except Exception as error:
+        logging.getLogger(__name__).exception("cannot write %s", path)
+        return [f"cannot write {path}: {type(error).__name__}: {error}"]
+    return []
+
+
+def _save_plot(path: Path, result: ReplayResult) -> None:
     from flight_replay.output.charts.plot import save_plot
 
     record, outcome = (result.flight.record, result.flight.outcome) if result.flight else (None, None)

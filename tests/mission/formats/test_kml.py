@@ -1,12 +1,20 @@
 """KML for Google Earth: pins, lines and altitudes."""
 
+from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree as Xml
 
+import pytest
+
+from flight_replay.logs.read_log import read_log
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
 from tests.helpers.format_examples import MISSION, recorded_track
+from tests.helpers.made_replays import figure_of_eight
 
 KML = "{http://www.opengis.net/kml/2.2}"
+GX = "{http://www.google.com/kml/ext/2.2}"
+START_UTC_S = 1_700_000_000.0
 
 
 def test_kml_pins_every_waypoint_above_the_sea_and_draws_route_and_track() -> None:
@@ -36,3 +44,35 @@ def test_kml_without_home_keeps_heights_above_ground() -> None:
     modes = [mode.text for mode in root.iter(f"{KML}altitudeMode")]
     assert modes == ["relativeToGround"] * 3 + ["absolute", "relativeToGround"]
     assert "Recorded track" not in formats.kml.text(Mission(()))
+
+
+def test_what_was_flown_plays_beside_the_recording() -> None:
+    """Its clock is 0 at the first recorded fix; vehicles report heights above home."""
+    flown = replace(recorded_track(), time_s=recorded_track().time_s - 0.4)
+    root = Xml.fromstring(formats.kml.text(MISSION, recorded_track(), START_UTC_S, flown))
+    tracks = {
+        pin.findtext(f"{KML}name"): track
+        for pin in root.iter(f"{KML}Placemark")
+        if (track := pin.find(f"{GX}Track")) is not None
+    }
+    recorded, replayed = tracks["Recorded flight"], tracks["Flown by flight-replay"]
+    assert recorded.findtext(f"{KML}when") == "2023-11-14T22:13:20.000Z"
+    assert [when.text for when in replayed.iter(f"{KML}when")][:2] == [
+        "2023-11-14T22:13:19.600Z",
+        "2023-11-14T22:13:20.000Z",
+    ]
+    assert [place.text for place in replayed.iter(f"{GX}coord")][1] == "8.54560000 47.39780000 489.250"
+    lines = [e.findtext(f"{KML}name") for e in root.iter(f"{KML}Placemark") if e.find(f"{KML}LineString")]
+    assert lines == ["Route", "Recorded track", "Flown by flight-replay"]
+
+
+@pytest.mark.parametrize("start_utc_s", [START_UTC_S, None])
+def test_what_was_flown_is_not_read_as_the_recording(tmp_path: Path, start_utc_s: float | None) -> None:
+    """A replay of the file is one of the recording; without a time of day there are lines only."""
+    recorded = figure_of_eight()
+    flown = replace(recorded, lat_deg=recorded.lat_deg + 0.001)
+    formats.save(tmp_path / "a.kml", MISSION, recorded, start_utc_s, flown)
+    back = read_log(tmp_path / "a.kml").track
+    assert back.timed == (start_utc_s is not None)
+    assert back.lat_deg.tolist() == pytest.approx(recorded.lat_deg.tolist(), abs=1e-8)
+    assert "Flown by" in (tmp_path / "a.kml").read_text(encoding="utf-8")

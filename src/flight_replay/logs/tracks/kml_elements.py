@@ -11,6 +11,8 @@ from flight_replay.logs.tracks.track_points import PointCollector
 
 OUR_TRACK = "Recorded track"
 """The name of the recorded track in the files that this program saves."""
+OUR_FLOWN_TRACK = "Flown by flight-replay"
+"""The name of what a replay flew, in those that were saved with one: it is not the recording."""
 _LONGEST_PLACE = 256
 _NAN = float("nan")
 _GEOMETRIES = ("Track", "LineString", "Point")
@@ -82,6 +84,8 @@ class KmlReader:
     def _add(self, name: str) -> None:
         """Add the points of the last geometry, if it is of that name."""
         geometry, self._geometry = self._geometry, _Geometry()
+        if self._placemark == OUR_FLOWN_TRACK:
+            return
         if name == "Track":
             self._add_all(self.tracks, geometry, geometry.times_s)
         elif name == "LineString":

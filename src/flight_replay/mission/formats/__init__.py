@@ -4,7 +4,7 @@
 | --- | --- | --- |
 | .waypoints | Mission Planner, MAVProxy, QGroundControl | mission and home; read back |
 | .plan | QGroundControl | mission and home; read back |
-| .kml | Google Earth, Mission Planner | mission and track |
+| .kml | Google Earth, Mission Planner | mission, track, and the flown track |
 | .gpx | GPSBabel, maps, watches | mission as a route, and track |
 | .geojson | QGIS, geojson.io, web maps | mission and track |
 | .csv | spreadsheets, pandas | mission and track |
@@ -35,17 +35,19 @@ _READERS: dict[str, Callable[[str, str], Mission]] = {
     ".plan": qgc_plan.parse,
 }
 
-_TIMED_WRITERS: dict[str, Callable[[Mission, Track, float | None], str]] = {
-    ".kml": kml.text,
-    ".gpx": gpx.text,
-}
 
 SAVED_SUFFIXES = tuple(_WRITERS)
 LOADED_SUFFIXES = tuple(_READERS)
+FLOWN_SUFFIXES = (".kml",)
+"""Those that hold what was flown beside what was recorded."""
 
 
 def save(
-    path: Path | str, mission: Mission, track: Track | None = None, start_utc_s: float | None = None
+    path: Path | str,
+    mission: Mission,
+    track: Track | None = None,
+    start_utc_s: float | None = None,
+    flown: Track | None = None,
 ) -> None:
     """Write a mission, and the recorded track where the format holds one; replaces the file whole.
 
@@ -54,13 +56,16 @@ def save(
         mission: What to write.
         track: The recorded track.
         start_utc_s: Unix time of the track's first fix, for formats whose times are those of the day.
+        flown: What was flown, in formats of ``FLOWN_SUFFIXES``; its clock is 0 at the track's first fix.
 
     Raises:
         FlightReplayError: No format has this suffix, or the file cannot be written.
     """
     suffix = check_suffix(path, SAVED_SUFFIXES)
-    if track is not None and suffix in _TIMED_WRITERS:
-        text = _TIMED_WRITERS[suffix](mission, track, start_utc_s)
+    if suffix == ".kml":
+        text = kml.text(mission, track, start_utc_s, flown)
+    elif suffix == ".gpx":
+        text = gpx.text(mission, track, start_utc_s)
     else:
         text = _WRITERS[suffix](mission, track)
     write_atomically(path, text)

@@ -1,4 +1,4 @@
-"""KML 2.2 (OGC 07-147r2): the mission as pins and a line, the track as a line.
+"""KML 2.2 (OGC 07-147r2): the mission as pins and a line, recorded and flown tracks as lines.
 
 Altitudes are above mean sea level where home's is known, else above ground, as if the ground were
 level. What KML has no word for (command, parameters, speed) stands in ExtendedData.
@@ -13,6 +13,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Track
+from flight_replay.logs.tracks.kml_elements import OUR_FLOWN_TRACK
 from flight_replay.mission.formats.item_text import (
     amsl_m,
     command_name,
@@ -27,14 +28,20 @@ from flight_replay.mission.items import Home, Mission, MissionItem
 _NAMESPACE = "http://www.opengis.net/kml/2.2"
 _GOOGLE = "http://www.google.com/kml/ext/2.2"
 # aabbggrr: colours that the colour-blind tell apart (Okabe and Ito), those of the plots.
-_STYLES = {"recorded": "ff999999", "planned": "ffb27200"}
+_STYLES = {"recorded": "ff999999", "planned": "ffb27200", "flown": "ff005ed5"}
 
 
-def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
-    """The mission, and the recorded track if there is one.
+def text(
+    mission: Mission,
+    track: Track | None = None,
+    start_utc_s: float | None = None,
+    flown: Track | None = None,
+) -> str:
+    """The mission, and the recorded track and what was flown, as far as they are there.
 
-    The track is a line; with ``start_utc_s``, the Unix time of its first fix, it is there once more
-    with times (gx:Track), which Google Earth plays.
+    Tracks are lines; with ``start_utc_s``, the Unix time of the recorded track's first fix, they are there
+    once more with times (gx:Track), which Google Earth plays side by side: the clock of ``flown`` is 0 at
+    that fix.
     """
     root = Xml.Element("kml", {"xmlns": _NAMESPACE, "xmlns:gx": _GOOGLE})
     document = Xml.SubElement(root, "Document")
@@ -50,7 +57,9 @@ def text(mission: Mission, track: Track | None = None, start_utc_s: float | None
         line = np.column_stack([track.lat_deg, track.lon_deg, track.amsl_m])
         _add_line(document, "Recorded track", "recorded", "absolute", line)
         if start_utc_s is not None:
-            _add_timed_track(document, utc_texts(track, start_utc_s), line)
+            _add_timed_track(document, "recorded", utc_texts(track, start_utc_s), "absolute", line)
+    if flown is not None and len(flown):
+        _add_flown(document, mission.home, flown, start_utc_s)
     Xml.indent(root)
     return Xml.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
@@ -70,6 +79,16 @@ def _add_mission(folder: Xml.Element, mission: Mission) -> None:
     if len(line) > 1:
         mode = "absolute" if above_sea else "relativeToGround"
         _add_line(folder, "Route", "planned", mode, line)
+
+
+def _add_flown(document: Xml.Element, home: Home | None, flown: Track, start_utc_s: float | None) -> None:
+    """What was flown, which vehicles report above home."""
+    mode, ground_m = ("absolute", home.alt_amsl_m) if home is not None else ("relativeToGround", 0.0)
+    line = np.column_stack([flown.lat_deg, flown.lon_deg, flown.alt_m + ground_m])
+    _add_line(document, OUR_FLOWN_TRACK, "flown", mode, line)
+    if start_utc_s is not None:
+        times = utc_texts(flown, start_utc_s + float(flown.time_s[0]))
+        _add_timed_track(document, "flown", times, mode, line)
 
 
 def _height(item: MissionItem, home: Home | None) -> tuple[str, float]:
@@ -109,12 +128,12 @@ def _add_line(parent: Xml.Element, name: str, style: str, mode: str, places: Flo
     _child(geometry, "coordinates", "\n".join(_coordinates(*place) for place in places))
 
 
-def _add_timed_track(parent: Xml.Element, times: list[str], places: Floats) -> None:
+def _add_timed_track(parent: Xml.Element, style: str, times: list[str], mode: str, places: Floats) -> None:
     placemark = Xml.SubElement(parent, "Placemark")
-    _child(placemark, "name", "Recorded flight")
-    _child(placemark, "styleUrl", "#recorded")
+    _child(placemark, "name", OUR_FLOWN_TRACK if style == "flown" else "Recorded flight")
+    _child(placemark, "styleUrl", f"#{style}")
     track = Xml.SubElement(placemark, "gx:Track")
-    _child(track, "altitudeMode", "absolute")
+    _child(track, "altitudeMode", mode)
     for time in times:
         _child(track, "when", time)
     for place in places:
