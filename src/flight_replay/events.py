@@ -183,9 +183,11 @@ class ReturnCommanded:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """The replay is over; ``ended`` is the reason, as in ``FlightRecord.ended``."""
+    """The replay is over; ``ended``, ``problem`` and ``landed`` are as in ``FlightRecord``."""
 
     ended: str
+    problem: str | None = None
+    landed: bool = False
 
 
 Event = (

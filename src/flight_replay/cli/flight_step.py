@@ -75,7 +75,7 @@ def fly(
         identity = connected.identity
     if recorder:
         record = replace(record, problem=record.problem or recorder.problem)
-    listener(Finished(record.ended))
+    listener(Finished(record.ended, record.problem, record.landed))
     outcome = compare_flight(route, record)
     return route, FlightResult(identity.name, identity.simulated, record, outcome)
 

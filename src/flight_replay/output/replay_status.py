@@ -48,6 +48,8 @@ class ReplayStatus:
     warning: str = ""
     rtl_confirmed: bool | None = None
     ended: str | None = None
+    problem: str | None = None
+    landed: bool = False
 
     @property
     def mode(self) -> str:
@@ -129,7 +131,16 @@ class ReplayStatus:
 
     @update.register
     def _finished(self, event: Finished) -> None:
-        self.ended = event.ended
+        self.ended, self.problem, self.landed = event.ended, event.problem, event.landed
+
+
+def end_text(status: ReplayStatus) -> str:
+    """How a flight that is over ended, and what became of the vehicle, such as "duration, RTL confirmed"."""
+    if status.landed:
+        return f"{status.ended}, landed"
+    if status.rtl_confirmed is None:
+        return status.ended or ""
+    return f"{status.ended}, RTL {'confirmed' if status.rtl_confirmed else 'not confirmed'}"
 
 
 def following_text(following: Following) -> str:

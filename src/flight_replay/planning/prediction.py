@@ -38,7 +38,7 @@ def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
     except MissionError:
         return route
     predicted = flight_errors(route.wanted, flown, last_s=last_s)
-    return replace(route, predicted=predicted, predicted_duration_s=auto_s)
+    return replace(route, predicted=predicted, predicted_flight=flown, predicted_duration_s=auto_s)
 
 
 def after_takeoff(takeoff_m: float, limits: Limits) -> tuple[Vector, Vector]:

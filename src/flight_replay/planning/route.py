@@ -29,7 +29,8 @@ class Route:
     are those that the mission asks for at its fixes, where the vehicle cannot climb as fast as wanted.
     ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path error
     of the mission's path, ``predicted_duration_s`` the time in AUTO, or of following, ``predicted`` the
-    errors of the flight where the planning simulated it. ``reference`` is the motion to follow in GUIDED,
+    errors of the flight where the planning simulated it, ``predicted_flight`` that flight, by the clock of
+    ``wanted``. ``reference`` is the motion to follow in GUIDED,
     where the mission is only its outline, and is not uploaded, ``pace`` times as fast as recorded: the clock
     of ``wanted`` is that of the reference. ``required_limits`` are the fields of
     ``Limits`` to raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made
@@ -48,6 +49,7 @@ class Route:
     planned_error: PathErrors
     predicted_duration_s: float
     predicted: FlightErrors | None = None
+    predicted_flight: Movement | None = None
     objective_m: float | None = None
     reference: ReferenceMotion | None = None
     pace: float = 1.0

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bokeh.models import Text
+from bokeh.models.annotations import Label, ScaleBar
 
 from flight_replay.output.charts.bokeh_charts import (
     LABEL_GAP_SHARE,
@@ -15,6 +16,8 @@ from flight_replay.output.charts.bokeh_charts import (
     time_chart,
 )
 from flight_replay.output.charts.series import RECORDED_COLOUR, replay_series
+from flight_replay.planning.prediction import with_prediction
+from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import made_replay
 
 
@@ -30,7 +33,28 @@ def test_the_map_is_to_scale_and_labelled_with_units() -> None:
         "recorded",
         "planned",
         "waypoints",
+        "home (launch)",
     ]
+
+
+def test_the_map_has_home_a_scale_bar_and_north() -> None:
+    """Home is a source that can be moved; the corners have the rest."""
+    chart = map_chart(replay_series(*made_replay()))
+    home: Any = chart.select_one({"name": "home"})
+    assert home.data["north"] == [pytest.approx(0, abs=1e-3)]
+    bar: Any = chart.select_one({"type": ScaleBar})
+    north: Any = chart.select_one({"type": Label})
+    assert bar.location == "bottom_right"
+    assert north.text.startswith("N")
+
+
+def test_a_plan_is_drawn_as_it_is_predicted_to_fly() -> None:
+    """What was flown takes its place."""
+    route, record, outcome = made_replay()
+    route = with_prediction(route, Limits(), 30.0)
+    for series, shown in ((replay_series(route), True), (replay_series(route, record, outcome), False)):
+        legend: Any = map_chart(series).legend[0]
+        assert ("predicted" in [item.label.value for item in legend.items]) == shown
 
 
 def test_waypoint_numbers_do_not_overlap() -> None:
@@ -43,8 +67,8 @@ def test_waypoint_numbers_do_not_overlap() -> None:
     assert gaps.min() >= LABEL_GAP_SHARE * np.ptp(series.waypoints_m, axis=0).max()
     assert label_indices(np.zeros((3, 2))) == [0]
     drawn: list[Any] = map_chart(series).renderers
-    assert sum(isinstance(each.glyph, Text) for each in drawn) == 1
-    assert len(labelled) > 5
+    assert sum(isinstance(each.glyph, Text) for each in drawn) == 2  # And that of home.
+    assert len(labelled) > 4
 
 
 def test_left_of_a_path_to_the_north_is_west() -> None:

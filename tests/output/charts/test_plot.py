@@ -8,7 +8,9 @@ import pytest
 
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.charts.plot import save_plot, scale_bar_m
+from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
@@ -67,6 +69,20 @@ def test_a_plan_is_drawn_without_flown_lines(tmp_path: Path, monkeypatch: pytest
     assert "planned path error, recorded to planned" in shown
     assert "planned path error, planned to recorded" in shown
     Xml.parse(tmp_path / "a.svg")
+
+
+def test_a_plan_is_drawn_with_what_is_predicted(tmp_path: Path) -> None:
+    """Path, heights, speeds and every error."""
+    save_plot(tmp_path / "a.svg", with_prediction(made_replay()[0], Limits(), 30.0))
+    page = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    for text in (
+        "predicted",
+        "predicted path error, recorded to flown",
+        "predicted path error, flown to recorded",
+        "predicted position error",
+        "predicted height error",
+    ):
+        assert text in page
 
 
 def test_a_single_fix_can_be_drawn(tmp_path: Path) -> None:

@@ -15,8 +15,10 @@ from flight_replay.output.charts.series import (
     replay_series,
     thin_indices,
 )
+from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import route_of
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 
@@ -99,6 +101,25 @@ def test_a_plan_has_no_flown_series() -> None:
     planned = series.planned_error
     assert planned.recorded_to_path is not None and planned.recorded_to_path.statistics.max < 1
     assert planned.path_to_recorded is not None and planned.path_to_recorded.statistics.max < 1
+
+
+def test_a_plan_has_heights_and_what_is_predicted() -> None:
+    """By the clock of the errors: the first waypoint is reached at 0, at the height of take-off."""
+    route, record, outcome = made_replay()
+    route = with_prediction(route, Limits(), 30.0)
+    series = replay_series(route)
+    times_s, heights_m = series.planned_height
+    assert (times_s[0], times_s[-1]) == pytest.approx((0.0, 0.4 * 299))
+    assert set(heights_m) == {30.0}
+    assert series.predicted is not None and series.predicted_unflown is series.predicted
+    at_first = np.interp(0.0, series.predicted.time_s, np.hypot(*series.predicted.north_east_m.T))
+    assert at_first < 3.0
+    assert 1.0 < series.predicted.speed_m_s.max() < 10.5
+    assert series.shown_error.position is not None
+    assert series.shown_error.path is not None
+    flown = replay_series(route, record, outcome)
+    assert flown.predicted_unflown is None
+    assert flown.shown_error.position is flown.position_error
 
 
 def test_only_waypoints_count_as_reached() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import shutil
 import threading
 import time
@@ -157,7 +158,7 @@ def test_without_a_network_only_the_map_server_is_asked(browser: Any) -> None:
 
 @pytest.mark.usefixtures("no_tiles")
 def test_a_finished_flight_fits_a_phone(browser: Any) -> None:
-    """At a width of 400 px the page needs no horizontal scrolling."""
+    """At a width of 390 px the page needs no horizontal scrolling, and every chart is inside."""
     route, record, _ = made_replay()
     with LiveMap(route) as live:
         for seq, time_s in record.reached:
@@ -165,18 +166,24 @@ def test_a_finished_flight_fits_a_phone(browser: Any) -> None:
         for number in range(50):
             live.listener(vehicle_at(0.0, number / 10, 1000.0 + number))
         live.listener(Finished("duration"))
-        browser.set_window_size(400, 900)
+        phone = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
         show(browser, live.url)
         text = browser.execute_script("return Bokeh.documents[0].get_model_by_name('readings').text")
         width, inner = browser.execute_script("return [document.body.scrollWidth, window.innerWidth]")
-        browser.set_window_size(1280, 800)
+        edges = browser.execute_script(
+            "return ['map', 'path', 'position', 'height', 'speed'].map("
+            "name => document.querySelector('.' + name).getBoundingClientRect().right)"
+        )
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     assert "ended: duration" in text
-    assert width <= inner
+    assert width <= inner == 390
+    assert max(edges) <= 390
 
 
 @pytest.mark.usefixtures("no_tiles")
-def test_the_page_stays_after_the_program_has_exited(browser: Any) -> None:
-    """It reports no lost connection."""
+def test_the_page_stays_after_the_program_has_exited(browser: Any, caplog: pytest.LogCaptureFixture) -> None:
+    """It reports no lost connection, and the server logs no error."""
     with LiveMap(made_replay()[0]) as live:
         show(browser, live.url)
         live.listener(vehicle_at(0.0, 0.5, 100.0))
@@ -186,6 +193,7 @@ def test_the_page_stays_after_the_program_has_exited(browser: Any) -> None:
     assert (
         browser.execute_script("return Bokeh.documents[0].get_model_by_name('copter').data.east.length") == 1
     )
+    assert [record for record in caplog.records if record.levelno >= logging.ERROR] == []
     alarms = browser.execute_script(
         "const all = [...document.querySelectorAll('*')];"
         "return all.filter(e => e.shadowRoot?.textContent.includes('was lost')).length"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from bokeh.document import Document
 from bokeh.models import ColumnDataSource
@@ -19,13 +21,18 @@ from flight_replay.events import (
     LinkLost,
     Phase,
     PhaseStarted,
+    ReturnCommanded,
     Waiting,
     WaypointReached,
 )
 from flight_replay.output.charts.series import replay_series
 from flight_replay.output.live_map.data import MapData
-from flight_replay.output.live_map.page import Page, readings_html
+from flight_replay.output.live_map.page import Page
+from flight_replay.output.live_map.readings import plan_readings, readings_html
+from flight_replay.planning.prediction import with_prediction
+from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import FRAME, figure_of_eight, made_following, made_replay, vehicle_at
 
 
@@ -67,7 +74,93 @@ def test_a_page_opened_in_flight_shows_the_flight_so_far(data: MapData) -> None:
     data.listener(Finished("duration"))
     page.tick()
     assert source(document, "target")["seq"] == []
-    assert {root.name for root in document.roots} == {"map", "readings", "path", "position"}
+    names = {"map", "readings", "path", "position", "height", "speed"}
+    assert {root.name for root in document.roots} == names
+
+
+def legend_of(document: Document) -> list[str]:
+    """The labels of the map's legend."""
+    chart: Any = document.get_model_by_name("map")
+    return [item.label.value for item in chart.legend[0].items]
+
+
+def test_the_way_home_is_drawn_apart(data: MapData) -> None:
+    """It joins what was flown in AUTO; each line is in the legend once it is there."""
+    page, document = open_page(data)
+    assert "flown" not in legend_of(document)
+    data.listener(WaypointReached(1, 100.0))
+    for n in range(3):
+        data.listener(vehicle_at(0, n, 100.0 + n))
+    page.tick()
+    assert legend_of(document)[-1] == "flown"
+    data.listener(PhaseStarted(Phase.RETURN))
+    data.listener(vehicle_at(0, 1, 104.0, mode="RTL"))
+    data.listener(vehicle_at(0, 0, 105.0, mode="RTL"))
+    page.tick()
+    assert legend_of(document)[-2:] == ["flown", "flown, returning (RTL)"]
+    assert list(source(document, "trail")["east"]) == pytest.approx([0, 1, 2], abs=1e-3)
+    assert list(source(document, "return")["east"]) == pytest.approx([2, 1, 0], abs=1e-3)
+    assert list(source(document, "states")["time"]) == [0, 1, 2, 4, 5]
+    assert list(source(document, "errors")["time"]) == [0, 1, 2]
+
+
+def test_home_moves_to_where_the_vehicle_is_armed(data: MapData) -> None:
+    """Until then it is where the plan has it."""
+    page, document = open_page(data)
+    assert source(document, "home")["north"] == [pytest.approx(0, abs=1e-3)]
+    data.listener(replace(vehicle_at(3, 4, 90.0), armed=False))
+    data.listener(vehicle_at(5, 6, 91.0))
+    data.listener(vehicle_at(7, 8, 92.0))
+    page.tick()
+    assert source(document, "home")["north"] == [pytest.approx(5, abs=1e-3)]
+    assert source(document, "home")["east"] == [pytest.approx(6, abs=1e-3)]
+
+
+def predicted_plan() -> Route:
+    """The made-up plan, with its prediction."""
+    return with_prediction(made_replay()[0], Limits(), 30.0)
+
+
+def test_a_plan_has_predicted_errors_heights_and_speeds() -> None:
+    """All charts have lines before anything is flown, and show what is flown once there is something."""
+    route = predicted_plan()
+    data = MapData(route)
+    page, document = Page(data, replay_series(route), FRAME, threading.Event()), Document()
+    page.fill(document)
+    assert "predicted" in legend_of(document)
+    lines = {}
+    for name in ("path", "position", "height", "speed"):
+        chart: Any = document.get_model_by_name(name)
+        drawn = [line for line in chart.renderers if len(line.data_source.data.get("x", ()))]
+        lines[name] = {line.name for line in drawn}
+        assert all(np.isfinite(line.data_source.data["y"]).all() for line in drawn)
+    assert lines["path"] == lines["position"] == {"predicted"}
+    assert {"recorded", "planned", "predicted"} <= lines["height"]
+    assert {"recorded", "predicted"} <= lines["speed"]
+    time: Any = document.get_model_by_name("path")
+    planned = list(time.x_range.renderers)
+    data.listener(WaypointReached(1, 100.0))
+    data.listener(vehicle_at(0, 0, 100.0))
+    page.tick()
+    assert time.x_range.renderers != planned
+    assert len(time.x_range.renderers) == 4
+
+
+def test_the_readings_of_a_plan_are_what_is_predicted() -> None:
+    """Until there is a vehicle."""
+    plan = plan_readings(predicted_plan())
+    data = MapData(predicted_plan())
+    shown = readings_html(data.status, [], plan)
+    for label in (
+        "planned",
+        "Waypoints",
+        "Predicted duration",
+        "Predicted path error",
+        "Predicted position error",
+    ):
+        assert label in shown
+    data.listener(vehicle_at(0, 0, 100.0))
+    assert "Predicted" not in readings_html(data.status, [], plan)
 
 
 def test_a_page_opened_after_the_flight_reports_no_lost_connection(data: MapData) -> None:
@@ -115,7 +208,7 @@ def readings(*events: Event, data: MapData) -> str:
 
 def test_readings_show_the_status(data: MapData) -> None:
     """Phase, waypoint, altitude, speed, battery, errors and warning; what is not known is left out."""
-    assert "planning" in readings(data=data)
+    assert "planned" in readings(data=data)
     assert "prearm: EKF &lt;not&gt; ready" in readings(
         PhaseStarted(Phase.PREARM), Waiting(Phase.PREARM, "EKF <not> ready"), data=data
     )
@@ -130,6 +223,25 @@ def test_readings_show_the_status(data: MapData) -> None:
         assert value in text
     assert "link lost" in readings(LinkLost(4.0), data=data)
     assert "ended: duration" in readings(Finished("duration"), data=data)
+
+
+@pytest.mark.parametrize(
+    ("events", "words"),
+    [
+        ([ReturnCommanded(confirmed=True), Finished("duration")], ["ended: duration, RTL confirmed"]),
+        ([ReturnCommanded(confirmed=True), Finished("duration", landed=True)], ["ended: duration, landed"]),
+        (
+            [ReturnCommanded(confirmed=False), Finished("link lost", "nothing was heard <for 30 s>")],
+            ["ended: link lost, RTL not confirmed", "Problem", "nothing was heard &lt;for 30 s&gt;"],
+        ),
+        ([Finished("pilot", "the pilot took over")], ["ended: pilot<", "the pilot took over"]),
+    ],
+)
+def test_readings_say_how_it_ended(events: list[Event], words: list[str], data: MapData) -> None:
+    """Why, what became of the vehicle, and the problem if there was one."""
+    shown = readings(*events, data=data)
+    for word in words:
+        assert word in shown
 
 
 def test_a_recording_that_is_followed_has_its_own_readings_and_times() -> None:

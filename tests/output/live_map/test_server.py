@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from flight_replay.exceptions import VehicleError
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.live_map.server import LiveMap
 from tests.helpers.made_replays import made_replay, vehicle_at
@@ -96,6 +97,18 @@ def test_a_closed_page_does_no_harm() -> None:
         assert not live.is_watched
         for n in range(1000):
             live.listener(vehicle_at(5, 7, 101.0 + n))
+
+
+@pytest.mark.usefixtures("no_tiles")
+@pytest.mark.parametrize(
+    ("error", "ended"), [(VehicleError("no arming"), "failed"), (KeyboardInterrupt(), "interrupted")]
+)
+def test_a_flight_that_fails_is_over_on_the_map(error: BaseException, ended: str) -> None:
+    """Nothing else tells the page, which would show the last phase for ever."""
+    live = LiveMap(made_replay()[0])
+    with pytest.raises(type(error)), live:
+        raise error
+    assert (live._data.status.ended, live._data.status.problem) == (ended, str(error))
 
 
 WEBSOCKET = (

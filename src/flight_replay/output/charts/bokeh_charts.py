@@ -8,24 +8,35 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range
+from bokeh.models.annotations import Label, ScaleBar
+from bokeh.models.annotations.dimensional import Metric
 from bokeh.plotting import figure
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.output.charts.series import LINE_COLOURS, PLANNED_COLOUR, ReplaySeries
+from flight_replay.output.charts.series import (
+    LINE_COLOURS,
+    PLANNED_COLOUR,
+    PREDICTED_COLOUR,
+    ReplaySeries,
+)
 
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
-LABEL_GAP_SHARE = 0.08
+LABEL_GAP_SHARE = 0.14
 """Least distance between two waypoint numbers, as a share of the map's longer side."""
 _MARGIN_SHARE = 0.16  # Waypoint numbers stand outside the path, on narrow screens too.
 _LABEL_OFFSET_PX = 13
 _LEGEND_COLUMNS = 2  # More do not fit a telephone.
+_LEGEND_GAP_PX = 10
+_HOME_PX = 17
 
 
 def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
-    """The recorded and the planned path to scale, north up, with numbered waypoints if there are any.
+    """The recorded and the planned path to scale, north up, with home, and waypoints by their numbers.
 
-    What is not covered of the recording is paler.
+    What is not covered of the recording is paler. The predicted path is there until there is a flown one.
+    The place of home is the data source named "home".
     """
     chart = figure(
         height=height,
@@ -44,13 +55,50 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
         chart.line(east_m, north_m, color=LINE_COLOURS[name], width=5, legend_label=name)
     north_m, east_m = series.planned_m.T
     chart.line(east_m, north_m, color=PLANNED_COLOUR, width=1.5, line_dash="dashed", legend_label="planned")
+    if series.predicted_unflown is not None:
+        north_m, east_m = series.predicted_unflown.north_east_m.T
+        chart.line(east_m, north_m, color=PREDICTED_COLOUR, width=1.5, legend_label="predicted")
     if series.waypoint_seqs:
         _add_waypoints(chart, series)
+    _add_home(chart, series.home_m)
+    _add_scale_and_north(chart)
     chart.legend.orientation = "horizontal"
     chart.legend.ncols = _LEGEND_COLUMNS
     chart.add_layout(chart.legend[0], "above")
     chart.legend.border_line_color = None
+    chart.legend.spacing = _LEGEND_GAP_PX
     return chart
+
+
+def _add_home(chart: figure, home_m: Floats | None) -> None:
+    place = [] if home_m is None else [home_m]
+    source = ColumnDataSource(
+        {"east": [float(each[1]) for each in place], "north": [float(each[0]) for each in place]}, name="home"
+    )
+    chart.scatter(
+        "east", "north", source=source, size=_HOME_PX, fill_color="white", line_color="black",
+        legend_label="home (launch)",
+    )  # fmt: skip
+    chart.text(
+        "east", "north", text=value("H"), source=source, text_align="center", text_baseline="middle",
+        text_font_size="11px", text_font_style="bold",
+    )  # fmt: skip
+
+
+def _add_scale_and_north(chart: figure) -> None:
+    """A scale bar, and an arrow to the north, in the map's lower corners."""
+    chart.add_layout(
+        ScaleBar(
+            range=chart.x_range, unit="m", dimensional=Metric(base_unit="m"), location="bottom_right",
+            background_fill_alpha=0.7, border_line_color=None, padding=4, margin=6,
+        )
+    )  # fmt: skip
+    chart.add_layout(
+        Label(
+            x=14, y=8, x_units="screen", y_units="screen", text="N\n\N{UPWARDS ARROW}", text_align="center",
+            text_font_size="15px", text_font_style="bold", text_line_height=0.9,
+        )
+    )  # fmt: skip
 
 
 def _add_waypoints(chart: figure, series: ReplaySeries) -> None:
@@ -118,5 +166,5 @@ def add_line(chart: figure, times_s: Sequence[float] | Floats, values: Floats, n
     """A line over time in the colour of its name, such as "recorded", "planned" or "flown"."""
     colour = LINE_COLOURS[name]
     width = 4 if name.startswith("recorded") else 1.5
-    line = chart.line(times_s, values, color=colour, width=width)
+    line = chart.line(times_s, values, color=colour, width=width, name=name)
     chart.add_tools(HoverTool(renderers=[line], tooltips=f"{name} @y{{0.00}} at @x{{0.0}} s", mode="mouse"))

@@ -18,6 +18,7 @@ from flight_replay.output.charts.series import (
     FLOWN_COLOUR,
     LINE_COLOURS,
     PLANNED_COLOUR,
+    PREDICTED_COLOUR,
     ErrorSeries,
     PathErrorSeries,
     ReplaySeries,
@@ -109,17 +110,19 @@ def _fill(figure: Figure, series: ReplaySeries) -> None:
 
 def _error_panels(series: ReplaySeries) -> list[Callable[[Axes, ReplaySeries], None]]:
     """What draws each of the errors that there are."""
-    planned, flown = series.planned_error, series.path_error or PathErrorSeries(None, None)
-    name, title = ("planned", "planned path error") if series.path_error is None else ("flown", "path error")
+    planned, shown = series.planned_error, series.shown_error
+    path = shown.path or PathErrorSeries(None, None)
+    which = "" if series.flown is not None else "planned " if shown.path is None else "predicted "
+    name = "planned" if shown.path is None else "flown"
     panels = [
-        (f"{title}, recorded to {name}", planned.recorded_to_path, flown.recorded_to_path, "m"),
-        (f"{title}, {name} to recorded", planned.path_to_recorded, flown.path_to_recorded, "m"),
-        ("position error", None, series.position_error, "m"),
-        ("height error", None, series.height_error, "m"),
-        ("heading error", None, series.heading_error, "deg"),
+        (f"{which}path error, recorded to {name}", planned.recorded_to_path, path.recorded_to_path, "m"),
+        (f"{which}path error, {name} to recorded", planned.path_to_recorded, path.path_to_recorded, "m"),
+        (f"{which}position error", None, shown.position, "m"),
+        (f"{which}height error", None, shown.height, "m"),
+        (f"{which}heading error", None, shown.heading, "deg"),
     ]
     return [
-        partial(_draw_error, title=title, planned=before, flown=after, unit=unit)
+        partial(_draw_error, title=title, errors=(before, after), unit=unit)
         for title, before, after, unit in panels
         if before is not None or after is not None
     ]
@@ -127,20 +130,21 @@ def _error_panels(series: ReplaySeries) -> list[Callable[[Axes, ReplaySeries], N
 
 def _draw_error(
     axes: Axes,
-    _series: ReplaySeries,
+    series: ReplaySeries,
     *,
     title: str,
-    planned: ErrorSeries | None,
-    flown: ErrorSeries | None,
+    errors: tuple[ErrorSeries | None, ErrorSeries | None],
     unit: str,
 ) -> None:
-    """The error planned, thin, as far as was flown, and the error flown; the numbers are the last one's."""
+    """The error planned, thin, as far as was flown, and that flown, or predicted; numbers are the last's."""
+    planned, flown = errors
+    flown_colour = PREDICTED_COLOUR if series.flown is None else FLOWN_COLOUR
     end_s = np.inf if flown is None else flown.time_s[-1]
-    for errors, colour, width in ((planned, PLANNED_COLOUR, 0.7), (flown, FLOWN_COLOUR, 1.1)):
-        if errors is not None:
-            shown = errors.time_s <= end_s
-            axes.plot(errors.time_s[shown], errors.error[shown], color=colour, linewidth=width)
-            axes.set_title(f"{title}\n{statistics_text(errors.statistics, unit)}")
+    for error, colour, width in ((planned, PLANNED_COLOUR, 0.7), (flown, flown_colour, 1.1)):
+        if error is not None:
+            shown = error.time_s <= end_s
+            axes.plot(error.time_s[shown], error.error[shown], color=colour, linewidth=width)
+            axes.set_title(f"{title}\n{statistics_text(error.statistics, unit)}")
     axes.set_ylabel(f"error ({unit})")
     axes.set_ylim(top=max(axes.get_ylim()[1], _SMALLEST_RANGE))
 
@@ -151,9 +155,10 @@ def _draw_map(axes: Axes, series: ReplaySeries) -> None:
         axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=4, label=name, solid_capstyle="round")
     north_m, east_m = series.planned_m.T
     axes.plot(east_m, north_m, "--", color=PLANNED_COLOUR, linewidth=1.2, label="planned")
-    if series.flown is not None:
-        north_m, east_m = series.flown.north_east_m.T
-        axes.plot(east_m, north_m, color=FLOWN_COLOUR, linewidth=1.2, label="flown")
+    for name, line in (("predicted", series.predicted_unflown), ("flown", series.flown)):
+        if line is not None:
+            north_m, east_m = line.north_east_m.T
+            axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=1.2, label=name)
     if series.waypoint_seqs:
         north_m, east_m = series.waypoints_m.T
         axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=3, label="waypoints")
@@ -189,6 +194,7 @@ def _draw_scale_and_north(axes: Axes) -> None:
 def _draw_altitude(axes: Axes, series: ReplaySeries) -> None:
     axes.set_title("altitude above home")
     axes.set_ylabel("altitude (m)")
+    axes.plot(*series.planned_height, "--", color=PLANNED_COLOUR, linewidth=0.9)
     _draw_recorded_and_flown(axes, series, lambda track: track.alt_m)
     if series.reached:
         times_s, altitudes_m = zip(*series.reached, strict=True)
@@ -206,5 +212,6 @@ def _draw_recorded_and_flown(
 ) -> None:
     for name, track in series.recorded_lines:
         axes.plot(track.time_s, values(track), color=LINE_COLOURS[name], linewidth=2)
-    if series.flown is not None:
-        axes.plot(series.flown.time_s, values(series.flown), color=FLOWN_COLOUR, linewidth=0.9)
+    for name, flight in (("predicted", series.predicted_unflown), ("flown", series.flown)):
+        if flight is not None:
+            axes.plot(flight.time_s, values(flight), color=LINE_COLOURS[name], linewidth=0.9)

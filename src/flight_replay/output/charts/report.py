@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from bokeh.models import Range
 
 SUFFIXES = (".html", ".htm")
+_SMALLEST_RANGE = 0.1  # Metres or degrees: millimetres must not look like much.
 Summary = Mapping[str, Any]
 _SUMMARIES = {
     None: "Plan only: nothing was flown.",
@@ -114,44 +115,54 @@ def _charts(series: ReplaySeries) -> list[Model]:
 
 
 def _time_charts(series: ReplaySeries) -> list[Model]:
-    """Errors, altitude and speed over one time axis."""
+    """Errors, altitude and speed over one time axis; what is predicted where nothing was flown."""
     from flight_replay.output.charts.bokeh_charts import add_line, time_chart
 
     altitude = time_chart("altitude above home", series.time_label, "altitude (m)")
     speed = time_chart("ground speed", series.time_label, "speed (m/s)", x_range=altitude.x_range)
-    flown = () if series.flown is None else (("flown", series.flown),)
-    for name, track in (*series.recorded_lines, *flown):
+    for name, track in series.recorded_lines:
         add_line(altitude, track.time_s, track.alt_m, name)
         add_line(speed, track.time_s, track.speed_m_s, name)
+    add_line(altitude, *series.planned_height, "planned")
+    for name, flight in (("predicted", series.predicted_unflown), ("flown", series.flown)):
+        if flight is not None:
+            add_line(altitude, flight.time_s, flight.alt_m, name)
+            add_line(speed, flight.time_s, flight.speed_m_s, name)
     return [*_error_charts(series), altitude, speed]
 
 
 def _errors_shown(series: ReplaySeries) -> list[tuple[str, str, ErrorSeries | None, ErrorSeries | None]]:
-    """Title, label of the axis, and the lines planned and flown of every chart of errors."""
-    plan, flown = series.planned_error, series.path_error or PathErrorSeries(None, None)
+    """Title, label of the axis, and the lines planned and flown, or predicted, of every chart of errors."""
+    plan, shown = series.planned_error, series.shown_error
+    path = shown.path or PathErrorSeries(None, None)
     metres = "error (m)"
     return [
-        ("path error: recorded fixes to the path", metres, plan.recorded_to_path, flown.recorded_to_path),
-        ("path error: the path to the recorded line", metres, plan.path_to_recorded, flown.path_to_recorded),
-        ("position error at equal times", metres, None, series.position_error),
-        ("height error at equal times", metres, None, series.height_error),
-        ("heading error at equal times", "error (degrees)", None, series.heading_error),
+        ("path error: recorded fixes to the path", metres, plan.recorded_to_path, path.recorded_to_path),
+        ("path error: the path to the recorded line", metres, plan.path_to_recorded, path.path_to_recorded),
+        ("position error at equal times", metres, None, shown.position),
+        ("height error at equal times", metres, None, shown.height),
+        ("heading error at equal times", "error (degrees)", None, shown.heading),
     ]
 
 
 def _error_charts(series: ReplaySeries) -> list[Model]:
     """A chart of each of the errors that there are, planned as far as was flown, over one time axis."""
+    from bokeh.models import Range1d
+
     from flight_replay.output.charts.bokeh_charts import add_line, time_chart
 
     charts: list[Model] = []
     x_range: Range | None = None
+    last = "predicted" if series.flown is None else "flown"
     for title, y_label, planned, flown in _errors_shown(series):
         if planned is None and flown is None:
             continue
         chart = time_chart(title, series.time_label, y_label, x_range=x_range)
         x_range = chart.x_range
+        if max(each.statistics.max for each in (planned, flown) if each is not None) < _SMALLEST_RANGE:
+            chart.y_range = Range1d(start=0, end=_SMALLEST_RANGE)
         end_s = math.inf if flown is None else flown.time_s[-1]
-        for name, errors in (("planned", planned), ("flown", flown)):
+        for name, errors in (("planned", planned), (last, flown)):
             if errors is not None:
                 shown = errors.time_s <= end_s
                 add_line(chart, errors.time_s[shown], errors.error[shown], name)

@@ -22,13 +22,16 @@ from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 
 RECORDED_COLOUR, PLANNED_COLOUR, FLOWN_COLOUR = "#8c8c8c", "#0072B2", "#D55E00"
+PREDICTED_COLOUR = "#009E73"
 """Line colours of every chart, from the colour-blind safe palette of Okabe and Ito."""
 NOT_COVERED_COLOUR = "#d4d4d4"
 """The colour of what was recorded, but is not covered."""
+NOT_COVERED = "recorded, not covered"
 LINE_COLOURS = {
-    "recorded, not covered": NOT_COVERED_COLOUR,
+    NOT_COVERED: NOT_COVERED_COLOUR,
     "recorded": RECORDED_COLOUR,
     "planned": PLANNED_COLOUR,
+    "predicted": PREDICTED_COLOUR,
     "flown": FLOWN_COLOUR,
 }
 CURVE_TOLERANCE_M = 0.05
@@ -65,12 +68,24 @@ class PathErrorSeries:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FlightErrorSeries:
+    """All errors of a flight; None where there is nothing to compare."""
+
+    path: PathErrorSeries | None = None
+    position: ErrorSeries | None = None
+    height: ErrorSeries | None = None
+    heading: ErrorSeries | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ReplaySeries:
     """Everything that the charts of a replay draw; what does not exist is None.
 
     ``recording`` is all of the recorded flight, ``recorded`` what of it was flown again, or is
-    planned to be. ``reached`` holds (time, planned altitude) of each waypoint reached. ``time_label`` is
-    what charts over time say of their time.
+    planned to be. ``planned_height`` holds times and heights above home that the plan asks for,
+    ``predicted`` is where the model flies it, with ``predicted_error``; ``home_m`` is (north, east).
+    ``reached`` holds (time, planned altitude) of each waypoint reached. ``time_label`` is what charts over
+    time say of their time.
     """
 
     recording: TrackSeries
@@ -79,7 +94,11 @@ class ReplaySeries:
     waypoints_m: Floats
     waypoint_seqs: tuple[int, ...]
     planned_error: PathErrorSeries
+    planned_height: tuple[Floats, Floats]
     time_label: str
+    home_m: Floats | None = None
+    predicted: TrackSeries | None = None
+    predicted_error: FlightErrorSeries = FlightErrorSeries()
     flown: TrackSeries | None = None
     path_error: PathErrorSeries | None = None
     position_error: ErrorSeries | None = None
@@ -88,19 +107,31 @@ class ReplaySeries:
     reached: tuple[tuple[float, float], ...] = ()
 
     @property
+    def predicted_unflown(self) -> TrackSeries | None:
+        """What is predicted, as long as nothing is flown."""
+        return self.predicted if self.flown is None else None
+
+    @property
+    def shown_error(self) -> FlightErrorSeries:
+        """The errors that were flown, or else those that are predicted."""
+        if self.flown is None:
+            return self.predicted_error
+        return FlightErrorSeries(self.path_error, self.position_error, self.height_error, self.heading_error)
+
+    @property
     def recorded_lines(self) -> tuple[tuple[str, TrackSeries], ...]:
         """The recorded lines to draw, by their names: below, all that was recorded, unless all is covered."""
         whole, part = self.recording.time_s, self.recorded.time_s
         if len(part) and part[0] <= whole[0] and part[-1] >= whole[-1]:
             return (("recorded", self.recorded),)
-        return (("recorded, not covered", self.recording), ("recorded", self.recorded))
+        return ((NOT_COVERED, self.recording), ("recorded", self.recorded))
 
 
 def replay_series(
     route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
 ) -> ReplaySeries:
     """The series of a route, and of the flight that followed it if there was one."""
-    frame, waypoints = route.frame, route.mission.waypoints
+    frame, waypoints, home = route.frame, route.mission.waypoints, route.mission.home
     planned = route.path
     if route.reference is None:
         planned = path_through(destinations(route.mission.items, frame), tolerance_m=CURVE_TOLERANCE_M)
@@ -116,7 +147,11 @@ def replay_series(
         ),
         waypoint_seqs=tuple(seq for seq, _ in waypoints),
         planned_error=_path_error_series(route.planned_error),
+        planned_height=_planned_height(route),
         time_label=time_label(route),
+        home_m=None if home is None else frame.to_metres(home.lat_deg, home.lon_deg),
+        predicted=_predicted_series(route),
+        predicted_error=_flight_error_series(route.predicted),
     )
     if record is not None:
         flown = _flown_series(route, record) if len(record.flown) else None
@@ -125,13 +160,43 @@ def replay_series(
 
 
 def _with_errors(series: ReplaySeries, errors: FlightErrors) -> ReplaySeries:
+    shown = _flight_error_series(errors)
     return replace(
         series,
-        path_error=_path_error_series(errors.path_m) if len(errors.path_m.recorded_to_path) else None,
-        position_error=_error_series(errors.position_m),
-        height_error=_error_series(errors.height_m),
-        heading_error=_error_series(errors.heading_deg),
+        path_error=shown.path,
+        position_error=shown.position,
+        height_error=shown.height,
+        heading_error=shown.heading,
     )
+
+
+def _flight_error_series(errors: FlightErrors | None) -> FlightErrorSeries:
+    if errors is None:
+        return FlightErrorSeries()
+    return FlightErrorSeries(
+        path=_path_error_series(errors.path_m) if len(errors.path_m.recorded_to_path) else None,
+        position=_error_series(errors.position_m),
+        height=_error_series(errors.height_m),
+        heading=_error_series(errors.heading_deg),
+    )
+
+
+def _planned_height(route: Route) -> tuple[Floats, Floats]:
+    """When the recording is at its fixes, and how high the plan has the vehicle there."""
+    keep = thin_indices(len(route.wanted))
+    return route.wanted.time_s[keep], route.planned_up_m[keep]
+
+
+def _predicted_series(route: Route) -> TrackSeries | None:
+    """Where the model flies, its speed that between two places."""
+    flown = route.predicted_flight
+    if flown is None or len(flown) < 2:
+        return None
+    keep = thin_indices(len(flown))
+    places_m, time_s = flown.north_east_m[keep], flown.time_s[keep]
+    steps_s = np.maximum(np.diff(time_s), 1e-3)
+    speed_m_s = np.linalg.norm(np.diff(places_m, axis=0), axis=1) / steps_s
+    return TrackSeries(places_m, time_s, flown.up_m[keep], np.append(speed_m_s[:1], speed_m_s))
 
 
 def time_label(route: Route) -> str:

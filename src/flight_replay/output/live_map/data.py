@@ -16,9 +16,12 @@ import numpy as np
 from flight_replay.events import Event, Following, Phase, VehicleState, WaypointReached
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments
+from flight_replay.output.charts.series import thin_indices
 from flight_replay.output.replay_status import ReplayStatus
 from flight_replay.planning.route import Route
 
+_RETURN_MODES = ("RTL", "SMART_RTL", "AUTO_RTL", "LAND")
+_PREDICTED_POINTS = 2000
 SEARCH_WINDOW_M = 15.0
 """Length of the recorded path that is searched, behind and ahead of the vehicle's last place on it."""
 
@@ -27,12 +30,15 @@ SEARCH_WINDOW_M = 15.0
 class MapPoint:
     """A position of the vehicle relative to the first fix, and its errors; NaN where not known.
 
-    ``elapsed_s`` counts from when the vehicle reached the first waypoint; where it follows a recording, it
-    is the recording's time.
+    ``up_m`` is above home. ``elapsed_s`` counts from when the vehicle reached the first waypoint; where it
+    follows a recording, it is the recording's time. ``returns`` is whether it is on its way home.
     """
 
     north_m: float
     east_m: float
+    up_m: float
+    speed_m_s: float
+    returns: bool
     elapsed_s: float
     path_error_m: float
     position_error_m: float
@@ -60,6 +66,11 @@ class MapData:
         self._first_seq = route.mission.waypoints[0][0]
         waypoints = route.mission.waypoints if route.reference is None else ()
         self._waypoints = {seq: (item.lat_deg, item.lon_deg) for seq, item in waypoints}
+        home = route.mission.home
+        self.home_m = None if home is None else self._place_m(home.lat_deg, home.lon_deg)
+        self.route = route
+        self.predicted_path_error = _predicted_path_error(route)
+        self._armed: bool | None = None
         self._start_s: float | None = None
         self._points: list[MapPoint] = []
         self._lock = threading.Lock()
@@ -73,6 +84,9 @@ class MapData:
         if isinstance(event, WaypointReached) and event.seq == self._first_seq and self._start_s is None:
             self._start_s = event.time_s
         if isinstance(event, VehicleState):
+            if event.armed and self._armed is False:  # Home is where it is armed.
+                self.home_m = self._place_m(event.lat_deg, event.lon_deg)
+            self._armed = event.armed
             point = self._point(event)
             with self._lock:
                 self._points.append(point)
@@ -102,19 +116,23 @@ class MapData:
         return following.recording_s + since_s
 
     def _target(self, lat_deg: float, lon_deg: float, label: str) -> MapTarget:
+        return MapTarget(*self._place_m(lat_deg, lon_deg), label)
+
+    def _place_m(self, lat_deg: float, lon_deg: float) -> tuple[float, float]:
         north_m, east_m = self._frame.to_metres(lat_deg, lon_deg)
-        return MapTarget(float(north_m), float(east_m), label)
+        return float(north_m), float(east_m)
 
     def _point(self, state: VehicleState) -> MapPoint:
-        position_m = self._frame.to_metres(state.lat_deg, state.lon_deg)
-        north_m, east_m = float(position_m[0]), float(position_m[1])
-        if self._start_s is None or state.mode not in ("AUTO", "GUIDED"):
-            return MapPoint(north_m, east_m, *[math.nan] * 5)
-        elapsed_s = state.time_s - self._start_s
-        if elapsed_s < 0:
-            return MapPoint(north_m, east_m, *[math.nan] * 5)
-        path_error_m = self._path_error.update(position_m)
-        return MapPoint(north_m, east_m, elapsed_s, path_error_m, *self._errors_at(elapsed_s, state))
+        place_m = self._place_m(state.lat_deg, state.lon_deg)
+        returns = self.status.phase in (Phase.RETURN, Phase.CLOSE) or state.mode in _RETURN_MODES
+        elapsed_s = math.nan if self._start_s is None else state.time_s - self._start_s
+        errors = [math.nan] * 4
+        if elapsed_s >= 0 and state.mode in ("AUTO", "GUIDED"):
+            path_error_m = self._path_error.update(np.array(place_m))
+            errors = [path_error_m, *self._errors_at(elapsed_s, state)]
+        speed_m_s = math.hypot(*state.velocity_m_s[:2])
+        known_s = elapsed_s if elapsed_s >= 0 else math.nan
+        return MapPoint(*place_m, state.alt_m, speed_m_s, returns, known_s, *errors)
 
     def _errors_at(self, elapsed_s: float, state: VehicleState) -> tuple[float, float, float]:
         """Position, height and heading error at ``elapsed_s``; NaN where unknown or outside the recording."""
@@ -126,6 +144,17 @@ class MapData:
         flown_deg = math.nan if state.heading_deg is None else state.heading_deg
         turn_deg = (flown_deg - float(self._wanted.headings_at(now)[0]) + 180.0) % 360.0 - 180.0
         return math.hypot(*apart_m.tolist()), height_m, abs(turn_deg)
+
+
+def _predicted_path_error(route: Route) -> tuple[Floats, Floats]:
+    """Times (n,), and the live path error (n,) that the flight is predicted to have."""
+    if route.predicted_flight is None:
+        return np.zeros(0), np.zeros(0)
+    flight = route.predicted_flight
+    flight = flight.select(flight.time_s >= 0)
+    shown = flight.select(thin_indices(len(flight), _PREDICTED_POINTS)) if len(flight) else flight
+    path_error = LivePathError(route.wanted.north_east_m)
+    return shown.time_s, np.array([path_error.update(place_m) for place_m in shown.north_east_m])
 
 
 class LivePathError:

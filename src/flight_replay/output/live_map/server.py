@@ -14,7 +14,7 @@ import time
 from types import TracebackType
 from typing import Any
 
-from flight_replay.events import Event
+from flight_replay.events import Event, Finished
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.charts.series import replay_series
@@ -57,7 +57,11 @@ class LiveMap:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Stop once open pages have shown the last events."""
+        """Stop once open pages have shown the last events, and how it ended."""
+        if error is not None and self._data.status.ended is None:
+            self._data.listener(
+                Finished("interrupted" if kind is KeyboardInterrupt else "failed", str(error))
+            )
         if self.is_watched:
             time.sleep(_FINAL_UPDATE_S)
         self._loop.add_callback(self._loop.stop)
@@ -84,8 +88,9 @@ class LiveMap:
 
         from flight_replay.output.live_map.access import GuardedTornado, bounded_server
 
-        # Browsers request icons that do not exist, which tornado would log.
-        logging.getLogger("tornado.access").setLevel(logging.ERROR)
+        # Browsers request icons that do not exist, and close pages that something is being sent to.
+        for name in ("tornado.access", "bokeh.server.views.ws"):
+            logging.getLogger(name).setLevel(logging.ERROR)
         asyncio.set_event_loop(asyncio.new_event_loop())
         sockets, port = bind_sockets(_HOST, 0)
         token = secrets.token_urlsafe(16)

@@ -25,7 +25,7 @@ def with_prediction(route: Route, limits: Limits) -> Route:
         return route
     flown = predicted_following(route, route.reference, limits)
     errors = flight_errors(route.wanted, flown, last_s=float(route.wanted.time_s[-1]))
-    return replace(route, predicted=errors)
+    return replace(route, predicted=errors, predicted_flight=flown)
 
 
 def predicted_following(route: Route, reference: ReferenceMotion, limits: Limits) -> Movement:
