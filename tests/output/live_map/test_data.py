@@ -67,6 +67,16 @@ def test_a_sharp_turn_is_matched_in_order() -> None:
     assert max(path_error.update(position_m) for position_m in positions_m) < 0.6
 
 
+def test_a_part_that_is_left_out_is_passed() -> None:
+    """A fitted route may leave out a spur of the recorded path, which goes on behind it."""
+    line = np.column_stack([np.linspace(0, 100, 201), np.zeros(201)])
+    spur = np.column_stack([np.full(81, 50.0), 20 - np.abs(np.linspace(-20, 20, 81))])
+    path_error = LivePathError(np.vstack([line[:101], spur, line[101:]]))
+    errors_m = [path_error.update(place_m) for place_m in line]
+    assert max(errors_m) < 15.0
+    assert max(errors_m[-60:]) < 0.01
+
+
 def test_a_single_fix_is_a_path() -> None:
     """A log of a hover has a map too."""
     assert LivePathError(np.zeros((1, 2))).update(np.array([3.0, 4.0])) == pytest.approx(5)

@@ -30,6 +30,8 @@ _LABEL_OFFSET_PX = 13
 _LEGEND_COLUMNS = 2  # More do not fit a telephone.
 _LEGEND_GAP_PX = 10
 _HOME_PX = 17
+_LINE_WIDTHS = {"recorded": 4.0, "recorded, not covered": 4.0, "predicted": 2.5}
+"""Those of lines that are drawn below others, which they must not be hidden by."""
 
 
 def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
@@ -53,11 +55,11 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
     for name, track in series.recorded_lines:
         north_m, east_m = track.north_east_m.T
         chart.line(east_m, north_m, color=LINE_COLOURS[name], width=5, legend_label=name)
-    north_m, east_m = series.planned_m.T
-    chart.line(east_m, north_m, color=PLANNED_COLOUR, width=1.5, line_dash="dashed", legend_label="planned")
     if series.predicted_unflown is not None:
         north_m, east_m = series.predicted_unflown.north_east_m.T
-        chart.line(east_m, north_m, color=PREDICTED_COLOUR, width=1.5, legend_label="predicted")
+        chart.line(east_m, north_m, color=PREDICTED_COLOUR, width=3, legend_label="predicted")
+    north_m, east_m = series.planned_m.T
+    chart.line(east_m, north_m, color=PLANNED_COLOUR, width=1.5, line_dash="dashed", legend_label="planned")
     if series.waypoint_seqs:
         _add_waypoints(chart, series)
     _add_home(chart, series.home_m)
@@ -165,6 +167,6 @@ def time_chart(
 def add_line(chart: figure, times_s: Sequence[float] | Floats, values: Floats, name: str) -> None:
     """A line over time in the colour of its name, such as "recorded", "planned" or "flown"."""
     colour = LINE_COLOURS[name]
-    width = 4 if name.startswith("recorded") else 1.5
+    width = _LINE_WIDTHS.get(name, 1.5)
     line = chart.line(times_s, values, color=colour, width=width, name=name)
     chart.add_tools(HoverTool(renderers=[line], tooltips=f"{name} @y{{0.00}} at @x{{0.0}} s", mode="mouse"))

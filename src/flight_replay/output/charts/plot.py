@@ -153,12 +153,14 @@ def _draw_map(axes: Axes, series: ReplaySeries) -> None:
     for name, track in series.recorded_lines:
         north_m, east_m = track.north_east_m.T
         axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=4, label=name, solid_capstyle="round")
+    if series.predicted_unflown is not None:
+        north_m, east_m = series.predicted_unflown.north_east_m.T
+        axes.plot(east_m, north_m, color=PREDICTED_COLOUR, linewidth=2.2, label="predicted")
     north_m, east_m = series.planned_m.T
     axes.plot(east_m, north_m, "--", color=PLANNED_COLOUR, linewidth=1.2, label="planned")
-    for name, line in (("predicted", series.predicted_unflown), ("flown", series.flown)):
-        if line is not None:
-            north_m, east_m = line.north_east_m.T
-            axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=1.2, label=name)
+    if series.flown is not None:
+        north_m, east_m = series.flown.north_east_m.T
+        axes.plot(east_m, north_m, color=FLOWN_COLOUR, linewidth=1.2, label="flown")
     if series.waypoint_seqs:
         north_m, east_m = series.waypoints_m.T
         axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=3, label="waypoints")
@@ -194,11 +196,11 @@ def _draw_scale_and_north(axes: Axes) -> None:
 def _draw_altitude(axes: Axes, series: ReplaySeries) -> None:
     axes.set_title("altitude above home")
     axes.set_ylabel("altitude (m)")
-    axes.plot(*series.planned_height, "--", color=PLANNED_COLOUR, linewidth=0.9)
+    axes.plot(*series.planned_height, "--", color=PLANNED_COLOUR, linewidth=0.9, zorder=2.2)
     _draw_recorded_and_flown(axes, series, lambda track: track.alt_m)
     if series.reached:
         times_s, altitudes_m = zip(*series.reached, strict=True)
-        axes.plot(times_s, altitudes_m, ".", color=PLANNED_COLOUR, ms=3)
+        axes.plot(times_s, altitudes_m, ".", color=PLANNED_COLOUR, ms=3, zorder=2.2)
 
 
 def _draw_speed(axes: Axes, series: ReplaySeries) -> None:
@@ -214,4 +216,4 @@ def _draw_recorded_and_flown(
         axes.plot(track.time_s, values(track), color=LINE_COLOURS[name], linewidth=2)
     for name, flight in (("predicted", series.predicted_unflown), ("flown", series.flown)):
         if flight is not None:
-            axes.plot(flight.time_s, values(flight), color=LINE_COLOURS[name], linewidth=0.9)
+            axes.plot(flight.time_s, values(flight), color=LINE_COLOURS[name], linewidth=0.9, zorder=2.5)

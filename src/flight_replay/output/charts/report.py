@@ -123,9 +123,11 @@ def _time_charts(series: ReplaySeries) -> list[Model]:
     for name, track in series.recorded_lines:
         add_line(altitude, track.time_s, track.alt_m, name)
         add_line(speed, track.time_s, track.speed_m_s, name)
-    add_line(altitude, *series.planned_height, "planned")
-    for name, flight in (("predicted", series.predicted_unflown), ("flown", series.flown)):
-        if flight is not None:
+    lines = {"predicted": series.predicted_unflown, "planned": None, "flown": series.flown}
+    for name, flight in lines.items():
+        if name == "planned":
+            add_line(altitude, *series.planned_height, name)
+        elif flight is not None:
             add_line(altitude, flight.time_s, flight.alt_m, name)
             add_line(speed, flight.time_s, flight.speed_m_s, name)
     return [*_error_charts(series), altitude, speed]
@@ -153,7 +155,6 @@ def _error_charts(series: ReplaySeries) -> list[Model]:
 
     charts: list[Model] = []
     x_range: Range | None = None
-    last = "predicted" if series.flown is None else "flown"
     for title, y_label, planned, flown in _errors_shown(series):
         if planned is None and flown is None:
             continue
@@ -162,7 +163,10 @@ def _error_charts(series: ReplaySeries) -> list[Model]:
         if max(each.statistics.max for each in (planned, flown) if each is not None) < _SMALLEST_RANGE:
             chart.y_range = Range1d(start=0, end=_SMALLEST_RANGE)
         end_s = math.inf if flown is None else flown.time_s[-1]
-        for name, errors in (("planned", planned), (last, flown)):
+        lines = (("planned", planned), ("flown", flown))
+        if series.flown is None:
+            lines = (("predicted", flown), ("planned", planned))  # What is wide is drawn first.
+        for name, errors in lines:
             if errors is not None:
                 shown = errors.time_s <= end_s
                 add_line(chart, errors.time_s[shown], errors.error[shown], name)

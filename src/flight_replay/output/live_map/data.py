@@ -15,6 +15,7 @@ import numpy as np
 
 from flight_replay.events import Event, Following, Phase, VehicleState, WaypointReached
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments
 from flight_replay.output.charts.series import thin_indices
 from flight_replay.output.replay_status import ReplayStatus
@@ -147,14 +148,13 @@ class MapData:
 
 
 def _predicted_path_error(route: Route) -> tuple[Floats, Floats]:
-    """Times (n,), and the live path error (n,) that the flight is predicted to have."""
-    if route.predicted_flight is None:
-        return np.zeros(0), np.zeros(0)
+    """Times (n,), and how far the model is from the recorded line then (n,), matched in order."""
     flight = route.predicted_flight
+    if flight is None or not (flight.time_s >= 0).any():
+        return np.zeros(0), np.zeros(0)
     flight = flight.select(flight.time_s >= 0)
-    shown = flight.select(thin_indices(len(flight), _PREDICTED_POINTS)) if len(flight) else flight
-    path_error = LivePathError(route.wanted.north_east_m)
-    return shown.time_s, np.array([path_error.update(place_m) for place_m in shown.north_east_m])
+    shown = flight.select(thin_indices(len(flight), _PREDICTED_POINTS))
+    return shown.time_s, match_in_order(shown.north_east_m, route.wanted.north_east_m).distance_m
 
 
 class LivePathError:
@@ -162,7 +162,8 @@ class LivePathError:
 
     The path is searched near the vehicle's last place on it, so that a path that crosses itself is
     matched in order. The search goes back a little too: before a sharp turn, the leg after the turn
-    may be the nearer one.
+    may be the nearer one. It goes the farther ahead the farther the vehicle is from the path: it may
+    have left a part of it out.
     """
 
     def __init__(self, path_m: Floats) -> None:
@@ -170,18 +171,20 @@ class LivePathError:
         self._along_m = lengths_along_m(self._path)
         self._reached_m = 0.0
         self._last_m: Floats | None = None
+        self._error_m = 0.0
 
     def update(self, position_m: Floats) -> float:
         """Distance of the next position, searched ahead by twice the distance moved since the last."""
         moved_m = 0.0 if self._last_m is None else float(np.linalg.norm(position_m - self._last_m))
         self._last_m = position_m
-        first, last = self._window(2 * moved_m)
+        first, last = self._window(2 * (moved_m + self._error_m))
         start, step = self._path[first:last], np.diff(self._path[first : last + 1], axis=0)
         share, distances = nearest_on_segments(position_m, start, step)
         nearest = int(distances.argmin())
         length_m = float(np.linalg.norm(step[nearest]))
         self._reached_m = float(self._along_m[first + nearest]) + float(share[nearest]) * length_m
-        return float(distances[nearest])
+        self._error_m = float(distances[nearest])
+        return self._error_m
 
     def _window(self, ahead_m: float) -> tuple[int, int]:
         """First and last index of the points to search; at least one segment."""

@@ -91,10 +91,10 @@ class LiveCharts:
         for name, track in series.recorded_lines:
             add_line(height, track.time_s, track.alt_m, name)
             add_line(speed, track.time_s, track.speed_m_s, name)
-        add_line(height, *series.planned_height, "planned")
         if series.predicted is not None:
             add_line(height, series.predicted.time_s, series.predicted.alt_m, "predicted")
             add_line(speed, series.predicted.time_s, series.predicted.speed_m_s, "predicted")
+        add_line(height, *series.planned_height, "planned")
 
     def _flown_line(self, name: str) -> Any:
         source = self._errors if name in ("path", "position") else self._states
