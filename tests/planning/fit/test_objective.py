@@ -7,9 +7,11 @@ import pytest
 
 from flight_replay.planning.fit.line_simplification import straight_draft
 from flight_replay.planning.fit.objective import (
+    CREEPING_M_S,
     TIMED_PLAN_SHARE,
     Evaluation,
     Offsets,
+    creeping_s,
     directions,
     evaluate,
     match_to_plan,
@@ -42,12 +44,24 @@ def evaluation_with(planned_m: list[float], flown_m: list[float], late_m: list[f
     n = len(planned_m)
     recording = local_track(along([(0, 0), (n - 1, 0)], 1.0, rate_hz=1.0), 20.0)
     line = straight_draft(recording, np.array([0, n - 1]))
-    whole = evaluate(simulate_draft(line, Limits(), 0.05), recording, timed=True)
+    whole = replace(evaluate(simulate_draft(line, Limits(), 0.05), recording, timed=True), creeping_s=0.0)
     planned, flown = (
         (Offsets(np.zeros(n, np.intp), np.zeros(n), np.column_stack([np.zeros(n), off])),) * 2
         for off in (planned_m, flown_m)
     )
     return replace(whole, planned=planned, flown=flown, late_m=np.array(late_m))
+
+
+def test_creeping_costs_and_stopping_does_not() -> None:
+    """Ten seconds at 3 cm/s halfway, where the vehicle is to stop or not; the ends are stops."""
+    draft = straight_draft(local_track(along([(0, 0), (30, 0), (60, 0)], 4.0), 20.0), np.array([0, 30, 60]))
+    stopping = replace(draft, hold_s=np.array([0.0, 3.0, 0.0]))
+    time_s = np.arange(0.0, 30.0, 0.1)
+    hover_m = np.column_stack([np.interp(time_s, [0, 10, 20, 30], [0, 30, 30.3, 60]), np.zeros(len(time_s))])
+    assert creeping_s(draft, time_s, hover_m) == pytest.approx(10.0, abs=0.2)
+    assert creeping_s(stopping, time_s, hover_m) == 0.0
+    at_end_m = np.column_stack([np.interp(time_s, [0, 10, 30], [0, 59.9, 60]), np.zeros(len(time_s))])
+    assert creeping_s(draft, time_s, at_end_m) == 0.0
 
 
 def test_the_objective_is_a_sum_with_fixed_shares() -> None:
@@ -58,6 +72,8 @@ def test_the_objective_is_a_sum_with_fixed_shares() -> None:
     assert evaluation_with([1, 1, 1], [2, 2, 2], [5, 10, 15]).objective_m == pytest.approx(
         3.5 + TIMED_PLAN_SHARE
     )
+    creeping = replace(evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]), creeping_s=10.0)
+    assert creeping.objective_m == pytest.approx(2.0 + 10.0 * CREEPING_M_S)
 
 
 def test_one_fix_at_2_m_counts_as_sixteen_at_1_m() -> None:

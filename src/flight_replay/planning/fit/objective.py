@@ -5,6 +5,7 @@ The objective, in metres, smaller is better:
     path error, flown
     + plan share x path error, planned
     + TIME_SHARE x mean position error, flown
+    + CREEPING_M_S x seconds of creeping, where the recorded speed is kept
 
 "Flown" is what the model of ArduCopter predicts, "planned" the path on paper. A path error counts both
 ways, half and half: from every fix to the path, matched in order, and from every part of the path
@@ -22,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats, Indices
+from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
 from flight_replay.planning.fit.basis import weights
@@ -33,12 +34,14 @@ from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 PLAN_SHARE, TIMED_PLAN_SHARE = 1.0, 0.3
 """Where the recorded speed is kept, the planned path has to lead the vehicle, which swings out of curves."""
 TIME_SHARE = 0.15
+CREEPING_M_S, CREEPING_SPEED_M_S = 0.02, 0.3
 CURVE_TOLERANCE_M = 0.02
 """How well curves are drawn while fitting; the planned error of the answer is measured finer."""
 _SPACING_M = 0.25
 _BACK_SPACING_M = 0.5
 _PIECE_M = 1.0
 _NUDGE = 0.01
+_AT_STOP_M = 0.5
 _WINDOW_FIXES = 4
 """A point of the path that lies between two fixes in order is compared with the line so many fixes around."""
 
@@ -67,6 +70,7 @@ class Evaluation:
 
     ``planned`` and ``flown`` are each the offsets of both ways: of the fixes, and of the path's own points.
     ``flown_s`` (n,) is when the vehicle flies by each fix, ``late_m`` (n,) the position error that counts.
+    ``creeping_s`` is how long it creeps.
     """
 
     flight: SimulatedDraft
@@ -74,6 +78,7 @@ class Evaluation:
     flown: tuple[Offsets, Offsets]
     flown_s: Floats
     late_m: Floats
+    creeping_s: float
     plan_share: float
 
     @property
@@ -90,7 +95,8 @@ class Evaluation:
     def objective_m(self) -> float:
         """The number that the fit makes small; see the module."""
         planned, flown = path_error_m(self.planned), path_error_m(self.flown)
-        return flown + self.plan_share * planned + TIME_SHARE * float(self.late_m.mean())
+        late = TIME_SHARE * float(self.late_m.mean()) + CREEPING_M_S * self.creeping_s
+        return flown + self.plan_share * planned + late
 
 
 def path_error_m(both_ways: tuple[Offsets, Offsets]) -> float:
@@ -116,7 +122,24 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     late_m = _late_m(flight, recording)
     if not timed:
         late_m = np.where(flown_s > recording.time_s, late_m, 0.0)
-    return Evaluation(flight, planned, flown, flown_s, late_m, _plan_share(timed=timed))
+    slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else 0.0
+    return Evaluation(flight, planned, flown, flown_s, late_m, slow_s, _plan_share(timed=timed))
+
+
+def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> float:
+    """How long a vehicle creeps that is at such places (k, 2) at such times (k,)."""
+    if len(time_s) < 2:
+        return 0.0
+    steps_s = np.diff(time_s)
+    slow = np.flatnonzero(segment_lengths_m(north_east_m) < CREEPING_SPEED_M_S * steps_s)
+    stops_m = draft.places_m[(draft.hold_s > 0) | _is_end(len(draft)), :2]
+    apart_m = np.linalg.norm(north_east_m[slow, None] - stops_m, axis=2)
+    return float(steps_s[slow[apart_m.min(axis=1, initial=np.inf) > _AT_STOP_M]].sum())
+
+
+def _is_end(places: int) -> Flags:
+    """Which of a draft's places are its first and last (n,)."""
+    return np.isin(np.arange(places), (0, places - 1))
 
 
 def _plan_share(*, timed: bool) -> float:

@@ -11,10 +11,12 @@ from flight_replay.geometry.matching import match_in_order
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
 from flight_replay.planning.fit.objective import (
+    CREEPING_M_S,
     CURVE_TOLERANCE_M,
     TIME_SHARE,
     Evaluation,
     Offsets,
+    creeping_s,
     path_error_m,
     points_along,
 )
@@ -59,7 +61,10 @@ class LocalCost:
         )
         on_legs_m = flight.north_east_m[: flight.ended]
         cost += self._path_m(flight.north_east_m, on_legs_m, begin, end, self.evaluation.flown)
-        return cost + (self._late_m(flight, begin, end) if self.timed else 0.0)
+        if not self.timed:
+            return cost
+        slow_s = creeping_s(draft, flight.time_s[: flight.ended], on_legs_m)
+        return cost + self._late_m(flight, begin, end) + CREEPING_M_S * slow_s
 
     def _path_m(
         self, line_m: Floats, on_legs_m: Floats, begin: int, end: int, both_ways: tuple[Offsets, Offsets]
