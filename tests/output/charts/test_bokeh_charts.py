@@ -17,8 +17,9 @@ from flight_replay.output.charts.bokeh_charts import (
 )
 from flight_replay.output.charts.series import RECORDED_COLOUR, replay_series
 from flight_replay.planning.prediction import with_prediction
+from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.made_replays import made_replay
+from tests.helpers.made_replays import figure_of_eight, made_replay
 
 
 def test_the_map_is_to_scale_and_labelled_with_units() -> None:
@@ -69,6 +70,15 @@ def test_waypoint_numbers_do_not_overlap() -> None:
     drawn: list[Any] = map_chart(series).renderers
     assert sum(isinstance(each.glyph, Text) for each in drawn) == 2  # And that of home.
     assert len(labelled) > 4
+
+
+def test_waypoints_are_counted_as_waypoints() -> None:
+    """Speed changes are items too, which the display and the readings do not count."""
+    series = replay_series(spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0))
+    drawn: list[Any] = map_chart(series).renderers
+    texts = [each for each in drawn if isinstance(each.glyph, Text)]
+    assert series.waypoint_seqs[0] == 2
+    assert texts[0].data_source.data["text"][0] == "1"
 
 
 def test_left_of_a_path_to_the_north_is_west() -> None:

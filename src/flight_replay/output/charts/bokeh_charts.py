@@ -106,18 +106,25 @@ def _add_scale_and_north(chart: figure) -> None:
 def _add_waypoints(chart: figure, series: ReplaySeries) -> None:
     points_m = series.waypoints_m
     source = ColumnDataSource(
-        {"east": points_m[:, 1], "north": points_m[:, 0], "seq": list(series.waypoint_seqs)}
+        {
+            "east": points_m[:, 1],
+            "north": points_m[:, 0],
+            "seq": list(series.waypoint_seqs),
+            "number": list(range(1, len(points_m) + 1)),
+        }
     )
     dots = chart.scatter(
         "east", "north", source=source, size=5, color=PLANNED_COLOUR, legend_label="waypoints"
     )
-    chart.add_tools(HoverTool(renderers=[dots], tooltips="waypoint @seq: @north{0.0} m N, @east{0.0} m E"))
+    chart.add_tools(
+        HoverTool(renderers=[dots], tooltips="waypoint @number (item @seq): @north{0.0} m N, @east{0.0} m E")
+    )
     labelled = label_indices(points_m)
     offsets_px = left_of_path(points_m)[labelled] * _LABEL_OFFSET_PX
     chart.text(
         points_m[labelled, 1],
         points_m[labelled, 0],
-        text=[str(series.waypoint_seqs[n]) for n in labelled],
+        text=[str(n + 1) for n in labelled],
         x_offset=offsets_px[:, 1],
         y_offset=-offsets_px[:, 0],
         text_align="center",
