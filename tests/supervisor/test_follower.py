@@ -109,3 +109,19 @@ def test_the_recordings_time_is_known_between_two_targets() -> None:
         follower.target(time_s)
     assert follower.recording_at_s(50.15) == pytest.approx(-4.85)
     assert follower.recording_at_s(60.0) == pytest.approx(follower.recording_s)
+
+
+def test_a_vehicle_that_is_always_late_gets_its_targets_earlier() -> None:
+    """What a link or an airframe adds to the leads of the firmware is learned, without moving the clock."""
+    follower, reference, late_s = Follower(s_curve(), 3.0, NO_LEADS), s_curve(), 0.08
+    ahead_s = 0.0
+    for time_s in np.arange(95.0, 100.0 + reference.end_s - 1.0, 0.1):
+        target = follower.target(float(time_s))
+        state = reference.state(follower.recording_s + ahead_s - late_s)
+        follower.observe(float(time_s), state.position_m, state.velocity_m_s)
+        ahead_s = follower.learned_lead_s
+    assert ahead_s == pytest.approx(late_s, abs=0.02)
+    assert follower.recording_s == pytest.approx(time_s - 100.0)
+    assert target.position_m == pytest.approx(
+        reference.state(follower.recording_s + ahead_s).position_m, abs=0.01
+    )

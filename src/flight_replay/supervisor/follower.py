@@ -15,6 +15,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.reference_motion import MotionState, ReferenceMotion
+from flight_replay.supervisor.learned_lead import LearnedLead
 
 _CLOCK_CHANGE_PER_S = 0.4  # A clock that starts or stops faster throws the vehicle off by itself.
 _SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 1.0, 2.5  # Drag helps to slow down.
@@ -73,6 +74,7 @@ class Follower:
         self._offset_m = np.zeros(3)
         self._rejoin_m_s = 0.0
         self._behind = False
+        self._learned = LearnedLead()
         self._time_s: float | None = None
         self._past: deque[tuple[float, float, Floats]] = deque()
         self.clock: list[tuple[float, float]] = []
@@ -86,6 +88,11 @@ class Follower:
     def offset_m(self) -> float:
         """How far targets are from the reference, on the way back to it."""
         return float(np.linalg.norm(self._offset_m))
+
+    @property
+    def learned_lead_s(self) -> float:
+        """How much earlier targets are taken than the firmware's leads say, as learned in this flight."""
+        return self._learned.lead_s
 
     @property
     def waiting(self) -> bool:
@@ -128,6 +135,8 @@ class Follower:
         self.error_m = float(np.linalg.norm(position_m - wanted_m))
         self.apart_m = float(np.linalg.norm(position_m - wanted_m + self._offset_m))
         self._behind = self.error_m > self.max_error_m * (_CAUGHT_UP if self._behind else 1.0)
+        if self.rate == 1.0 and self.offset_m == 0.0:
+            self._learned.observe(time_s, wanted_m - position_m, velocity_m_s)
         if self.error_m > _LOST * self.max_error_m:
             self.rejoin(position_m, velocity_m_s, back_s=_REMEMBERED_S, ahead_s=_SEARCH_AHEAD_S)
 
@@ -186,13 +195,14 @@ class Follower:
         """The target at the recording's time, with each quantity ahead by its lead."""
         leads, rate, reference = self.leads, self.rate, self.reference
         at = self._at
+        heading = reference.heading_deg(recording_s + rate * leads.heading_s)
+        recording_s += rate * self.learned_lead_s
         velocity = rate * at(recording_s + rate * leads.velocity_s).velocity_m_s
         ahead = at(recording_s + rate * leads.acceleration_s)
         acceleration = rate * rate * ahead.acceleration_m_s2 + self._change * ahead.velocity_m_s
         apart_m = self.offset_m
         if apart_m > 0:
             velocity = velocity - self._offset_m * (self._rejoin_m_s / apart_m)
-        heading = reference.heading_deg(recording_s + rate * leads.heading_s)
         return MotionTarget(
             at(recording_s + rate * leads.position_s).position_m + self._offset_m,
             velocity,

@@ -1,0 +1,57 @@
+"""The time that is learned in flight, with a vehicle that is late, and one that only cuts corners."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flight_replay.supervisor.learned_lead import LearnedLead
+
+STEP_S = 0.1
+
+
+def circle(time_s: float, radius_m: float = 20.0, speed_m_s: float = 5.0) -> tuple[np.ndarray, np.ndarray]:
+    """Where a circle is at a time, and how it moves there."""
+    angle = speed_m_s / radius_m * time_s
+    ahead, aside = (
+        np.array([np.cos(angle), np.sin(angle), 0.0]),
+        np.array([-np.sin(angle), np.cos(angle), 0.0]),
+    )
+    return radius_m * ahead, speed_m_s * aside
+
+
+def flown(delay_s: float, seconds: float, radius_m: float = 20.0) -> LearnedLead:
+    """What is learned from a vehicle that is where its target was ``delay_s`` before."""
+    learned = LearnedLead()
+    for time_s in np.arange(0.0, seconds, STEP_S):
+        position_m, velocity_m_s = circle(time_s - delay_s + learned.lead_s, radius_m)
+        learned.observe(time_s, circle(time_s)[0] - position_m, velocity_m_s)
+    return learned
+
+
+@pytest.mark.parametrize("delay_s", [-0.05, 0.0, 0.03, 0.1])
+def test_a_delay_is_learned(delay_s: float) -> None:
+    assert flown(delay_s, 120.0).lead_s == pytest.approx(delay_s, abs=0.003)
+
+
+def test_it_is_bounded() -> None:
+    assert flown(3.0, 300.0).lead_s == 0.4
+
+
+def test_being_aside_teaches_nothing() -> None:
+    """A circle flown too wide is not late."""
+    learned = LearnedLead()
+    for time_s in np.arange(0.0, 60.0, STEP_S):
+        position_m, velocity_m_s = circle(time_s)
+        learned.observe(time_s, 0.05 * position_m, velocity_m_s)
+    assert learned.lead_s == pytest.approx(0.0, abs=1e-6)
+
+
+def test_gaps_and_hovering_teach_nothing() -> None:
+    learned = LearnedLead()
+    behind_m, north_m_s = np.array([1.0, 0.0, 0.0]), np.array([5.0, 0.0, 0.0])
+    for time_s in (1.0, 31.0, 61.0):
+        learned.observe(time_s, behind_m, north_m_s)
+    for time_s in np.arange(61.1, 120.0, STEP_S):
+        learned.observe(time_s, behind_m, 0.0 * north_m_s)
+    assert learned.lead_s == pytest.approx(0.0, abs=1e-9)
