@@ -19,6 +19,8 @@ from tests.helpers.fault_link import FOREVER_S, FaultLink, Message, Trigger
 from tests.helpers.fault_runs import ROUTE, FaultRun, replay, requested_mode
 from tests.helpers.link_conditions import LinkConditions
 
+pytestmark = pytest.mark.realtime
+
 AUTO, GUIDED, LOITER = CopterMode.AUTO, CopterMode.GUIDED, CopterMode.LOITER
 RTL, LAND = CopterMode.RTL, CopterMode.LAND
 MAX_WALL_S = 120.0
