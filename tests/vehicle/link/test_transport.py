@@ -38,7 +38,8 @@ def test_each_connection_string_has_its_transport(text: str, kind: type) -> None
 
 
 @pytest.mark.parametrize(
-    "text", ["", ",57600", "tcp:127.0.0.1", "udp:host:port", "udpout:host:0", "tcp:host:99999"]
+    "text",
+    ["", ",57600", "tcp:127.0.0.1", "udp:host:port", "udpout:host:0", "tcp:host:99999", "tcpin:host:5760"],
 )
 def test_an_invalid_connection_string_is_refused(text: str) -> None:
     """The error shows the valid forms."""

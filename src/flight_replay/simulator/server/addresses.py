@@ -1,14 +1,51 @@
-"""Addresses to listen on or send to, as MAVLink tools write them.
+"""Network addresses as MAVLink tools write them, ``udpin:127.0.0.1:14550``, for all options that take one.
 
-``tcp:HOST:PORT`` and ``tcpin:`` listen, ``udp:`` and ``udpout:`` send to an address, ``udpin:``
-listens for datagrams and answers the last sender.
+``udpin:`` and ``tcpin:`` listen, ``udpout:`` sends first. What a bare ``udp:`` or ``tcp:`` does follows from
+what is named, as in MAVProxy and DroneKit: a vehicle (``--master``) or a ground station (``--out``).
+The simulator listens at ``tcp:`` and ``tcpin:``, sends to ``udp:`` and ``udpout:``, and at ``udpin:`` listens
+for datagrams and answers the last sender.
 """
 
 from __future__ import annotations
 
+import ipaddress
 from dataclasses import dataclass
 
 from flight_replay.exceptions import SimulatorError
+
+KINDS = frozenset({"udp", "udpin", "udpout", "tcp", "tcpin"})
+_LARGEST_PORT, _MOST_DIGITS = 65535, 5
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkAddress:
+    """One of ``KINDS``; a host, without brackets, empty if none was said; a port from 0 to 65535."""
+
+    kind: str
+    host: str
+    port: int
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only programs of this machine reach it."""
+        if self.host.lower() == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return False
+
+
+def parse_network_address(text: str) -> NetworkAddress | None:
+    """The address that a text names, its kind in any case; None if it is none."""
+    kind, _, rest = text.partition(":")
+    host, colon, digits = rest.rpartition(":")
+    if kind.lower() not in KINDS or not colon or not (digits.isascii() and digits.isdecimal()):
+        return None
+    if len(digits) > _MOST_DIGITS or int(digits) > _LARGEST_PORT:
+        return None
+    return NetworkAddress(kind.lower(), host.removeprefix("[").removesuffix("]"), int(digits))
+
 
 _TRANSPORTS = {"tcp": "tcp", "tcpin": "tcp", "udp": "udpout", "udpout": "udpout", "udpin": "udpin"}
 
@@ -32,10 +69,9 @@ def parse_address(text: str) -> Address:
     Raises:
         SimulatorError: if it is not ``tcp:``, ``udp:``, ``udpin:`` or ``udpout:``, a host and a port.
     """
-    transport, _, rest = text.partition(":")
-    host, _, port = rest.rpartition(":")
-    if transport not in _TRANSPORTS or not host or not port.isdigit() or int(port) > 65535:
+    named = parse_network_address(text)
+    if named is None or not named.host:
         raise SimulatorError(
             f"'{text}' is not a valid address; use tcp:127.0.0.1:5760 or udp:127.0.0.1:14550"
         )
-    return Address(_TRANSPORTS[transport], host.strip("[]"), int(port))
+    return Address(_TRANSPORTS[named.kind], named.host, named.port)

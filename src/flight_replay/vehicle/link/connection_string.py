@@ -7,6 +7,7 @@ import socket
 import time
 
 from flight_replay.exceptions import VehicleError
+from flight_replay.simulator.server.addresses import KINDS, parse_network_address
 from flight_replay.vehicle.link.transport import Serial, TcpClient, Transport, UdpClient, UdpListener
 
 _RETRY_S = 5.0  # A simulator that was just started may not listen yet.
@@ -74,27 +75,30 @@ def transport_for(connection_string: str, baud: int) -> Transport:
     Raises:
         VehicleError: The string is invalid.
     """
-    kind, _, rest = connection_string.partition(":")
-    kind = kind.lower()
-    if kind == "tcp":
-        return TcpClient(_address(connection_string, rest))
-    if kind == "udpout":
-        return UdpClient(_address(connection_string, rest))
-    if kind in ("udp", "udpin"):
-        return UdpListener(_address(connection_string, rest))
-    if rest.isascii() and rest.isdecimal() and "/" not in kind:
-        return UdpListener(_address(connection_string, connection_string))
+    kind = connection_string.partition(":")[0].lower()
+    bare = parse_network_address(f"udp:{connection_string}")
+    if kind in KINDS:
+        address = parse_network_address(connection_string)
+        if address is None or address.port == 0 or address.kind not in _TRANSPORTS:
+            raise _invalid(connection_string)
+        return _TRANSPORTS[address.kind]((address.host or _ANY_HOST, address.port))
+    if bare is not None and "/" not in kind:
+        if bare.port == 0:
+            raise _invalid(connection_string)
+        return UdpListener((bare.host or _ANY_HOST, bare.port))
     device, _, speed = connection_string.partition(",")
     if not device:
         raise _invalid(connection_string)
     return Serial(device, int(speed) if speed.isascii() and speed.isdecimal() else baud)
 
 
-def _address(connection_string: str, host_port: str) -> tuple[str, int]:
-    host, _, port = host_port.rpartition(":")
-    if not (port.isascii() and port.isdecimal()) or not 0 < int(port) < 65536:
-        raise _invalid(connection_string)
-    return host.strip("[]") or "0.0.0.0", int(port)
+_ANY_HOST = "0.0.0.0"
+_TRANSPORTS: dict[str, type[TcpClient] | type[UdpClient] | type[UdpListener]] = {
+    "tcp": TcpClient,
+    "udpout": UdpClient,
+    "udp": UdpListener,
+    "udpin": UdpListener,
+}
 
 
 def _invalid(connection_string: str) -> VehicleError:

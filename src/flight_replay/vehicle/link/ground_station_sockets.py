@@ -6,11 +6,11 @@ stations; ``tcp:HOST:PORT`` connects to a station that listens; ``tcpin:HOST:POR
 
 from __future__ import annotations
 
-import ipaddress
 from collections.abc import Hashable, Sequence
 from typing import Protocol
 
 from flight_replay.exceptions import FlightReplayError
+from flight_replay.simulator.server.addresses import parse_network_address
 from flight_replay.vehicle.link.ground_station_servers import Received, TcpServer, UdpServer
 from flight_replay.vehicle.link.transport import TcpClient, Transport, UdpClient
 
@@ -50,18 +50,18 @@ def socket_for(address: str, *, allow_open: bool = False) -> GroundStationSocket
     Raises:
         FlightReplayError: The address is invalid, or would let other machines in.
     """
-    kind, _, rest = address.partition(":")
-    host, _, port = rest.rpartition(":")
-    host_port = (host.strip("[]"), int(port) if port.isdecimal() and port.isascii() else -1)
-    if kind.lower() in _TRANSPORTS and host and 0 < host_port[1] < 65536:
-        return TransportSocket(_TRANSPORTS[kind.lower()](host_port))
-    if kind.lower() in _SERVERS and host and 0 <= host_port[1] < 65536:
-        if not allow_open and not _is_loopback(host_port[0]):
-            raise FlightReplayError(
-                f"{address} lets every machine that reaches it command the vehicle; "
-                "listen on 127.0.0.1, or add --gcs-open if that is meant"
-            )
-        return _SERVERS[kind.lower()](host_port)
+    named = parse_network_address(address)
+    if named is not None and named.host:
+        host_port = named.host, named.port
+        if named.kind in _TRANSPORTS and named.port > 0:
+            return TransportSocket(_TRANSPORTS[named.kind](host_port))
+        if named.kind in _SERVERS:
+            if not allow_open and not named.is_loopback:
+                raise FlightReplayError(
+                    f"{address} lets every machine that reaches it command the vehicle; "
+                    "listen on 127.0.0.1, or add --gcs-open if that is meant"
+                )
+            return _SERVERS[named.kind](host_port)
     raise FlightReplayError(
         f"invalid ground station {address!r}; write udp:HOST:PORT, udpin:HOST:PORT, "
         "tcp:HOST:PORT or tcpin:HOST:PORT"
@@ -82,7 +82,7 @@ def check_distinct(connection: str | None, stations: Sequence[str]) -> None:
     Raises:
         FlightReplayError: One is.
     """
-    used: set[tuple[str, str, str]] = set()
+    used: set[tuple[str, str, int]] = set()
     for address in (*([] if connection is None else [connection]), *stations):
         place = _place(address)
         if place in used:
@@ -91,27 +91,13 @@ def check_distinct(connection: str | None, stations: Sequence[str]) -> None:
             used.add(place)
 
 
-def _place(address: str) -> tuple[str, str, str] | None:
+def _place(address: str) -> tuple[str, str, int] | None:
     """Protocol, host and port of an address, all names of this machine alike; None for a serial port."""
-    kind, _, rest = address.partition(":")
-    protocol = kind.lower()[:3]
-    if protocol not in ("udp", "tcp"):
-        protocol, rest = "udp", address
-    host, colon, port = rest.rpartition(":")
-    if not (colon and port.isdecimal()):
+    named = parse_network_address(address) or parse_network_address(f"udp:{address}")
+    if named is None:
         return None
-    host = host.strip("[]").lower()
-    here = host in ("", "0.0.0.0", "::") or _is_loopback(host)
-    return protocol, "this machine" if here else host, port
-
-
-def _is_loopback(host: str) -> bool:
-    if host.lower() == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
+    here = named.host in ("", "0.0.0.0", "::") or named.is_loopback
+    return named.kind[:3], "this machine" if here else named.host.lower(), named.port
 
 
 class TransportSocket:
