@@ -179,8 +179,11 @@ def test_a_file_that_is_not_a_program_is_an_error(tmp_path: Path) -> None:
 def test_a_binary_that_is_never_ready_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With its last output; it is stopped, and not started again because it holds its ports."""
     runs = Path(tempfile.gettempdir()) / "runs"
-    clock = SimpleNamespace(monotonic=lambda: 1000.0 * runs.exists(), sleep=time.sleep)
-    monkeypatch.setattr(process, "time", clock)
+
+    def monotonic() -> float:
+        return 1000.0 if runs.exists() and runs.stat().st_size > 0 else 0.0
+
+    monkeypatch.setattr(process, "time", SimpleNamespace(monotonic=monotonic, sleep=time.sleep))
     body = """
 import socket
 held = socket.create_server(("127.0.0.1", BASE_PORT + 10 * int(sys.argv[-1].removeprefix("-I"))))
