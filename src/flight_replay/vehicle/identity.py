@@ -74,7 +74,7 @@ class Identity:
         firmware = (
             "ArduCopter" if self.is_multicopter else "ArduPilot" if self.is_ardupilot else "unknown firmware"
         )
-        if self.builtin:
+        if self.builtin and self.is_multicopter:
             release = ".".join(map(str, self.version_numbers[:2]))
             return f"built-in copter, flies as {firmware} {release} (system {self.system})"
         what = f"{firmware} {self.version}".strip()
