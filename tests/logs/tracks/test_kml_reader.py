@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import LogError
+from flight_replay.logs.tracks import xml_events
 from flight_replay.mission import formats
 from tests.helpers.format_examples import MISSION, recorded_track
 from tests.helpers.track_files import (
@@ -162,6 +163,31 @@ def test_a_bomb_in_a_kmz_ends_soon(content: bytes) -> None:
     with pytest.raises(LogError):
         read_bytes(bomb)
     assert time.process_time() - begin < 5
+
+
+def test_a_kmz_of_valid_places_without_end_is_refused_before_it_is_read() -> None:
+    """Sixty-four megabytes are unpacked, which takes a tenth of the time of reading them."""
+    chance = np.random.default_rng(1)
+    piece = kml_line([(None, 47.0, 8.0 + lon, 500.0) for lon in chance.random(5_000)])
+    bomb = kmz(kml(piece * ((70 << 20) // len(piece))))
+    begin = time.process_time()
+    with pytest.raises(LogError, match="unpacks to more than 64 MB; unpack it, and name the KML file in it"):
+        read_bytes(bomb)
+    assert time.process_time() - begin < 2
+
+
+def test_files_before_the_kml_file_are_not_unpacked_where_their_length_is_told() -> None:
+    """A picture may be larger than any track."""
+    data = kmz(kml(kml_track(moving())), others=(("map.png", bytes(70 << 20)),))
+    assert len(read_bytes(data).track) == 60
+
+
+def test_a_line_of_too_many_places_is_refused_while_it_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes no more memory than as many points."""
+    monkeypatch.setattr(xml_events, "MOST_POINTS", 20_000)
+    line = b"<kml><Placemark><LineString><coordinates>" + b"8,47 " * 50_000
+    with pytest.raises(LogError, match="has more than 20000 points; name a file"):
+        read_bytes(line)
 
 
 def test_a_bomb_in_a_kmz_takes_little_memory() -> None:

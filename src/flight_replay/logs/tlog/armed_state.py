@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Indices
-from flight_replay.logs.tlog.columns import Heartbeats
+from flight_replay.logs.tlog.arming_reports import with_reports
+from flight_replay.logs.tlog.columns import ArmingReports, Heartbeats
 from flight_replay.logs.track import Armed
 from flight_replay.logs.vehicle_kinds import VehicleKind, kind_of
 
@@ -17,7 +18,9 @@ _AUTOPILOTS = {3: "ArduPilot", 12: "PX4"}  # MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AU
 _NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
 
 
-def armed_at(offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Heartbeats) -> NDArray[np.int8]:
+def armed_at(
+    offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Heartbeats, reports: ArmingReports
+) -> NDArray[np.int8]:
     """Whether the motors were armed at any time since the fix before, shape (n,), as ``Armed``.
 
     So a flight lasts from the first fix after they were reported armed to the first after disarmed.
@@ -27,8 +30,9 @@ def armed_at(offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Hea
         offset: Where in the log the fixes are, shape (n,).
         boot: The boot of each fix (n,).
         heartbeats: All that came under the vehicle's ids.
+        reports: What came under them of arming, which tells sooner than the heartbeats.
     """
-    heartbeats = _of_autopilot(heartbeats)
+    heartbeats = with_reports(_of_autopilot(heartbeats), reports)
     status = np.append(np.int8(Armed.UNKNOWN), heartbeats.armed.astype(np.int8))
     in_log_order = np.minimum.accumulate(offset[::-1])[::-1]
     firsts = np.searchsorted(in_log_order, heartbeats.offset)  # far fewer than fixes, so this way round

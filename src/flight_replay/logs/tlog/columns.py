@@ -1,4 +1,4 @@
-"""Records of the three messages that are read, as columns of equal length."""
+"""Records of the messages that are read, as columns of equal length."""
 
 from __future__ import annotations
 
@@ -76,12 +76,23 @@ class GpsStatus(MessageColumns):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ArmingReports(MessageColumns):
+    """STATUSTEXT and COMMAND_ACK that tell of arming or disarming.
+
+    ``armed`` holds ``Armed`` values: what the motors are from then on, "unknown" where it may be either.
+    """
+
+    armed: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Records:
     """What was read; ``empty`` counts the positions at 0, 0 by vehicle."""
 
     positions: Positions
     heartbeats: Heartbeats
     gps: GpsStatus
+    reports: ArmingReports
     empty: dict[int, int]
 
 
@@ -92,6 +103,7 @@ class RecordBuffer:
         self._positions = _ColumnBuffer(Positions)
         self._heartbeats = _ColumnBuffer(Heartbeats)
         self._gps = _ColumnBuffer(GpsStatus)
+        self._reports = _ColumnBuffer(ArmingReports)
         self._empty: Counter[int] = Counter()
 
     def add(self, part: Records) -> None:
@@ -99,13 +111,19 @@ class RecordBuffer:
         self._positions.add(part.positions)
         self._heartbeats.add(part.heartbeats)
         self._gps.add(part.gps)
+        self._reports.add(part.reports)
         self._empty.update(part.empty)
 
     @property
     def records(self) -> Records:
         """All records so far."""
-        columns = self._positions.columns, self._heartbeats.columns, self._gps.columns
-        return Records(*columns, dict(self._empty))
+        return Records(
+            self._positions.columns,
+            self._heartbeats.columns,
+            self._gps.columns,
+            self._reports.columns,
+            dict(self._empty),
+        )
 
 
 class _ColumnBuffer(Generic[AnyMessage]):

@@ -21,7 +21,7 @@ _PAYLOAD_AT = STAMP_LENGTH + 6, STAMP_LENGTH + 10  # in a row, for MAVLink 1 and
 
 def decode_positions(frames: Candidates) -> Positions:
     """Decode GLOBAL_POSITION_INT: seven columns of four bytes, the last two of two numbers each."""
-    fields = _Fields(frames.rows)
+    fields = PayloadFields(frames.rows)
     payload = fields.payload(28)
     number, half = payload.view("<i4"), payload.view("<i2")
     return Positions(
@@ -42,18 +42,18 @@ def decode_positions(frames: Candidates) -> Positions:
 
 def decode_heartbeats(frames: Candidates) -> Heartbeats:
     """Decode HEARTBEAT: behind four bytes of mode, the lowest first, follow type, autopilot and flags."""
-    fields = _Fields(frames.rows)
+    fields = PayloadFields(frames.rows)
     mode, kind, autopilot, flags = (fields.payload_byte(at) for at in (0, 4, 5, 6))
     return Heartbeats(frames.start, fields.vehicle, autopilot, kind, (flags & _ARMED_FLAG) != 0, mode)
 
 
 def decode_gps_status(frames: Candidates) -> GpsStatus:
     """Decode GPS_RAW_INT, of whose own position nothing is read: cold receivers make them up."""
-    fields = _Fields(frames.rows)
+    fields = PayloadFields(frames.rows)
     return GpsStatus(frames.start, fields.vehicle, fields.payload_byte(28) >= _FIX_TYPE_3D)
 
 
-class _Fields:
+class PayloadFields:
     """What the bytes of frames (n,) say; MAVLink 2 has two bytes of flags before its sequence number."""
 
     def __init__(self, rows: Bytes) -> None:

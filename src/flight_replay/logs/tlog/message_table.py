@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEARTBEAT, GPS_RAW_INT, GLOBAL_POSITION_INT = 0, 24, 33
+COMMAND_ACK, STATUSTEXT = 77, 253
 
 # id:extra:base length:full length; the base leaves out what MAVLink 2 added, bytes.
 _SHORT_IDS = """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejectio
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.tlog.armed_state import armed_at, modes_at, vehicle_kind
 from flight_replay.logs.tlog.boot_clock import BootClock, plausible_utc_s, read_clock
-from flight_replay.logs.tlog.columns import AnyMessage, Heartbeats, Positions, Records
+from flight_replay.logs.tlog.columns import AnyMessage, ArmingReports, Heartbeats, Positions, Records
 from flight_replay.logs.tlog.gps_status import lacks_3d_fix
 from flight_replay.logs.tlog.scan import scan
 from flight_replay.logs.track import Track
@@ -106,7 +106,7 @@ class _Judged:
             up_m_s=positions.down_cm_s[at] / -1e2,
             heading_deg=_heading_deg(positions.heading_cdeg[at]),
             boot=boot,
-            armed=armed_at(positions.offset[at], boot, self.heartbeats(vehicle)),
+            armed=armed_at(positions.offset[at], boot, self.heartbeats(vehicle), self.reports(vehicle)),
         )
 
     def modes(self, vehicle: VehicleCount) -> NDArray[np.int16]:
@@ -118,6 +118,11 @@ class _Judged:
         """All that came under the vehicle's ids."""
         heartbeats = self.records.heartbeats
         return heartbeats.select(heartbeats.vehicle == _key(vehicle))
+
+    def reports(self, vehicle: VehicleCount) -> ArmingReports:
+        """What came under the vehicle's ids of arming."""
+        reports = self.records.reports
+        return reports.select(reports.vehicle == _key(vehicle))
 
     def start_utc_s(self, vehicle: VehicleCount) -> float | None:
         """When the log was stamped at a vehicle's first fix, Unix time, if that is plausible."""
@@ -146,7 +151,7 @@ def _judged(records: Records) -> _Judged:
         boot=clock.boot,
         lacks_3d_fix=lacks_3d_fix(positions, gps, clock.time_s),
     )
-    sorted_records = Records(positions, records.heartbeats, gps, records.empty)
+    sorted_records = replace(records, positions=positions, gps=gps)
     return _Judged(sorted_records, clock, find_implausible(recorded, clock.order))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Indices
+from flight_replay.logs.tlog.arming_reports import arming_reports
 from flight_replay.logs.tlog.blocks import Block
 from flight_replay.logs.tlog.columns import AnyMessage, Positions, Records
 from flight_replay.logs.tlog.decode import decode_gps_status, decode_heartbeats, decode_positions
@@ -34,10 +35,12 @@ def read_records(block: Block, enter: int) -> tuple[Records, int]:
     heartbeats = _run_ends(heartbeats, status, walk)
     gps = decode_gps_status(_valid(block, block.gps, GPS_RAW_INT, walk))
     gps = _run_ends(gps, gps.has_3d_fix, walk)
+    reports = arming_reports(block, walk, heartbeats)
     records = Records(
         replace(positions, offset=positions.offset + block.offset),
         replace(heartbeats, offset=heartbeats.offset + block.offset),
         replace(gps, offset=gps.offset + block.offset),
+        replace(reports, offset=reports.offset + block.offset),
         empty,
     )
     return records, walk.leave + block.offset

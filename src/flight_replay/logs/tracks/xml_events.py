@@ -13,6 +13,7 @@ from typing import Protocol
 from xml.parsers import expat
 
 from flight_replay.exceptions import LogError
+from flight_replay.logs.tracks.track_points import MOST_POINTS
 
 _MOST_BYTES = 256 << 20
 _MOST_IDLE_BYTES = 8 << 20
@@ -109,6 +110,8 @@ class _Parser:
 
     def _check(self) -> None:
         """Refuse what is no track."""
+        if len(self._reader) > MOST_POINTS:
+            self._refuse(f"has more than {MOST_POINTS} points")
         if len(self._reader) > self._points:
             self._points, self._productive_at, self._idle = len(self._reader), self.fed, 0
         if self.fed - self._productive_at > _MOST_IDLE_BYTES:
