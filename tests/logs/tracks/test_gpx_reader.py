@@ -37,6 +37,60 @@ def test_velocities_come_from_the_positions_and_show_the_flight() -> None:
     assert (flight.first, flight.last) == (10, 59)
 
 
+V1_0 = "<course>{course}</course><speed>{speed}</speed>"
+V1_1 = (
+    "<extensions><g:TrackPointExtension><g:speed>{speed}</g:speed><g:course>{course}</g:course>"
+    "</g:TrackPointExtension></extensions>"
+)
+
+
+def with_speeds(elements: str, speed: float = 5.2, course: float = 3.0) -> bytes:
+    """A track whose points also tell a speed and a course, as long as they move."""
+    said = [elements.format(speed=speed if n >= 10 else 0, course=course).encode() for n in range(60)]
+    begin, *points = gpx(moving()).split(b"</trkpt>")
+    page = begin + b"".join(each + b"</trkpt>" + point for each, point in zip(said, points, strict=True))
+    return page.replace(b"<gpx ", b'<gpx xmlns:g="g" ', 1)
+
+
+@pytest.mark.parametrize("elements", [V1_0, V1_1], ids=["1.0", "1.1"])
+def test_speeds_and_courses_are_read(elements: str) -> None:
+    """They are sharper than what the positions tell; vertical velocities come from these."""
+    track = read_bytes(with_speeds(elements)).track
+    assert track.north_m_s[10:] == pytest.approx(5.2 * np.cos(np.radians(3.0)))
+    assert track.east_m_s[10:] == pytest.approx(5.2 * np.sin(np.radians(3.0)))
+    assert track.north_m_s[:10].tolist() == [0.0] * 10
+    assert track.up_m_s[20:50] == pytest.approx(1.0, abs=0.01)
+    assert np.isnan(track.heading_deg).all()
+
+
+@pytest.mark.parametrize(
+    ("elements", "speed", "course"),
+    [
+        (V1_0, 18.0, 0.0),
+        (V1_0, 5.0, 90.0),
+        (V1_0, 1e9, 0.0),
+        ("<extensions><speed>{speed}</speed><course>{course}</course></extensions>", 5.2, 0.0),
+        ("<speed>{speed}</speed>", 5.2, 0.0),
+    ],
+    ids=["km/h", "other course", "nonsense", "unknown unit", "no course"],
+)
+def test_speeds_that_are_not_those_of_the_positions_do_not_count(
+    elements: str, speed: float, course: float
+) -> None:
+    """Nor those of extensions whose unit nobody knows."""
+    track = read_bytes(with_speeds(elements, speed, course)).track
+    assert track.north_m_s[20:50] == pytest.approx(5.0, abs=0.01)
+    assert track.east_m_s == pytest.approx(0.0, abs=0.01)
+
+
+def test_speeds_do_not_make_jumps_plausible() -> None:
+    """A point 3 km aside stays an outlier, whatever speed it tells."""
+    points = moving()
+    points[30] = (30.0, 47.03, 8.0, 400.0)
+    said = gpx(points).replace(b"</trkpt>", b"<speed>59</speed><course>0</course></trkpt>")
+    assert read_bytes(said).rejected == {"impossible jump": 1}
+
+
 def test_points_that_share_a_second_are_spread_over_it() -> None:
     """As programs write that round the times of eight points a second down."""
     points = [(float(n // 8), lat, lon, height) for n, (_, lat, lon, height) in enumerate(moving(80))]

@@ -52,9 +52,26 @@ def test_a_saved_track_is_read_as_it_was(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", WRITERS)
 def test_a_telemetry_log_is_read_as_it_was(kind: str) -> None:
-    """The sample flight, all of it."""
-    track = read_log(SAMPLE).track
-    assert_same_track(read_bytes(WRITERS[kind](MISSION, track).encode()).track, track)
+    """The sample flight, all of it, and when it was."""
+    recording = read_log(SAMPLE)
+    track, start_utc_s = recording.track, recording.start_utc_s
+    again = read_bytes(WRITERS[kind](MISSION, track, start_utc_s).encode())
+    assert_same_track(again.track, track)
+    assert again.start_utc_s == pytest.approx(start_utc_s, abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("start_utc_s", [None, 0.0, 1.7e9 + 0.25])
+def test_a_flight_without_a_date_stays_one(kind: str, start_utc_s: float | None) -> None:
+    """Where the log did not tell the time of day; 1970 is a date."""
+    again = read_bytes(WRITERS[kind](MISSION, full_track(), start_utc_s).encode())
+    assert again.start_utc_s == start_utc_s
+
+
+def test_a_date_that_is_none_is_none() -> None:
+    """Somebody changed it."""
+    data = formats.geojson.text(MISSION, full_track(), 1.7e9).replace("2023-11-14T", "yesterday ")
+    assert read_bytes(data.encode()).start_utc_s is None
 
 
 @pytest.mark.parametrize("kind", WRITERS)

@@ -52,7 +52,8 @@ def read_geojson(
         raise LogError(f"{log.name} is not valid JSON ({error}); name another log") from None
     saved = next((each for each in features if each[1].get("kind") == "track"), None)
     if saved is not None:
-        return columns_recording(_saved_columns(*saved), file)
+        columns = _saved_columns(*saved)
+        return columns_recording(columns, file, _utc_s(columns, saved[1].get("start_utc")))
     collector = PointCollector(log.name)
     for lines, properties in features:
         _add(collector, lines, _times_s(properties))
@@ -122,6 +123,13 @@ def _saved_columns(lines: list[list[Place]], properties: Mapping[str, Any]) -> d
         if isinstance(values, list) and len(values) == len(rows):
             columns[name] = np.array([_number(value) for value in values])
     return columns
+
+
+def _utc_s(columns: Mapping[str, Floats], start: object) -> Floats | None:
+    """The Unix times of a saved track's fixes (n,) by that of the first."""
+    if not isinstance(start, str) or "time_s" not in columns:
+        return None
+    return np.asarray(columns["time_s"] - columns["time_s"][0] + unix_time_s(start))
 
 
 def _times_s(properties: Mapping[str, Any]) -> list[list[float]]:

@@ -1,9 +1,12 @@
 """GPX 1.0 and 1.1 (topografix.com/GPX): the points of its tracks, or of its routes where there is no track.
 
-Elevations are above mean sea level. A route has no times.
+Elevations are above mean sea level. A route has no times. Speed and course are elements of a point in
+GPX 1.0, and of Garmin's TrackPointExtension in 1.1, in m/s and degrees.
 """
 
 from __future__ import annotations
+
+import math
 
 from flight_replay.logs.byte_source import OpenLog, Progress
 from flight_replay.logs.recording import Recording
@@ -13,6 +16,9 @@ from flight_replay.logs.tracks.track_points import PointCollector
 from flight_replay.logs.tracks.track_recording import TrackFile, track_recording
 from flight_replay.logs.tracks.xml_events import read_xml
 from flight_replay.logs.vehicles import VehicleId
+
+_PARTS = {"": ("ele", "time", "speed", "course"), "extensions/TrackPointExtension": ("speed", "course")}
+"""What is read of a point, by the elements around it."""
 
 
 def read_gpx(log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
@@ -41,7 +47,7 @@ class _GpxReader:
     def __init__(self, name: str) -> None:
         self.track, self.route = PointCollector(name), PointCollector(name)
         self._point: dict[str, str] | None = None
-        self._inside = 0  # elements of the point that are open
+        self._inside: list[str] = []  # elements of the point that are open
 
     def __len__(self) -> int:
         return len(self.track) + len(self.route)
@@ -49,9 +55,9 @@ class _GpxReader:
     def start(self, name: str, attributes: dict[str, str]) -> None:
         """A track, a segment, a point or a part of one begins."""
         if self._point is not None:
-            self._inside += 1
+            self._inside.append(name)
         elif name in ("trkpt", "rtept"):
-            self._point, self._inside = dict(attributes), 0
+            self._point, self._inside = dict(attributes), []
         elif name == "trk":
             self.track.begin_track()
         elif name == "trkseg":
@@ -65,16 +71,19 @@ class _GpxReader:
         if point is None:
             return
         if self._inside:
-            self._inside -= 1
-            if not self._inside and name in ("ele", "time"):  # Not those of an extension.
+            self._inside.pop()
+            if name in _PARTS.get("/".join(self._inside), ()):
                 point[name] = text
             return
         self._point = None
+        speed_m_s, course_rad = number(point.get("speed")), math.radians(number(point.get("course")))
         (self.track if name == "trkpt" else self.route).add(
             number(point.get("lat")),
             number(point.get("lon")),
             utc_s=unix_time_s(point.get("time")),
             amsl_m=number(point.get("ele")),
+            north_m_s=speed_m_s * math.cos(course_rad),
+            east_m_s=speed_m_s * math.sin(course_rad),
         )
 
     def text(self, _text: str) -> bool:

@@ -107,7 +107,10 @@ def _track(known: Mapping[str, Floats], boot: Indices, armed: Floats) -> Track:
 def _points(known: Mapping[str, Floats], boot: Indices) -> TrackPoints:
     """Rows without times; each boot is a track."""
     columns = {name: known[name] for name in ("lat_deg", "lon_deg", "alt_m", "amsl_m", "heading_deg")}
-    return TrackPoints(**columns, utc_s=np.full(len(boot), np.nan), track=boot, segment=boot)
+    unknown = np.full(len(boot), np.nan)
+    return TrackPoints(
+        **columns, utc_s=unknown, north_m_s=unknown, east_m_s=unknown, track=boot, segment=boot
+    )
 
 
 def _renumbered(track: Track) -> Track:

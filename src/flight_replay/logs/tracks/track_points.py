@@ -29,6 +29,8 @@ class TrackPoints:
     amsl_m: Floats
     alt_m: Floats
     heading_deg: Floats
+    north_m_s: Floats
+    east_m_s: Floats
     track: Indices
     segment: Indices
 
@@ -69,6 +71,8 @@ class PointCollector:
         amsl_m: float = _NAN,
         alt_m: float = _NAN,
         heading_deg: float = _NAN,
+        north_m_s: float = _NAN,
+        east_m_s: float = _NAN,
     ) -> None:
         """Add a point.
 
@@ -79,11 +83,14 @@ class PointCollector:
             amsl_m: Height above mean sea level.
             alt_m: Height above home or the ground.
             heading_deg: Where the nose points, clockwise from north.
+            north_m_s: Velocity over ground.
+            east_m_s: Likewise.
 
         Raises:
             LogError: There are too many.
         """
-        values = utc_s, lat_deg, lon_deg, amsl_m, alt_m, heading_deg, self._track, self._segment
+        velocity = north_m_s, east_m_s
+        values = utc_s, lat_deg, lon_deg, amsl_m, alt_m, heading_deg, *velocity, self._track, self._segment
         for column, value in zip(self._columns.values(), values, strict=True):
             column.append(value)
         if len(self) > MOST_POINTS:

@@ -34,6 +34,8 @@ _AROUND = 5
 _LONGEST_CLIMB_S = 10.0
 """From point to point of a line without times."""
 _LAST_UTC_S = 4e9  # 2096
+_SLIGHTLY_OFF_M_S, _OFF = 0.5, 0.25
+"""Recorded velocities may differ by so much, or by this part of the speed, from those of the positions."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,18 +95,39 @@ def _judged(ordered: OrderedPoints, *, timed: bool) -> UsableFixes:
         points.lon_deg,
         plausible_heights_m(points.alt_m, climbing_s),
         amsl_m=plausible_heights_m(points.amsl_m, climbing_s),
+        velocity_m_s=_velocity_m_s(points) if timed else None,
         heading_deg=points.heading_deg % 360.0,
         boot=ordered.boot,
     )
     return usable_fixes(track)
 
 
+def _velocity_m_s(points: TrackPoints) -> Floats:
+    """Velocities north, east and up (n, 3), of which files tell the first two at most."""
+    velocity = np.column_stack([points.north_m_s, points.east_m_s, np.full(len(points), np.nan)])
+    velocity[~(np.hypot(*velocity.T[:2]) <= _PLAUSIBLE_SPEED_M_S)] = np.nan
+    return velocity
+
+
 def _timed(track: Track) -> Track:
     """The track with its clock from 0, with velocities, and heights above home in place of those unknown."""
     track = replace(track, time_s=track.time_s - track.time_s[0], boot=_numbered(track.boot))
     climbing = replace(track, alt_m=np.where(np.isfinite(track.alt_m), track.alt_m, track.amsl_m))
-    moving = with_derived_velocity(climbing)
+    moving = with_derived_velocity(_without_wrong_velocity(climbing))
     return with_heights_above_home(replace(moving, alt_m=track.alt_m))
+
+
+def _without_wrong_velocity(track: Track) -> Track:
+    """The track without its recorded velocities if its positions tell others: some programs write km/h."""
+    unknown = np.full(len(track), np.nan)
+    bare = replace(track, north_m_s=unknown, east_m_s=unknown)
+    derived = with_derived_velocity(bare)
+    off_m_s = np.hypot(track.north_m_s - derived.north_m_s, track.east_m_s - derived.east_m_s)
+    known = np.isfinite(off_m_s)
+    if not known.any():
+        return bare
+    usual_m_s = float(np.median(np.hypot(derived.north_m_s, derived.east_m_s)[known]))
+    return track if np.median(off_m_s[known]) <= max(_SLIGHTLY_OFF_M_S, _OFF * usual_m_s) else bare
 
 
 def _untimed(track: Track) -> Track:

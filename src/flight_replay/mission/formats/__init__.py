@@ -22,7 +22,7 @@ from flight_replay.mission.formats.validation import checked_length
 from flight_replay.mission.items import Mission
 from flight_replay.writing.output_files import check_suffix, write_atomically
 
-_WRITERS: dict[str, Callable[[Mission, Track | None], str]] = {
+_WRITERS: dict[str, Callable[[Mission, Track | None, float | None], str]] = {
     ".waypoints": wpl.text,
     ".plan": qgc_plan.text,
     ".kml": kml.text,
@@ -64,10 +64,8 @@ def save(
     suffix = check_suffix(path, SAVED_SUFFIXES)
     if suffix == ".kml":
         text = kml.text(mission, track, start_utc_s, flown)
-    elif suffix == ".gpx":
-        text = gpx.text(mission, track, start_utc_s)
     else:
-        text = _WRITERS[suffix](mission, track)
+        text = _WRITERS[suffix](mission, track, start_utc_s)
     write_atomically(path, text)
 
 

@@ -1,8 +1,8 @@
 """CSV: one table, one row an item or a fix, told apart by the column ``kind`` (home, item, track).
 
 A cell is empty where its row's kind has no such value. What was recorded is there to the millimetre
-and the microsecond: ``logs/tracks/saved_csv.py`` reads the same track again. Lines end in LF, numbers
-use a point.
+and the microsecond, the time of day to the millisecond: ``logs/tracks/saved_csv.py`` reads the same
+track again. Lines end in LF, numbers use a point.
 """
 
 from __future__ import annotations
@@ -12,23 +12,26 @@ import io
 import math
 
 from flight_replay.logs.track import Track
-from flight_replay.mission.formats.item_text import amsl_m, command_name
+from flight_replay.mission.formats.item_text import amsl_m, command_name, utc_texts
 from flight_replay.mission.items import FIRST_SEQ, HOME_SEQ, Mission
 
 _ITEM = ("kind", "seq", "command", "command_name", "frame", "param1", "param2", "param3", "param4")
 _PLACE = ("lat_deg", "lon_deg", "alt_m", "amsl_m")
-_FIX = ("time_s", "north_m_s", "east_m_s", "up_m_s", "boot", "armed", "heading_deg")
+_FIX = ("time_s", "north_m_s", "east_m_s", "up_m_s", "boot", "armed", "heading_deg", "utc")
 COLUMNS = _ITEM + _PLACE + _FIX
 
 
-def text(mission: Mission, track: Track | None = None) -> str:
-    """The mission, and the recorded track if there is one."""
+def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
+    """The mission, and the recorded track if there is one.
+
+    Its fixes have the time of day with ``start_utc_s``, the Unix time of the first.
+    """
     page = io.StringIO()
     writer = csv.DictWriter(page, COLUMNS, restval="", lineterminator="\n")
     writer.writeheader()
     writer.writerows(_mission_rows(mission))
     if track is not None:
-        writer.writerows(_track_rows(track))
+        writer.writerows(_track_rows(track, start_utc_s))
     return page.getvalue()
 
 
@@ -46,7 +49,9 @@ def _mission_rows(mission: Mission) -> list[dict[str, object]]:
     return rows
 
 
-def _track_rows(track: Track) -> list[dict[str, object]]:
+def _track_rows(track: Track, start_utc_s: float | None) -> list[dict[str, object]]:
+    is_dated = track.timed and start_utc_s is not None
+    times = utc_texts(track, start_utc_s or 0.0) if is_dated else [""] * len(track)
     return [
         {
             "kind": "track",
@@ -63,6 +68,7 @@ def _track_rows(track: Track) -> list[dict[str, object]]:
             "boot": int(track.boot[n]),
             "armed": int(track.armed[n]),
             "heading_deg": _number(float(track.heading_deg[n]), 3),
+            "utc": times[n],
         }
         for n in range(len(track))
     ]

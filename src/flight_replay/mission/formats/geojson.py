@@ -15,7 +15,14 @@ from typing import Any
 import numpy as np
 
 from flight_replay.logs.track import Armed, Track
-from flight_replay.mission.formats.item_text import amsl_m, command_name, description, route_line, speeds_m_s
+from flight_replay.mission.formats.item_text import (
+    amsl_m,
+    command_name,
+    description,
+    route_line,
+    speeds_m_s,
+    utc_texts,
+)
 from flight_replay.mission.items import FIRST_SEQ, Home, Mission, MissionItem
 
 _COLUMNS = {
@@ -36,8 +43,11 @@ Place = tuple[float, float, float]
 """Latitude and longitude in degrees, height above mean sea level in metres or not a number."""
 
 
-def text(mission: Mission, track: Track | None = None) -> str:
-    """The mission, and the recorded track if there is one."""
+def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
+    """The mission, and the recorded track if there is one.
+
+    It has the property ``start_utc`` with ``start_utc_s``, the Unix time of its first fix.
+    """
     features = [_home_feature(mission.home)] if mission.home is not None else []
     speeds = speeds_m_s(mission)
     for seq, item in enumerate(mission.items, FIRST_SEQ):
@@ -48,7 +58,7 @@ def text(mission: Mission, track: Track | None = None) -> str:
         places = zip(route[:, 0].tolist(), route[:, 1].tolist(), heights.tolist(), strict=True)
         features.append(_feature(_line(list(places)), {"kind": "route", "name": "Route"}))
     if track is not None and len(track) > 1:
-        features.append(_track_feature(track))
+        features.append(_track_feature(track, start_utc_s))
     collection = {"type": "FeatureCollection", "features": features}
     return json.dumps(collection, indent=1, allow_nan=False) + "\n"
 
@@ -76,10 +86,13 @@ def _item_feature(seq: int, item: MissionItem, home: Home | None, speed_m_s: flo
     return _feature(_point((item.lat_deg, item.lon_deg, amsl_m(item, home))), properties)
 
 
-def _track_feature(track: Track) -> dict[str, Any]:
+def _track_feature(track: Track, start_utc_s: float | None) -> dict[str, Any]:
     places = zip(track.lat_deg.tolist(), track.lon_deg.tolist(), track.amsl_m.tolist(), strict=True)
     columns = {name: values for name, digits in _COLUMNS.items() if (values := _values(track, name, digits))}
-    return _feature(_line(list(places)), {"kind": "track", "name": "Recorded track", **columns})
+    properties: dict[str, Any] = {"kind": "track", "name": "Recorded track"}
+    if start_utc_s is not None and track.timed:
+        properties["start_utc"] = utc_texts(track.select(slice(1)), start_utc_s)[0]
+    return _feature(_line(list(places)), properties | columns)
 
 
 def _values(track: Track, name: str, digits: int) -> list[float | None]:

@@ -24,7 +24,7 @@ _CRUISE_SPEED_M_S = 15.0
 _ALTITUDE_MODES: dict[int, int] = {Frame.RELATIVE: 1, Frame.ABSOLUTE: 2, Frame.TERRAIN: 4}
 
 
-def text(mission: Mission, track: Track | None = None) -> str:
+def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
     """The mission for QGroundControl; this format holds no track."""
     home = mission.home or _home_at_first_waypoint(mission)
     plan = {

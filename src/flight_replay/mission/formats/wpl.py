@@ -17,7 +17,7 @@ _HEADER = "QGC WPL 110"
 _COLUMNS = 12
 
 
-def text(mission: Mission, track: Track | None = None) -> str:
+def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
     """The mission with home as item 0 and 8 decimals (1 mm); this format holds no track."""
     home = mission.home or Home(0.0, 0.0, 0.0)
     first = MissionItem(
