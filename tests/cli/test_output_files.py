@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -63,18 +65,36 @@ def test_a_file_that_exists_is_replaced_only_with_force(
 def test_a_plot_that_fails_costs_neither_the_results_nor_the_report(
     log: Path, error: Exception, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The JSON object is whole, the report is written, and the exit status and the error line tell of it."""
+    """The JSON object came before it, the report is written, exit status and error line tell of it."""
+    results: list[str] = []
 
     def fail(*_: object) -> None:
+        results.append(capsys.readouterr().out)
         raise error
 
     monkeypatch.setattr("flight_replay.output.charts.plot.save_plot", fail)
     assert main(["--tlog", str(log), "--plot", "a.png", "--report", "a.html", *DRY]) == 1
     output = capsys.readouterr()
-    assert json.loads(output.out)["route"]["points"] == 100
+    assert json.loads(results[0])["route"]["points"] == 100
     assert output.err.count("flight-replay: error: ") == 1
     assert "a.png" in output.err
     assert Path("a.html").exists()
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+def test_only_with_v_the_log_says_why_a_plot_failed(log: Path, tmp_path: Path, verbose: bool) -> None:
+    """Where nobody set logging up, as in a program of its own."""
+    code = (
+        "import sys; from flight_replay.cli.main import main; from flight_replay.output.charts import plot\n"
+        "def fail(*_): raise ValueError('\\x1b[31m')\n"
+        "plot.save_plot = fail; sys.exit(main())"
+    )
+    options = ["--tlog", str(log), "--plot", "a.png", *DRY, *(["-v"] if verbose else [])]
+    done = subprocess.run([sys.executable, "-c", code, *options], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert ("ERROR:flight_replay.cli.output_step:cannot write a.png\nTraceback" in done.stderr) is verbose
+    assert ("Traceback" in done.stderr) is verbose
+    assert "\x1b" not in done.stderr
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names are text there")

@@ -6,6 +6,7 @@ which is one line on stderr, 2 wrong usage, 130 interrupted.
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack
@@ -21,13 +22,8 @@ from flight_replay.exceptions import FlightReplayError
 from flight_replay.logs.log_formats import format_title
 from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
-from flight_replay.output.console.terminal import (
-    PrintableFormatter,
-    flush_or_discard,
-    show_cursor,
-    write_error,
-    write_line,
-)
+from flight_replay.output.console.log_lines import log_lines
+from flight_replay.output.console.terminal import flush_or_discard, show_cursor, write_error, write_line
 from flight_replay.output.event_log import EventLog
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.writing.background import Background
@@ -115,6 +111,7 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     recording, flights, track = plan_step.read_recording(options, relay)
     planner = plan_step.Planner(options, track, relay, format_title(recording.format))
     with ExitStack() as stack:
+        stack.enter_context(log_lines(sys.stderr, logging.INFO if options.verbose else logging.CRITICAL))
 
         def plan(limits: VehicleLimits) -> Route:
             """The route for a vehicle, saved, and on the live map until the results are written."""
@@ -142,14 +139,8 @@ def _fly(
     """The route, and how it was flown; a dry run without a vehicle is planned with ArduCopter's defaults."""
     if options.dry_run and options.connect is None:
         return plan(VehicleLimits()), None
-    # A dry run does not import half of the program, nor the libraries that log.
-    import logging
-
+    # A dry run does not import half of the program.
     from flight_replay.cli import flight_step
-
-    handler = logging.StreamHandler()
-    handler.setFormatter(PrintableFormatter(logging.BASIC_FORMAT))
-    logging.basicConfig(level=logging.INFO if options.verbose else logging.CRITICAL, handlers=[handler])
 
     return flight_step.fly(options, home, plan, console, listener)
 
