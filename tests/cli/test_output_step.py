@@ -34,6 +34,8 @@ def result() -> ReplayResult:
         (["--report", "report.txt"], r"report\.txt: unknown suffix .*\.html"),
         (["--record", "missing/a.tlog"], r"cannot write missing/a\.tlog: no folder missing; create it first"),
         (["--gcs", "carrier pigeon"], "carrier pigeon"),
+        (["--gcs", "tcpin:0.0.0.0:5760"], "add --gcs-open"),
+        (["--connect", "udp:127.0.0.1:14550", "--gcs", "udp:127.0.0.1:14550"], "is used twice"),
     ],
 )
 def test_outputs_that_cannot_work_are_refused(argv: list[str], message: str) -> None:
@@ -45,7 +47,8 @@ def test_outputs_that_cannot_work_are_refused(argv: list[str], message: str) -> 
 def test_outputs_that_can_work_are_accepted(tmp_path: Path) -> None:
     """Suffixes are known and folders exist."""
     files = ["--save", "a.plan", "--plot", "a.png", "--report", "a.html", "--record", "a.tlog"]
-    check_outputs(parse_options([str(tmp_path / text) if "." in text else text for text in files]))
+    stations = ["--connect", "tcp:[::1]:5760", "--gcs", "tcpin:[::]:5761", "--gcs-open"]
+    check_outputs(parse_options(stations + [str(tmp_path / text) if "." in text else text for text in files]))
 
 
 def test_result_lines_fit_80_columns(result: ReplayResult) -> None:

@@ -1,5 +1,6 @@
-"""What else the machine that runs the tests is doing."""
+"""The machine that runs the tests: what else it is doing, and its address."""
 
+import socket
 import time
 
 _MEASURED_S = 0.1
@@ -11,3 +12,13 @@ def cpu_share() -> float:
     while time.thread_time() - began_cpu_s < _MEASURED_S:
         pass
     return _MEASURED_S / (time.monotonic() - began_s)
+
+
+def outside_address() -> str:
+    """An address of this machine other than 127.0.0.1, outside loopback if it has one."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))
+        except OSError:
+            return "127.0.0.2"
+        return str(probe.getsockname()[0])

@@ -59,6 +59,22 @@ def test_a_vehicle_is_found_over_any_transport(kind: str) -> None:
         assert vehicle.mission_verified()
 
 
+def test_a_stranger_is_sent_nothing_once_the_vehicle_is_known() -> None:
+    """However often it sends; the mission goes to the vehicle alone."""
+    port = free_udp_port()
+    with (
+        copter(listen=f"udpout:127.0.0.1:{port}") as vehicle,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
+    ):
+        stranger.setblocking(False)
+        stranger.sendto(b"x", ("127.0.0.1", port))
+        vehicle.upload(ROUTE)
+        stranger.sendto(b"x", ("127.0.0.1", port))
+        assert vehicle.mission_verified()
+        with pytest.raises(BlockingIOError):
+            stranger.recv(4096)
+
+
 def test_connecting_is_quick() -> None:
     """A few parameters are read, some of them again, not 1,340; phases and progress are events."""
     events: list[Event] = []

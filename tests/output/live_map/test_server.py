@@ -19,6 +19,7 @@ import pytest
 from flight_replay.exceptions import VehicleError
 from flight_replay.output.charts import map_tiles
 from flight_replay.output.live_map.server import LiveMap
+from tests.helpers.machine import outside_address
 from tests.helpers.made_replays import made_replay, vehicle_at
 
 
@@ -52,16 +53,6 @@ def port_of(live: LiveMap) -> int:
 def token_of(live: LiveMap) -> str:
     """The token in its address."""
     return live.url.split("/")[3]
-
-
-def outside_address() -> str:
-    """An address of this machine other than 127.0.0.1, outside loopback if it has one."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("192.0.2.1", 9))
-        except OSError:
-            return "127.0.0.2"
-        return str(probe.getsockname()[0])
 
 
 def answers(host: str, port: int) -> bool:
@@ -163,6 +154,17 @@ def test_only_who_knows_the_token_is_served(served: LiveMap, place: str, prefix:
     path, headers = PLACES[place]
     host = f"Host: 127.0.0.1:{port_of(served)}\r\n"
     assert status_of(served, prefix.format(token=token_of(served)) + path, host + headers) == 403
+
+
+@pytest.mark.usefixtures("no_tiles")
+def test_open_pages_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each takes memory; one too many is told to come later, and its scripts are served."""
+    monkeypatch.setattr("flight_replay.output.live_map.access._MAX_SESSIONS", 2)
+    with LiveMap(made_replay()[0]) as live:
+        host = f"Host: 127.0.0.1:{port_of(live)}\r\n"
+        asked = [status_of(live, f"/{token_of(live)}/", host) for _ in range(3)]
+        script = status_of(live, f"/{token_of(live)}/static/js/bokeh.min.js", host)
+    assert (asked, script) == ([200, 200, 503], 200)
 
 
 def test_each_map_has_a_token_of_its_own(served: LiveMap) -> None:

@@ -7,6 +7,7 @@ import queue
 import socket
 import struct
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
@@ -15,9 +16,11 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from flight_replay.exceptions import FlightReplayError
+from flight_replay.vehicle.link.frame_parser import MAX_SENDERS
 from flight_replay.vehicle.link.ground_station_servers import MAX_CONNECTIONS, TcpServer, UdpServer
 from flight_replay.vehicle.link.ground_station_sockets import TransportSocket, check_distinct, socket_for
 from flight_replay.vehicle.link.ground_stations import QUEUED_FRAMES, GroundStation, ground_stations
+from tests.helpers.machine import outside_address
 
 PATIENCE_S = 10.0
 
@@ -351,6 +354,100 @@ def test_connections_are_few_and_running_out_of_descriptors_drops_none(
         assert receive(made[0], len(frame(5))) == frame(5)
 
 
+@contextmanager
+def opened() -> Iterator[TcpServer]:
+    """A server that is read by the test itself."""
+    server = TcpServer(("127.0.0.1", 0))
+    server.open()
+    try:
+        yield server
+    finally:
+        server.close()
+
+
+def test_without_descriptors_the_server_rests_and_tries_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The connection that waits does not keep it busy; it is accepted once that is possible."""
+    monkeypatch.setattr("flight_replay.vehicle.link.ground_station_servers._RETRY_ACCEPT_S", 0.4)
+
+    def fail(_: socket.socket) -> None:
+        raise OSError(errno.EMFILE, "too many open files")
+
+    with opened() as server, socket.create_connection(("127.0.0.1", server.port), PATIENCE_S) as late:
+        with monkeypatch.context() as patch:
+            patch.setattr(socket.socket, "accept", fail)
+            server.read(PATIENCE_S)
+        began_s = time.monotonic()
+        assert server.read(0.2) == []
+        assert time.monotonic() - began_s > 0.1
+        late.sendall(beat())
+        end_s = time.monotonic() + PATIENCE_S
+        while not (received := server.read(0.05)) and time.monotonic() < end_s:
+            pass
+        assert [data for _, data in received] == [beat()]
+
+
+def test_a_station_that_does_not_read_is_disconnected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The other one gets every frame."""
+    monkeypatch.setattr("flight_replay.vehicle.link.ground_station_servers._SEND_S", 0.1)
+    with opened() as server, ExitStack() as stack:
+        idle, reader = (
+            stack.enter_context(socket.create_connection(("127.0.0.1", server.port), PATIENCE_S))
+            for _ in range(2)
+        )
+        for _ in range(2):
+            server.read(PATIENCE_S)
+        piece = bytes(1 << 20)
+        for _ in range(100):
+            sender = threading.Thread(target=server.write, args=(piece,), daemon=True)
+            sender.start()
+            assert receive(reader, len(piece)) == piece
+            sender.join(PATIENCE_S)
+            assert not sender.is_alive(), "it waits for the one that does not read"
+        assert len(server._stations) == 1
+        assert idle.fileno() >= 0
+
+
+def test_no_error_ends_a_stations_thread() -> None:
+    """Not even one that nobody foresaw, of the link to the vehicle: the station is heard again."""
+    errors: list[type[Exception]] = [RuntimeError, MemoryError]
+
+    class Failing(FakeLink):
+        def forward(self, frame: bytes) -> None:
+            if errors:
+                raise errors.pop()
+            super().forward(frame)
+
+    link = Failing()
+    with (
+        listening(socket.SOCK_STREAM) as gcs,
+        ground_stations(link, [f"tcp:127.0.0.1:{gcs.getsockname()[1]}"]),
+    ):
+        for _ in range(3):
+            connection, _ = gcs.accept()
+            with connection:
+                connection.sendall(command())
+                if not errors:
+                    assert link.heard.get(timeout=PATIENCE_S) == command()
+                    break
+                assert connection.recv(1) == b""
+
+
+def test_half_begun_strangers_are_forgotten() -> None:
+    """However many send a marker and nothing more, a few are remembered, and a station gets through."""
+    link = FakeLink()
+    with listening(socket.SOCK_DGRAM) as free:
+        address = free.getsockname()
+    with ground_stations(link, [f"udpin:127.0.0.1:{address[1]}"]) as (station,), ExitStack() as stack:
+        assert station.opened.wait(PATIENCE_S)
+        for _ in range(3 * MAX_SENDERS):
+            stranger = stack.enter_context(listening(socket.SOCK_DGRAM))
+            stranger.sendto(b"\xfd", address)
+        gcs = stack.enter_context(listening(socket.SOCK_DGRAM))
+        gcs.sendto(beat(), address)
+        assert link.heard.get(timeout=PATIENCE_S) == beat()
+        assert len(station._admissions) <= MAX_SENDERS
+
+
 @pytest.mark.parametrize(
     ("connection", "stations"),
     [
@@ -365,6 +462,12 @@ def test_an_address_used_twice_is_refused(connection: str | None, stations: list
     """Frames would go round in circles."""
     with pytest.raises(FlightReplayError, match="is used twice"):
         check_distinct(connection, stations)
+
+
+def test_this_machines_address_on_the_network_is_this_machine() -> None:
+    """A vehicle's port that listens on all addresses is reached by it too."""
+    with pytest.raises(FlightReplayError, match="is used twice"):
+        check_distinct("udpin:0.0.0.0:14550", [f"udp:{outside_address()}:14550"])
 
 
 def test_different_addresses_may_be_used_together() -> None:

@@ -13,6 +13,7 @@ import pytest
 
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mavlink import dialect
+from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.transport import TcpClient
@@ -204,13 +205,13 @@ def test_a_silent_tcp_connection_is_reopened(vehicle: Vehicle, monkeypatch: pyte
 
 
 class BrokenTransport:
-    """A transport that raises what it is told to, call by call, and carries nothing."""
+    """A transport that raises what it is told to when it is read, written to, or both; it carries nothing."""
 
     sender: Any = None
     reopen_if_silent = False
 
-    def __init__(self, error: type[Exception]) -> None:
-        self.error = error
+    def __init__(self, error: type[Exception], calls: tuple[str, ...]) -> None:
+        self.error, self.calls = error, calls
         self.opened = self.written = 0
         self.fails = True
 
@@ -221,15 +222,15 @@ class BrokenTransport:
         self.fails = False
 
     def read(self, timeout_s: float) -> bytes:
-        if self.fails:
+        if self.fails and "read" in self.calls:
             raise self.error("gone")
         time.sleep(timeout_s)
         return b""
 
     def write(self, data: bytes) -> None:
-        if self.fails:
+        if self.fails and "write" in self.calls:
             raise self.error("gone")
-        self.written += 1
+        self.written += not self.fails
 
     def send_only_to(self, sender: Any) -> None:
         return
@@ -238,10 +239,11 @@ class BrokenTransport:
         return
 
 
+@pytest.mark.parametrize("calls", [("read",), ("write",), ("read", "write")], ids="+".join)
 @pytest.mark.parametrize("error", [OSError, AttributeError, TypeError, ValueError, RuntimeError, MemoryError])
-def test_whatever_a_transport_raises_it_is_reopened(error: type[Exception]) -> None:
+def test_whatever_a_transport_raises_it_is_reopened(error: type[Exception], calls: tuple[str, ...]) -> None:
     """Senders get no exception, and frames go out again once the transport opens."""
-    transport = BrokenTransport(error)
+    transport = BrokenTransport(error, calls)
     link = Link(transport)
     link.send(BEAT)
     link.start()
@@ -253,3 +255,51 @@ def test_whatever_a_transport_raises_it_is_reopened(error: type[Exception]) -> N
         assert transport.written
     finally:
         link.close()
+
+
+def test_a_recorder_that_fails_does_not_disturb_the_link(vehicle: Vehicle) -> None:
+    """Neither the sender nor the link's thread, which receives on, notices its error."""
+
+    class Broken(Recorder):
+        def __init__(self) -> None:
+            self.asked = 0
+
+        def write(self, frame: bytes) -> None:
+            self.asked += 1
+            raise RuntimeError("no")
+
+    recorder = Broken()
+    link = linked(vehicle, recorder=recorder)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    link.send(BEAT)
+    assert vehicle.heard(2)
+    for _ in range(2):
+        vehicle.send(BEAT)
+        assert heard.get(timeout=20).get_type() == "HEARTBEAT"
+    link.close()
+    assert recorder.asked >= 4
+
+
+def test_no_error_ends_the_links_thread(vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not even one that nobody foresaw, such as of the parser: it is the only way to the vehicle."""
+    errors: list[type[Exception]] = [RecursionError, MemoryError, KeyError]
+    messages = ParserPool.messages
+
+    def fail(self: ParserPool, data: bytes, sender: object) -> Any:
+        if data and errors:
+            raise errors.pop()
+        return messages(self, data, sender)
+
+    monkeypatch.setattr(ParserPool, "messages", fail)
+    monkeypatch.setattr("flight_replay.vehicle.link.link._REOPEN_S", 0.01)
+    link = linked(vehicle)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    end_s = time.monotonic() + 20
+    while heard.empty() and time.monotonic() < end_s:
+        vehicle.send(BEAT)
+        time.sleep(0.02)
+    assert heard.get(timeout=1).get_type() == "HEARTBEAT"
+    assert not errors
+    link.close()

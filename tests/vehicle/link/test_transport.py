@@ -28,6 +28,7 @@ STRINGS = {
     "/dev/serial/by-id/usb-3D_Robotics:1": Serial,
     "COM14": Serial,
     "com14,57600": Serial,
+    "com14,²": Serial,
 }
 
 

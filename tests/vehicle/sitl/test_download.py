@@ -22,7 +22,7 @@ import pytest
 
 from flight_replay.events import Event, Notice, Progress
 from flight_replay.exceptions import SimulatorError
-from flight_replay.vehicle.sitl import fetch
+from flight_replay.vehicle.sitl import fetch, unpack
 from flight_replay.vehicle.sitl.download import DownloadSource, download, dronekit_sitl_source
 
 Answer = Callable[[http.server.BaseHTTPRequestHandler], object]
@@ -182,7 +182,7 @@ def test_a_download_without_end_has_a_size_limit(
 ) -> None:
     """More bytes than any simulator has are not stored."""
     monkeypatch.setattr(fetch, "_LARGEST_BYTES", 1000)
-    web.answer = gives(b"x" * 5000)
+    web.answer = raw(b"HTTP/1.0 200 OK\r\n\r\n" + b"x" * 5000)
     with pytest.raises(SimulatorError, match="too large"):
         download(source(web, tmp_path))
 
@@ -258,6 +258,18 @@ def test_a_small_archive_that_expands_is_refused(web: StandIn, tmp_path: Path, b
     assert list((tmp_path / "cache").iterdir()) == []
 
 
+def test_an_archive_that_expands_takes_no_more_of_the_disk_than_is_allowed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is refused while it is unpacked, not afterwards."""
+    monkeypatch.setattr(unpack, "_LARGEST_BYTES", 5 << 20)
+    (tmp_path / "sitl.tar.gz").write_bytes(gzipped((header("apm", 100 << 20), 1), (_MB, 100)))
+    with pytest.raises(tarfile.TarError, match="too large"):
+        unpack.unpack(tmp_path / "sitl.tar.gz", tmp_path / "unpacked")
+    sizes = [path.stat().st_size for path in tmp_path.rglob("*") if path.is_file()]
+    assert sum(sizes) <= 6 << 20
+
+
 @pytest.mark.parametrize("pinned", [hashlib.sha256(GOOD).hexdigest().upper(), None], ids=["known", "unknown"])
 def test_a_known_sha256_is_checked_and_an_unknown_one_told(
     web: StandIn, tmp_path: Path, pinned: str | None
@@ -328,6 +340,28 @@ def test_headers_that_drip_have_a_time_limit(web: StandIn, tmp_path: Path, line:
         download(source(web, tmp_path), limit_s=0.5)
     assert time.monotonic() - began_s < 5
     over.set()
+
+
+@pytest.mark.skipif(not hasattr(tarfile, "data_filter"), reason="early versions of 3.10 have none")
+def test_pythons_own_filter_is_asked_about_each_member(
+    web: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It may know of a danger that this program does not."""
+    asked: list[str] = []
+
+    def refuse(member: tarfile.TarInfo, folder: str) -> tarfile.TarInfo:
+        asked.append(member.name)
+        if member.name.endswith("eeprom.bin"):
+            raise tarfile.OutsideDestinationError(member, folder)
+        return member
+
+    monkeypatch.setattr(tarfile, "data_filter", refuse)
+    web.answer = gives(GOOD)
+    place = source(web, tmp_path)
+    with pytest.raises(SimulatorError, match=r"eeprom\.bin"):
+        download(place)
+    assert len(asked) == 3
+    assert list(place.cache.iterdir()) == []
 
 
 def test_python_without_a_filter_unpacks_as_safely(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import subprocess
 import sys
 import tempfile
 import time
@@ -16,7 +17,7 @@ import pytest
 from flight_replay.events import Event, Notice
 from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
-from flight_replay.vehicle.sitl import choose, process, simulator
+from flight_replay.vehicle.sitl import choose, process, simulator, watcher
 from flight_replay.vehicle.sitl.bench_parameters import bench_text
 from flight_replay.vehicle.sitl.download import DownloadSource
 from flight_replay.vehicle.sitl.locate import SitlBinary, find_binary
@@ -220,6 +221,21 @@ def test_a_simulator_that_ignores_sigterm_is_killed(tmp_path: Path, monkeypatch:
     with process.run(SitlBinary(stand_in(tmp_path, body)), START) as running:
         pass
     assert running.process.returncode == -9
+
+
+def test_ctrl_c_while_a_simulator_starts_ends_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At once: the watcher, which there is none of here, would too."""
+    started: list[subprocess.Popen[bytes]] = []
+
+    def interrupted(_: Path, simulator: subprocess.Popen[bytes], log: Path) -> None:
+        started.append(simulator)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(process, "_wait_ready", interrupted)
+    monkeypatch.setattr(watcher, "__file__", os.devnull)
+    with pytest.raises(KeyboardInterrupt), process.run(SitlBinary(stand_in(tmp_path)), START):
+        raise AssertionError
+    assert [simulator.poll() is not None for simulator in started] == [True]
 
 
 @pytest.mark.parametrize("error", [RuntimeError("boom"), KeyboardInterrupt()], ids=["error", "Ctrl-C"])

@@ -106,7 +106,9 @@ class TcpServer:
     def read(self, timeout_s: float) -> Received:
         """Data of each station; accepts new stations, and drops those that closed the connection."""
         received: Received = []
-        for ready in select.select([self._open_listener, *self._stations], [], [], timeout_s)[0]:
+        # A connection that cannot be accepted stays ready, and would keep this thread busy.
+        accepting = [self._open_listener] if time.monotonic() >= self._accept_after_s else []
+        for ready in select.select([*accepting, *self._stations], [], [], timeout_s)[0]:
             if ready is self._listener:
                 self._accept()
                 continue
@@ -119,8 +121,6 @@ class TcpServer:
         return received
 
     def _accept(self) -> None:
-        if time.monotonic() < self._accept_after_s:
-            return
         try:
             station, _ = self._open_listener.accept()
         except OSError as error:

@@ -6,6 +6,8 @@ stations; ``tcp:HOST:PORT`` connects to a station that listens; ``tcpin:HOST:POR
 
 from __future__ import annotations
 
+import ipaddress
+import socket
 from collections.abc import Hashable, Sequence
 from typing import Protocol
 
@@ -96,8 +98,19 @@ def _place(address: str) -> tuple[str, str, int] | None:
     named = parse_network_address(address) or parse_network_address(f"udp:{address}")
     if named is None:
         return None
-    here = named.host in ("", "0.0.0.0", "::") or named.is_loopback
+    here = named.host == "" or named.is_loopback or _is_of_this_machine(named.host)
     return named.kind[:3], "this machine" if here else named.host.lower(), named.port
+
+
+def _is_of_this_machine(host: str) -> bool:
+    """Whether a numeric address is this machine's, or stands for all of those: only such can be bound."""
+    try:
+        family = socket.AF_INET6 if ipaddress.ip_address(host).version == 6 else socket.AF_INET
+        with socket.socket(family, socket.SOCK_DGRAM) as probe:
+            probe.bind((host, 0))
+    except (ValueError, OSError):
+        return False
+    return True
 
 
 class TransportSocket:

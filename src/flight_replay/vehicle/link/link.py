@@ -112,8 +112,15 @@ class Link:
         except Exception as error:
             self._break(error)
             return
+        self._record(frame)
+
+    def _record(self, frame: bytes) -> None:
+        """Have the recorder write a frame; an error of it must not reach the sender, nor stop the link."""
         if self._recorder:
-            self._recorder.write(frame)
+            try:
+                self._recorder.write(frame)
+            except Exception:
+                _log.exception("cannot record a frame")
 
     def close(self) -> None:
         """Stop the thread and close the transport."""
@@ -183,8 +190,7 @@ class Link:
             return
         if (message.get_srcSystem(), message.get_srcComponent()) == self._vehicle:
             self._transport.send_only_to(self._transport.sender)
-        if self._recorder:
-            self._recorder.write(frame)
+        self._record(frame)
         if frame[0] == dialect.PROTOCOL_MARKER_V2:
             self._mavlink1 = False
         for receiver in self._receivers:
