@@ -31,6 +31,18 @@ def test_a_signal_that_python_drops_comes_again(number: int, capsys: pytest.Capt
     assert capsys.readouterr().err == ""
 
 
+def test_further_signals_change_nothing_for_a_while() -> None:
+    """They must not end the way home that the first one began."""
+    with pytest.raises(KeyboardInterrupt), as_keyboard_interrupt(exits=False):
+        try:
+            signal.raise_signal(signal.SIGINT)
+        finally:
+            for number in TERMINATION_SIGNALS:
+                signal.raise_signal(number)
+            ended = "all of it"
+    assert ended == "all of it"
+
+
 def test_other_dropped_exceptions_are_told_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
     """The hook of before has them."""
     told: list[type] = []

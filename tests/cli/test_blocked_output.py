@@ -21,6 +21,7 @@ import pytest
 from flight_replay.simulator.server import launch
 from tests.helpers.fault_runs import START
 from tests.helpers.paths import SAMPLE
+from tests.helpers.streams import full_pipe
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 SPEEDUP = 20.0
@@ -124,29 +125,45 @@ def test_a_terminal_that_is_stopped_holds_nothing_up(tmp_path: Path, number: int
 @pytest.mark.parametrize("number", [None, signal.SIGINT], ids=["to its end", "INT"])
 def test_a_pipe_that_nobody_reads_holds_nothing_up(tmp_path: Path, number: int | None) -> None:
     """A full pipe, as to a pager that is paused."""
-    reader, writer = os.pipe()
-    os.set_blocking(writer, False)
-    with suppress(BlockingIOError):
-        while True:
-            os.write(writer, b"x" * 4096)
-    os.set_blocking(writer, True)
-    try:
-        with replaying(tmp_path, "--duration", "100", "-v", stdout=writer, stderr=writer) as (
-            process,
-            witness,
-        ):
-            wait_for_mode(witness, AUTO, 90)
-            if number is None:
-                wait_for_mode(witness, RTL, 60)
-                return
-            began_s = time.monotonic()
-            process.send_signal(number)
-            assert process.wait(30) == 130
-            assert time.monotonic() - began_s < ENDS_WITHIN_S
-            wait_for_mode(witness, RTL, 5)
-    finally:
-        os.close(reader)
-        os.close(writer)
+    with (
+        full_pipe() as writer,
+        replaying(tmp_path, "--duration", "100", "-v", stdout=writer, stderr=writer) as (process, witness),
+    ):
+        wait_for_mode(witness, AUTO, 90)
+        if number is None:
+            wait_for_mode(witness, RTL, 60)
+            return
+        began_s = time.monotonic()
+        process.send_signal(number)
+        assert process.wait(30) == 130
+        assert time.monotonic() - began_s < ENDS_WITHIN_S
+        wait_for_mode(witness, RTL, 5)
+
+
+STUCK_AT_EXIT = """
+import os, sys, threading
+from flight_replay import __main__
+from flight_replay.cli import main
+from flight_replay.writing.background import Background
+def replay():
+    if sys.argv[2] == "stuck":
+        Background("test", 1).submit(threading.Event().wait)
+    return int(sys.argv[1])
+class Late:
+    def flush(self):
+        os._exit(99)
+main.main, sys.stderr = replay, Late()
+sys.exit(__main__.main())
+"""
+
+
+@pytest.mark.parametrize(
+    ("status", "thread", "exits"), [(130, "ended", 130), (1, "stuck", 1), (1, "ended", 99)]
+)
+def test_at_the_exit_nothing_is_flushed_that_a_thread_may_hold(status: int, thread: str, exits: int) -> None:
+    """A flush would wait for a thread that is stuck; where none is, stderr is flushed."""
+    command = [sys.executable, "-c", STUCK_AT_EXIT, str(status), thread]
+    assert subprocess.run(command, check=False, timeout=60).returncode == exits
 
 
 def test_a_recording_that_is_stuck_holds_nothing_up(tmp_path: Path) -> None:

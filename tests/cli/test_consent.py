@@ -85,6 +85,36 @@ def test_what_was_typed_before_the_question_is_no_answer(
     os.close(master)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_the_word_counts_only_after_a_second_of_the_briefing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is typed while the briefing was not on the screen for a second yet is not read."""
+    master, slave = os.openpty()
+    moments: list[str | float] = []
+
+    class Shown(PlainConsole):
+        def flush(self, timeout_s: float) -> bool:
+            moments.append("shown")
+            return super().flush(timeout_s)
+
+    def passes(seconds: float) -> None:
+        moments.append(seconds)
+        os.write(master, b"fly\n")
+
+    class Question(io.StringIO):
+        def flush(self) -> None:
+            moments.append("asked")
+            os.write(master, b"no\n")
+
+    with os.fdopen(slave, "r") as terminal:
+        monkeypatch.setattr("sys.stdin", terminal)
+        monkeypatch.setattr("sys.stderr", Question())
+        monkeypatch.setattr("time.sleep", passes)
+        with pytest.raises(VehicleError, match="'fly' was not typed"):
+            ask_consent(Shown(io.StringIO()))
+    os.close(master)
+    assert moments == ["shown", pytest.approx(1.0), "asked"]
+
+
 def test_a_briefing_that_is_not_shown_is_no_consent(monkeypatch: pytest.MonkeyPatch) -> None:
     """Who did not see which vehicle it is cannot agree."""
 

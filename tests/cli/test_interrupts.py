@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from tests.helpers.paths import SAMPLE
+from tests.helpers.streams import full_pipe
 from tests.output.live_map.test_server import FLOOD
 
 EXIT_TIMEOUT_S = 10.0
@@ -174,6 +175,21 @@ def test_a_signal_during_the_imports_is_one_line(tmp_path: Path, module: str, nu
     code = f"import os, signal, time\nos.kill(os.getpid(), signal.{number})\ntime.sleep(20)\n"
     done = shadowed(tmp_path, module, code, "--dry-run")
     assert (done.returncode, done.stderr) == (130, "flight-replay: error: interrupted\n")
+
+
+def test_a_signal_during_the_imports_ends_at_once_whatever_stderr_does(tmp_path: Path) -> None:
+    """A pipe that is full gets no line."""
+    (tmp_path / "numpy.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n")
+    path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    command = [sys.executable, "-m", "flight_replay", "--dry-run"]
+    with (
+        full_pipe() as stderr,
+        subprocess.Popen(command, stderr=stderr, env={**os.environ, "PYTHONPATH": path}) as process,
+    ):
+        try:
+            assert process.wait(EXIT_TIMEOUT_S) == 130
+        finally:
+            process.kill()
 
 
 @pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP"])

@@ -10,6 +10,7 @@ import pytest
 
 from flight_replay.cli.main import main
 from flight_replay.logs.sample import sample_log
+from tests.helpers.streams import Terminal
 
 ROUTE_KEYS = {
     "method",
@@ -174,3 +175,18 @@ def test_a_closed_pipe_is_no_error() -> None:
         errors = process.stderr.read().decode()
     assert "Error" not in errors
     assert "Exception" not in errors
+
+
+def test_after_an_interrupt_the_cursor_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On each terminal: a display that is stuck may have left it hidden."""
+    streams = Terminal(), Terminal()
+    monkeypatch.setattr(sys, "stdout", streams[0])
+    monkeypatch.setattr(sys, "stderr", streams[1])
+    monkeypatch.setenv("TERM", "xterm")
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("flight_replay.cli.main.replay", interrupt)
+    assert main(["--dry-run", "-q"]) == 130
+    assert [stream.getvalue().count("\x1b[?25h") for stream in streams] == [1, 1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
@@ -11,6 +12,8 @@ import pytest
 from flight_replay import vehicle
 from flight_replay.cli import restore
 from flight_replay.cli.restore import restore_command, save_mission_on_board
+from flight_replay.events import Event, Notice
+from flight_replay.exceptions import VehicleError
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Home, Mission, change_speed, waypoint
 from flight_replay.simulator.autopilot.location import Start
@@ -103,6 +106,22 @@ def test_a_mission_that_cannot_be_sent_is_told_before_connecting(
     error = capsys.readouterr().err
     assert error.startswith(f"flight-replay: error: {path} line 2 has ")
     assert error.count("\n") == 1
+
+
+def test_what_a_vehicle_says_cannot_control_the_terminal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its firmware may call itself anything."""
+
+    def connect(*_: object, listener: Callable[[Event], None], **__: object) -> None:
+        listener(Notice("this is \x1b]0;title\x07"))
+        raise VehicleError("no \x1b[31m")
+
+    path = save_mission_on_board(VehicleWithMission(BEFORE), tmp_path, NOW)
+    monkeypatch.setattr(vehicle, "connect", connect)
+    assert restore.main([str(path), "tcp:127.0.0.1:1"]) == 1
+    error = capsys.readouterr().err
+    assert error == "this is \\x1b]0;title\\x07\nflight-replay: error: no \\x1b[31m\n"
 
 
 def test_an_interrupted_restore_says_so(

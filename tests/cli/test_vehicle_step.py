@@ -1,6 +1,7 @@
 """vehicle_step.py: which vehicle is refused, and what is read of it."""
 
 from collections.abc import Iterable
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +9,7 @@ import pytest
 
 from flight_replay.cli import vehicle_step
 from flight_replay.cli.options import parse_options
-from flight_replay.events import Event, Notice
+from flight_replay.events import Event, Notice, ignore
 from flight_replay.exceptions import VehicleError
 from flight_replay.planning.drag import DragModel
 from flight_replay.planning.vehicle_limits import VehicleLimits
@@ -70,3 +71,13 @@ def test_a_real_vehicle_is_refused_what_is_for_simulators(argv: list[str]) -> No
     with pytest.raises(VehicleError, match=f"leave out {argv[2]}"):
         vehicle_step._check_options(vehicle({}, simulated=False), parse_options(argv))
     vehicle_step._check_options(vehicle({}), parse_options(argv))
+
+
+def test_the_signing_key_is_that_of_the_option(tmp_path: Path) -> None:
+    """It is read before anything is connected to."""
+    options = parse_options(["--connect", "tcp:127.0.0.1:1", "--signing-key", str(tmp_path / "key")])
+    with (
+        pytest.raises(VehicleError, match="cannot read the signing key"),
+        vehicle_step.connected_vehicle("tcp:127.0.0.1:1", options, ignore, None),
+    ):
+        raise AssertionError

@@ -127,6 +127,19 @@ def test_a_long_leg_takes_little_memory() -> None:
     assert peak < 50e6
 
 
+def test_many_legs_past_many_corners_take_little_memory() -> None:
+    """3,000 legs and 2,000 corners, 6 million pairs, take less than 50 MB."""
+    angles = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
+    ring = tuple(corner(1e3 * np.cos(angle), 1e3 * np.sin(angle)) for angle in angles)
+    starts_m = np.column_stack([np.linspace(-2e3, 2e3, 3000), np.full(3000, -2e3)])
+    tracemalloc.start()
+    crossed = FenceArea(ring, None, False).forbids_legs(starts_m, starts_m + np.array([0.0, 4e3]), FRAME)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert crossed.sum() == np.sum(np.abs(starts_m[:, 0]) < 1e3)
+    assert peak < 50e6
+
+
 def test_a_leg_through_a_small_area_is_found() -> None:
     """Areas narrower than any step along the leg count too, and legs along an edge's line do not."""
     sliver = FenceArea((corner(50, -1), corner(50.01, -1), corner(50.01, 1), corner(50, 1)), None, False)

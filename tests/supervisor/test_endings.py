@@ -66,6 +66,21 @@ def test_a_link_that_stays_lost_ends_the_flight() -> None:
     assert flight.wall_s < 30 + 30 + 10
 
 
+def test_a_link_that_stays_lost_in_the_climb_ends_the_flight() -> None:
+    """RTL is requested all the same: the vehicle may hear what we do not."""
+    flight = fake_flight(FakeVehicle(FakeClock()))
+    request_takeoff = flight.vehicle.request_takeoff
+
+    def take_off(altitude_m: float) -> None:
+        request_takeoff(altitude_m)
+        flight.vehicle.silent = True
+
+    flight.vehicle.request_takeoff = take_off  # type: ignore[method-assign]
+    with pytest.raises(VehicleError, match="link to the vehicle lost"):
+        flight.fly()
+    assert flight.vehicle.requested[-1] == "RTL"
+
+
 def test_a_reboot_in_the_air_ends_the_flight() -> None:
     """RTL is requested of the rebooted autopilot."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))

@@ -63,20 +63,28 @@ def test_permissions_of_a_replaced_file_are_kept(tmp_path: Path) -> None:
     assert modes["fresh"] == modes["usual"]
 
 
-def test_names_on_the_way_cannot_be_guessed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two files on the way to the same place have different names, and neither takes over what is there."""
+def test_names_on_the_way_cannot_be_guessed(tmp_path: Path) -> None:
+    """Two files on the way to the same place have different names."""
     names = []
     for _ in range(2):
         new = NewFile(tmp_path / "file")
         names += [path.name for path in tmp_path.iterdir()]
         new.discard()
     assert len(set(names)) == 2
+
+
+@pytest.mark.parametrize("link", ["symbolic", "hard"])
+def test_a_link_in_the_way_is_not_written_through(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, link: str
+) -> None:
+    """Even if somebody guessed the name."""
     monkeypatch.setattr("secrets.token_hex", lambda _: "known")
-    (tmp_path / "victim").write_text("kept")
-    (tmp_path / ".flight-replay.known.part").symlink_to(tmp_path / "victim")
+    victim, guessed = tmp_path / "victim", tmp_path / ".flight-replay.known.part"
+    victim.write_text("kept")
+    (guessed.symlink_to if link == "symbolic" else guessed.hardlink_to)(victim)
     with pytest.raises(FlightReplayError, match="cannot write"):
         write_atomically(tmp_path / "file", "text")
-    assert (tmp_path / "victim").read_text() == "kept"
+    assert victim.read_text() == "kept"
 
 
 @pytest.mark.parametrize("name", ["a" * 245, "\u30c9" * 82], ids=["ASCII", "Japanese"])

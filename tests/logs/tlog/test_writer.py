@@ -129,3 +129,20 @@ def test_a_pipe_that_nobody_reads_holds_nothing_up(tmp_path: Path, monkeypatch: 
     assert time.monotonic() - began_s < 10
     assert recorder.problem is not None
     assert "could not be written" in recorder.problem
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_frames_that_do_not_fit_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that was too slow for a while makes a recording with gaps, which is told."""
+    monkeypatch.setattr("flight_replay.logs.tlog.writer.QUEUED_FRAMES", 5)
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    recorder = Recorder(path)
+    for _ in range(100):
+        recorder.write(b"frame")
+    with path.open("rb") as reader:
+        recorder.close()
+        written = len(reader.read()) // len(b"12345678frame")
+    assert written <= 7
+    assert recorder.problem is not None
+    assert f"{100 - written} frames came faster than they could be written" in recorder.problem

@@ -123,6 +123,20 @@ def test_a_copter_whose_launcher_was_killed_while_it_starts_says_nothing(setting
         copter.wait(30)
 
 
+def test_an_interrupt_while_a_copter_starts_ends_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is not left behind."""
+    started: list[subprocess.Popen[str]] = []
+
+    def interrupted(process: subprocess.Popen[str], _: Settings) -> None:
+        started.append(process)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("flight_replay.simulator.server.launch._started", interrupted)
+    with pytest.raises(KeyboardInterrupt), run(START):
+        raise AssertionError
+    assert started[0].poll() is not None
+
+
 def test_ctrl_c_at_the_terminal_does_not_reach_a_copter() -> None:
     """Its process group is another one, also while it is imported and cannot ignore the signal yet."""
     with run(START) as running:
@@ -267,6 +281,19 @@ def test_wrong_usage_is_status_2(arguments: list[str], capsys: pytest.CaptureFix
         cli.main(arguments)
     assert caught.value.code == 2
     assert f"'{arguments[1]}'" in capsys.readouterr().err
+
+
+def test_a_reason_not_to_start_cannot_control_the_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It may quote an address, or a name server."""
+
+    def fail(_: Settings) -> None:
+        raise SimulatorError("no \x1b[31m")
+
+    monkeypatch.setattr("flight_replay.simulator.server.settings.open_endpoint", fail)
+    assert cli.main([]) == 1
+    assert capsys.readouterr().err == "flight-replay-sim: error: no \\x1b[31m\n"
 
 
 @pytest.mark.parametrize("option", ["--home", "--listen", "--speedup", "--nonsense"])
