@@ -176,3 +176,15 @@ def test_a_recording_that_is_stuck_holds_nothing_up(tmp_path: Path) -> None:
         assert process.returncode == 1
         assert "recording pipe.tlog is incomplete" in errors.decode()
         wait_for_mode(witness, RTL, 1)
+
+
+def test_a_recording_that_is_stuck_does_not_hold_up_ctrl_c(tmp_path: Path) -> None:
+    """RTL is commanded, and the program ends in time."""
+    os.mkfifo(tmp_path / "pipe.tlog")
+    with replaying(tmp_path, "--record", "pipe.tlog", stderr=subprocess.DEVNULL) as (process, witness):
+        wait_for_mode(witness, AUTO, 90)
+        began_s = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(30) == 130
+        assert time.monotonic() - began_s < ENDS_WITHIN_S
+        wait_for_mode(witness, RTL, 5)

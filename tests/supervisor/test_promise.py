@@ -13,6 +13,7 @@ import pytest
 
 from flight_replay.events import Event
 from flight_replay.supervisor import FollowPlan, Plan, fly
+from flight_replay.supervisor.vehicle_interface import Vehicle
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
 from tests.helpers.supervised import RECORDED_S, s_curve
 
@@ -24,24 +25,26 @@ POINTS = 8
 MISSION = Plan(mission=route(POINTS), duration_s=20.0, takeoff_altitude_m=10.0)
 FOLLOWING = FollowPlan(reference=s_curve(), recorded_s=RECORDED_S, duration_s=5.0, takeoff_altitude_m=10.0)
 PLANS: dict[str, Plan | FollowPlan] = {"auto": MISSION, "guided": FOLLOWING}
-PARTS = (
-    "reports", "request_mode", "request_arm", "request_takeoff", "mission_verified",
-    "request_speed", "request_position", "send_target", "round_trip_s",
-)  # fmt: skip
+PARTS = tuple(name for name in vars(Vehicle) if not name.startswith("_"))
 
 
 class Faults:
     """Counts the calls into every part of a flight, and raises in those that are chosen."""
 
     def __init__(self, chosen: dict[int, type[BaseException]], *, before: bool = True) -> None:
-        self.calls = 0
+        self.parts: list[object] = []
+        """Which part was called, call by call."""
         self._chosen, self._before = chosen, before
+
+    @property
+    def calls(self) -> int:
+        return len(self.parts)
 
     def around(self, call: Callable[..., Any]) -> Callable[..., Any]:
         """The call, which raises before or after its work when its turn is a chosen one."""
 
         def counted(*arguments: Any) -> Any:
-            self.calls += 1
+            self.parts.append(call)
             fault = self._chosen.get(self.calls)
             if fault is not None and self._before:
                 raise fault("injected")
@@ -56,13 +59,19 @@ class Faults:
 def flown(faults: Faults, plan: Plan | FollowPlan) -> FakeVehicle:
     """A vehicle after a flight in which every part was called through ``faults``."""
     clock = FakeClock()
-    vehicle = FakeVehicle(clock, points=POINTS)
+
+    class Watched(FakeVehicle):
+        pass
+
+    for name in PARTS:
+        part = getattr(FakeVehicle, name)
+        is_property = isinstance(part, property)
+        setattr(Watched, name, property(faults.around(part.fget)) if is_property else faults.around(part))
+    vehicle = Watched(clock, points=POINTS)
 
     def listen(_event: Event) -> None:
         return
 
-    for name in PARTS:
-        setattr(vehicle, name, faults.around(getattr(vehicle, name)))
     watched = FakeClock()
     watched.monotonic_s = faults.around(lambda: clock.now_s)  # type: ignore[method-assign]
     with suppress(BaseException):
@@ -76,21 +85,25 @@ def assert_sent_home(vehicle: FakeVehicle, story: object) -> None:
         assert vehicle.mode == "RTL" and "RTL" in vehicle.requested, story
 
 
-def calls_of_a_whole_flight(plan: Plan | FollowPlan) -> int:
+def calls_of_a_whole_flight(plan: Plan | FollowPlan) -> list[list[int]]:
+    """The numbers of the calls into each part, and of the calls that a fault may add."""
     faults = Faults({})
     vehicle = flown(faults, plan)
     assert vehicle.requested[-1] == "RTL"
-    return faults.calls
+    calls: dict[object, list[int]] = {}
+    for number, part in enumerate(faults.parts, 1):
+        calls.setdefault(part, []).append(number)
+    return [*calls.values(), list(range(faults.calls + 1, faults.calls + 50))]
 
 
 def injected(seed: int, count: int, plan: Plan | FollowPlan) -> None:
-    """Fly ``count`` times with one to three faults at random calls, some that stay."""
-    calls = calls_of_a_whole_flight(plan)
+    """Fly ``count`` times with one to three faults at random calls of random parts, some that stay."""
+    parts = calls_of_a_whole_flight(plan)
     chance = np.random.default_rng(seed)
     for number in range(count):
         chosen = {
-            int(at): FAULTS[chance.integers(len(FAULTS))]
-            for at in chance.integers(1, calls + 50, chance.integers(1, 4))
+            int(chance.choice(parts[part])): FAULTS[chance.integers(len(FAULTS))]
+            for part in chance.integers(len(parts), size=chance.integers(1, 4))
         }
         if chance.random() < 0.3:
             first, stays = min(chosen), int(chance.integers(2, 6))
