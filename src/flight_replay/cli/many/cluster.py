@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 _CONNECT_S = 30.0
 _CLOSE_S = 5.0
 _RETRIED_AFTER_LOST_WORKERS = 1
+_MALLOC_TRIM_BYTES = 32 << 20
 _NO_DASK = 'flight-replay-many needs Dask; install it with: pip install "flight-replay[many]"'
 
 
@@ -44,6 +45,8 @@ def dask_client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         "distributed.scheduler.allowed-failures": _RETRIED_AFTER_LOST_WORKERS,
         "distributed.worker.daemon": False,  # a flight starts processes
         "distributed.worker.preload": ["flight_replay.cli.many.worker_process"],
+        # Dask's own, 64 kB, gives every larger array back to the system, which takes a sixth of the time.
+        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": _MALLOC_TRIM_BYTES,
     }
     with (
         dask.config.set(settings),
