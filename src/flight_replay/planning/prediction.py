@@ -14,7 +14,7 @@ from flight_replay.simulator.dynamics.vector import Vector
 
 _STEP_S, _LONG_STEP_S = 0.02, 0.05
 _LONG_M = 5_000.0
-"""Beyond this, the tenths of a second at sharp turns of splines that long steps miss are not worth the wait."""
+"""Beyond this, the tenths of a second at splines' sharp turns that long steps miss are not worth the wait."""
 SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
 _LONGEST_SIMULATED_M = 50_000.0
 _CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
@@ -49,7 +49,7 @@ def after_takeoff(takeoff_m: float, limits: Limits) -> tuple[Vector, Vector]:
 
 
 def step_for_s(route: Route) -> float:
-    """How long the model's steps are for a route: long ones where all legs are straight, or the path is long."""
+    """How long the model's steps are for a route: long where all legs are straight, or the path is long."""
     is_curved = any(item.command == Command.SPLINE_WAYPOINT for item in route.mission.items)
     return _STEP_S if is_curved and route.path.length_m <= _LONG_M else _LONG_STEP_S
 
