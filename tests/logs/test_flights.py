@@ -93,6 +93,13 @@ def test_velocities_that_are_not_known_are_no_movement() -> None:
     assert find_flights(track) == ()
 
 
+def test_a_movement_whose_climb_is_not_known_is_one() -> None:
+    """As of a GPX without elevations."""
+    track = made([-1] * 12, [0.0] * 2 + [6.0] * 10)
+    (flight,) = find_flights(replace(track, up_m_s=np.full(12, np.nan)))
+    assert (flight.first, flight.last) == (2, 11)
+
+
 def test_a_flight_is_chosen_by_its_number() -> None:
     """The fixes of the flight, and nothing else."""
     track = made([0, 1, 1, 1, 0, 0, 1, 1, 0])

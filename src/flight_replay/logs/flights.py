@@ -105,9 +105,10 @@ def _stretches(track: Track, flown: Flags) -> list[tuple[int, int]]:
 
 def _moving(track: Track) -> Flags:
     """The fixes of stretches in which the vehicle moved, short pauses included."""
-    speed = np.sqrt(track.north_m_s**2 + track.east_m_s**2 + track.up_m_s**2)
+    known = (np.nan_to_num(axis) for axis in (track.north_m_s, track.east_m_s, track.up_m_s))
+    speed_m_s = np.sqrt(sum(axis**2 for axis in known))
     flown = np.zeros(len(track), np.bool_)
-    index = np.flatnonzero(np.nan_to_num(speed) > _MOVING_M_S)
+    index = np.flatnonzero(speed_m_s > _MOVING_M_S)
     if not len(index):
         return flown
     pauses = (np.diff(track.time_s[index]) > _PAUSE_S) | (np.diff(track.boot[index]) != 0)

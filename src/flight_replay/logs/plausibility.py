@@ -43,6 +43,7 @@ _VELOCITY_FACTOR = 1.5  # between two records a vehicle may have been faster tha
 _SLACK_M = 20.0  # estimators correct themselves by metres at once
 _SLACK_DEG = 1.2e-4  # 13.4 m: with steps below this both ways, the slack is never used up
 _LOOK_BACK = 8  # how many runs of positions before it a run may follow
+_AT_ONCE = 1 << 16  # positions: what is made of them stays in the cache
 _FEWEST_AHEAD, _MOST_AHEAD = 16, 1 << 14  # how many runs ahead are looked at together
 
 
@@ -79,15 +80,21 @@ def find_implausible(positions: RecordedPositions, order: Indices | None = None)
         positions: The positions.
         order: Their indices by boot and time (n,), None if that is the order they are in.
     """
-    lat, lon = np.abs(positions.lat_deg), np.abs(positions.lon_deg)
-    found = np.zeros(len(lat), np.int8)
-    found[(lat > 90) | (lon > 180)] = Rejection.OUTSIDE
-    found[(lat <= _NEAR_ZERO_DEG) & (lon <= _NEAR_ZERO_DEG)] = Rejection.NEAR_ZERO
-    found[positions.lacks_3d_fix] = Rejection.NO_FIX
-    found[(lat == 0) & (lon == 0)] = Rejection.EMPTY
+    found = np.zeros(len(positions.lat_deg), np.int8)
+    for first in range(0, len(found), _AT_ONCE):
+        _judge_places(positions, slice(first, first + _AT_ONCE), found)
     left = np.flatnonzero(found == Rejection.NONE) if order is None else order[found[order] == Rejection.NONE]
     found[left[_beyond_jumps(positions, left)]] = Rejection.JUMP
     return found
+
+
+def _judge_places(positions: RecordedPositions, part: slice, found: NDArray[np.int8]) -> None:
+    """Reject those of a part of the positions that are where no vehicle is; ``found`` (n,) is changed."""
+    lat, lon, rejection = np.abs(positions.lat_deg[part]), np.abs(positions.lon_deg[part]), found[part]
+    rejection[(lat > 90) | (lon > 180)] = Rejection.OUTSIDE
+    rejection[(lat <= _NEAR_ZERO_DEG) & (lon <= _NEAR_ZERO_DEG)] = Rejection.NEAR_ZERO
+    rejection[positions.lacks_3d_fix[part]] = Rejection.NO_FIX
+    rejection[(lat == 0) & (lon == 0)] = Rejection.EMPTY
 
 
 def _beyond_jumps(positions: RecordedPositions, left: Indices) -> Flags:
@@ -97,10 +104,12 @@ def _beyond_jumps(positions: RecordedPositions, left: Indices) -> Flags:
     positions is kept: an outlier is left out, and so is a false start before a jump.
     """
     boot = positions.boot[left]
-    is_far = np.abs(np.diff(positions.lat_deg[left])) > _SLACK_DEG
-    is_far |= np.abs(np.diff(positions.lon_deg[left])) > _SLACK_DEG
-    is_far &= boot[1:] == boot[:-1]
-    far = np.flatnonzero(is_far)
+    far = np.concatenate(
+        [
+            _far_steps(positions, left[at : at + _AT_ONCE + 1]) + at
+            for at in range(0, max(len(left), 1), _AT_ONCE)
+        ]
+    )
     can_move = _can_move(positions.places(left[far]), positions.places(left[far + 1]))
     cuts = far[~can_move] + 1
     boots = np.unique(boot[cuts])
@@ -111,7 +120,16 @@ def _beyond_jumps(positions: RecordedPositions, left: Indices) -> Flags:
     steps = np.zeros(len(left) + 1, np.int8)
     steps[firsts[is_rejected]] += 1
     steps[ends[is_rejected]] -= 1
-    return np.asarray(np.cumsum(steps[:-1]) > 0)
+    return np.asarray(np.cumsum(steps[:-1], dtype=np.int8) > 0)
+
+
+def _far_steps(positions: RecordedPositions, left: Indices) -> Indices:
+    """After which of some positions (m,) the next is in the same boot, but not near."""
+    boot = positions.boot[left]
+    is_far = np.abs(np.diff(positions.lat_deg[left])) > _SLACK_DEG
+    is_far |= np.abs(np.diff(positions.lon_deg[left])) > _SLACK_DEG
+    is_far &= boot[1:] == boot[:-1]
+    return np.flatnonzero(is_far)
 
 
 def _can_move(start: Places, end: Places) -> Flags:

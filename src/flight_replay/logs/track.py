@@ -53,6 +53,8 @@ class Track:
 
     def select(self, keep: NDArray[np.intp] | NDArray[np.bool_] | slice) -> Track:
         """The fixes that a mask, a slice or an index array picks, in that order."""
+        if isinstance(keep, np.ndarray) and keep.dtype == np.bool_ and keep.all():
+            return self
         columns = {name: getattr(self, name)[keep] for name in COLUMNS}
         return Track(**columns, timed=self.timed)
 

@@ -32,4 +32,10 @@ _KINDS = (
     (b"version https://git-lfs", "is a git LFS pointer, not the log itself (git lfs pull fetches it)"),
     (b"\xff\xfe", _UTF_16),
     (b"\xfe\xff", _UTF_16),
+    (b"\xfd7zXZ\0", "is packed with xz: unpack it first"),
+    (b"BZh", "is packed with bzip2: unpack it first"),
+    (b"\x28\xb5\x2f\xfd", "is packed with zstd: unpack it first"),
+    (b"7z\xbc\xaf\x27\x1c", "is a 7z archive: unpack it first"),
+    (b"Rar!\x1a\x07", "is a RAR archive: unpack it first"),
+    (b"QGC WPL", "is a mission, not a recorded flight"),
 )

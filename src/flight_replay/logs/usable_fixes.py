@@ -34,12 +34,13 @@ def usable_fixes(positions: Track, lacks_3d_fix: Flags | None = None) -> UsableF
         positions: All recorded positions, in the order of boot and time, some possibly not finite.
         lacks_3d_fix: Which of them (n,) the receiver had no 3D fix for; by default none.
     """
-    velocity = np.column_stack([positions.north_m_s, positions.east_m_s, positions.up_m_s])
+    speed_m_s = np.hypot(positions.north_m_s, positions.east_m_s)
+    np.hypot(speed_m_s, positions.up_m_s, out=speed_m_s)
     recorded = RecordedPositions(
         time_s=positions.time_s,
         lat_deg=_or_outside(positions.lat_deg),
         lon_deg=_or_outside(positions.lon_deg),
-        speed_m_s=np.linalg.norm(velocity, axis=1),
+        speed_m_s=speed_m_s,
         boot=positions.boot,
         lacks_3d_fix=np.zeros(len(positions), np.bool_) if lacks_3d_fix is None else lacks_3d_fix,
     )
@@ -51,4 +52,5 @@ def usable_fixes(positions: Track, lacks_3d_fix: Flags | None = None) -> UsableF
 
 def _or_outside(angle_deg: Floats) -> Floats:
     """Angles (n,), those that are not finite as ones that are not on the globe."""
-    return np.where(np.isfinite(angle_deg), angle_deg, 999.0)
+    known = np.isfinite(angle_deg)
+    return angle_deg if known.all() else np.where(known, angle_deg, 999.0)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import bz2
 import gzip
 import io
+import lzma
 import os
 import re
 import sys
@@ -452,3 +454,21 @@ def test_stamps_may_be_missing_or_wrong(tmp_path: Path) -> None:
     for track in tracks:
         assert track.boot.tolist() == [0] * 5 + [1] * 5
         assert np.array_equal(track.time_s, tracks[0].time_s)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (lzma.compress(bytes(5_000)), "is packed with xz: unpack it first; name a log"),
+        (bz2.compress(bytes(5_000)), "is packed with bzip2: unpack it first"),
+        (b"\x28\xb5\x2f\xfd" + bytes(100), "is packed with zstd: unpack it first"),
+        (b"7z\xbc\xaf\x27\x1c" + bytes(100), "is a 7z archive: unpack it first"),
+        (b"Rar!\x1a\x07\0" + bytes(100), "is a RAR archive: unpack it first"),
+        (b"QGC WPL 110\n0\t1\t0\t16", "is a mission, not a recorded flight"),
+    ],
+    ids=["xz", "bzip2", "zstd", "7z", "rar", "mission"],
+)
+def test_archives_and_missions_are_named(content: bytes, message: str, tmp_path: Path) -> None:
+    """Pilots pack their logs, and mix up files."""
+    with pytest.raises(LogError, match=message):
+        read_log(write(tmp_path, content))

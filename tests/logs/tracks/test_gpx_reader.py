@@ -2,6 +2,7 @@
 
 import codecs
 import gzip
+import re
 
 import numpy as np
 import pytest
@@ -89,6 +90,14 @@ def test_speeds_do_not_make_jumps_plausible() -> None:
     points[30] = (30.0, 47.03, 8.0, 400.0)
     said = gpx(points).replace(b"</trkpt>", b"<speed>59</speed><course>0</course></trkpt>")
     assert read_bytes(said).rejected == {"impossible jump": 1}
+
+
+def test_a_track_without_elevations_shows_its_flight() -> None:
+    """Its heights and climbs are unknown, but it moves."""
+    track = read_bytes(re.sub(rb"<ele>[^<]*</ele>", b"", gpx(moving()))).track
+    assert np.isnan(track.up_m_s).all()
+    (flight,) = find_flights(track)
+    assert (flight.first, flight.last) == (10, 59)
 
 
 def test_points_that_share_a_second_are_spread_over_it() -> None:

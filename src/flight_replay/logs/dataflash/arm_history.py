@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Flags, Indices
+from flight_replay.geometry.arrays import Flags, Indices, Integers
 from flight_replay.logs.dataflash.log_sections import LogSections
 from flight_replay.logs.dataflash.message_rows import Offsets
 from flight_replay.logs.dataflash.message_tables import ArmEvents
@@ -50,7 +50,7 @@ def armed_at(
     return armed
 
 
-def _are_armings(events: ArmEvents, section: Indices) -> Flags:
+def _are_armings(events: ArmEvents, section: Integers) -> Flags:
     """Which events (n,) tell of arming, each arming but once."""
     is_same = np.zeros(len(events), np.bool_)
     is_same[1:] = events.armed[:-1] & (section[1:] == section[:-1])
@@ -58,7 +58,7 @@ def _are_armings(events: ArmEvents, section: Indices) -> Flags:
     return events.armed & ~is_same
 
 
-def first_armed(section: Indices, armed: NDArray[np.int8]) -> Indices:
+def first_armed(section: Integers, armed: NDArray[np.int8]) -> Indices:
     """The first position of each run of armed ones within a section, both (n,)."""
     is_armed = armed == Armed.YES
     begins = is_armed.copy()

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flight_replay.exceptions import LogError
-from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.arrays import Flags, Floats, Indices, Integers
 from flight_replay.logs.dataflash.arm_history import armed_at, first_armed
 from flight_replay.logs.dataflash.collected import ESTIMATORS, Collected
 from flight_replay.logs.dataflash.home_heights import after_home_was_set, heights_above_home_m
@@ -64,6 +65,8 @@ def dataflash_recording(contents: LogContents, log_format: str = "dataflash") ->
         )
     vehicle = contents.collected.vehicle
     made = _track(source, tables, vehicle.logs_when_disarmed)
+    notes = tuple(_notes(contents, tables, source, made))
+    del source, tables  # their memory is as large as the track's
     usable = usable_fixes(made.track, made.lacks_3d_fix)
     track = usable.track
     if not len(track):
@@ -84,7 +87,7 @@ def dataflash_recording(contents: LogContents, log_format: str = "dataflash") ->
         vehicle_type=kind.name,
         is_multicopter=kind.is_multicopter,
         start_utc_s=made.utc_s(track),
-        notes=tuple(_notes(contents, tables, source, made)),
+        notes=notes,
     )
 
 
@@ -153,50 +156,76 @@ class _MadeTrack:
 def _track(source: PositionSource, tables: _Tables, logs_when_disarmed: bool | None) -> _MadeTrack:
     """The positions of a source as a track."""
     positions, sections = source.positions, tables.sections
-    used, section = np.unique(sections.of(positions.offset), return_inverse=True)
+    used, section = _runs(sections.of(positions.offset))
     armed = armed_at(positions.offset, tables.events, sections, logs_when_disarmed)
-    amsl_m = positions.amsl_m.astype(float)
-    counts = source.counts
-    above_home_m = _told_heights_m(positions, section, tables, used)[counts]
-    armed_first = first_armed(section[counts], armed[counts])
-    alt_m = np.full(len(amsl_m), np.nan)
-    alt_m[counts], is_home_known = heights_above_home_m(
-        amsl_m[counts], above_home_m, section[counts], armed_first
-    )
+    alt_m, is_home_known = _heights_m(source, tables, armed, section, used)
     heading_deg = values_at(
         nearest_in_time(positions, tables.headings), tables.headings.heading_deg.astype(float)
     )
-    order = np.lexsort((positions.time_s, section))
-    clocks = joined_clocks(
-        section, positions.time_s[order], tables.gps, _numbered(used, sections.of(tables.gps.offset))
-    )
-    time_s = positions.time_s[order] + clocks.shift_s[section]
+    order = _order(section, positions.time_s)
+    time_s = positions.time_s[order]
+    clocks = joined_clocks(section, time_s, tables.gps, _numbered(used, sections.of(tables.gps.offset)))
+    time_s = time_s + clocks.shift_s[section]
     track = track_from_columns(
-        np.maximum.accumulate(time_s),  # sums of sections may differ by their last bit
+        np.maximum.accumulate(time_s, out=time_s),  # sums of sections may differ by their last bit
         positions.lat_deg[order],
         positions.lon_deg[order],
         alt_m[order],
-        amsl_m=amsl_m[order],
+        amsl_m=positions.amsl_m[order].astype(float),
         velocity_m_s=source.velocity_m_s[order],
         heading_deg=heading_deg[order],
-        boot=section.astype(np.int32),
+        boot=section,
         armed=armed[order],
     )
     return _MadeTrack(track, source.lacks_3d_fix[order], clocks, is_home_known)
 
 
-def _told_heights_m(positions: LoggedPositions, section: Indices, tables: _Tables, used: Indices) -> Floats:
+def _runs(section: Indices) -> tuple[Indices, NDArray[np.int32]]:
+    """Which sections there are, and the number of each record's (n,) among them; sections do not fall."""
+    begins = np.diff(section, prepend=-1) != 0
+    return section[begins], np.cumsum(begins, dtype=np.int32) - np.int32(1)
+
+
+def _order(section: Integers, time_s: Floats) -> Indices | slice:
+    """The order (n,) by section and time; records that are in it already need not be copied."""
+    falls = (time_s[1:] < time_s[:-1]) & (section[1:] == section[:-1])
+    return np.lexsort((time_s, section)) if falls.any() else slice(None)
+
+
+def _heights_m(
+    source: PositionSource,
+    tables: _Tables,
+    armed: NDArray[np.int8],
+    section: Integers,
+    used: Indices,
+) -> tuple[Floats, bool]:
+    """Heights above home (n,), and whether a home is known for all of them."""
+    positions, counts = source.positions, source.counts
+    told_m = _told_heights_m(positions, section, tables, used)
+    if counts.all():
+        amsl_m = positions.amsl_m.astype(float)
+        return heights_above_home_m(amsl_m, told_m, section, first_armed(section, armed))
+    alt_m = np.full(len(positions), np.nan)
+    alt_m[counts], is_home_known = heights_above_home_m(
+        positions.amsl_m[counts].astype(float),
+        told_m[counts],
+        section[counts],
+        first_armed(section[counts], armed[counts]),
+    )
+    return alt_m, is_home_known
+
+
+def _told_heights_m(positions: LoggedPositions, section: Integers, tables: _Tables, used: Indices) -> Floats:
     """Heights above home that the records tell (n,), not numbers before home was set."""
-    above_home_m = positions.above_home_m.astype(float)
     if isinstance(positions, GpsPositions):
-        return above_home_m
+        return positions.above_home_m.astype(float)
     home_section = _numbered(used, tables.sections.of(tables.homes.offset))
     homes = tables.homes.select(home_section >= 0)
     is_told = after_home_was_set(positions.offset, section, homes.offset, home_section[home_section >= 0])
-    return np.where(is_told, above_home_m, np.nan)
+    return np.where(is_told, positions.above_home_m, np.nan).astype(float)
 
 
-def _numbered(used: Indices, section: Indices) -> Indices:
+def _numbered(used: Indices, section: Integers) -> Indices:
     """Sections (n,) by their number among the used ones (m,), -1 for others."""
     if not len(used):
         return np.full(len(section), -1)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.arrays import Flags, Floats, Indices, Integers
 from flight_replay.logs.dataflash.message_rows import Offsets
 
 
 def heights_above_home_m(
-    amsl_m: Floats, above_home_m: Floats, section: Indices, armed_first: Indices
+    amsl_m: Floats, above_home_m: Floats, section: Integers, armed_first: Indices
 ) -> tuple[Floats, bool]:
     """Heights (n,) above home, and whether a home is known for all of them.
 
@@ -38,7 +38,7 @@ def heights_above_home_m(
     return heights_m, bool(np.isin(section, section[told]).all())
 
 
-def _of_section(armed_first: Indices, section: Indices, index: Indices) -> Indices:
+def _of_section(armed_first: Indices, section: Integers, index: Indices) -> Indices:
     """For each fix (n,) the first fix of its flight, else that of the next or of the section."""
     section_first = np.searchsorted(section, section)
     if not len(armed_first):
@@ -50,7 +50,7 @@ def _of_section(armed_first: Indices, section: Indices, index: Indices) -> Indic
     return np.where((before >= 0) & (section[last] == section), last, home_fix)
 
 
-def after_home_was_set(offset: Offsets, section: Indices, homes: Offsets, home_section: Indices) -> Flags:
+def after_home_was_set(offset: Offsets, section: Integers, homes: Offsets, home_section: Indices) -> Flags:
     """Which positions (n,) are behind the first record in their section that home was set."""
     first = np.searchsorted(home_section, section)
     has_home = first < len(homes)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.exceptions import LogError
-from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.arrays import Flags, Floats, Indices, Integers
 from flight_replay.logs.dataflash.message_rows import Offsets
 from flight_replay.logs.dataflash.message_tables import GpsPositions, LoggedColumns
 
@@ -103,7 +103,9 @@ class SectionClocks:
     utc_s: Floats
 
 
-def joined_clocks(section: Indices, time_s: Floats, gps: GpsPositions, gps_section: Indices) -> SectionClocks:
+def joined_clocks(
+    section: Integers, time_s: Floats, gps: GpsPositions, gps_section: Indices
+) -> SectionClocks:
     """One clock of those of the sections; the first one's is kept.
 
     The time between two sections is that of the receiver; where it is not known, a clock that does not
@@ -125,7 +127,7 @@ def joined_clocks(section: Indices, time_s: Floats, gps: GpsPositions, gps_secti
     return SectionClocks(shift_s, utc_s)
 
 
-def _utc_at_zero_s(n: int, gps: GpsPositions, section: Indices) -> Floats:
+def _utc_at_zero_s(n: int, gps: GpsPositions, section: Integers) -> Floats:
     """Unix time at zero of each section's clock (n,): the median of what its receivers told."""
     is_known = gps.has_3d_fix & ~np.isnan(gps.utc_s) & ~np.isnan(gps.time_s) & (section >= 0)
     section, zero_s = section[is_known], (gps.utc_s - gps.time_s)[is_known]

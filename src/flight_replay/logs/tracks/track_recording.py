@@ -80,7 +80,8 @@ def track_recording(points: TrackPoints, file: TrackFile) -> Recording:
 
 def nothing_usable(file: TrackFile, why: str) -> str:
     """What is said of a file without a usable position."""
-    return "; ".join([f"{file.name} has no usable position: {why}", *file.notes, "name another log"])
+    notes = [note[0].lower() + note[1:] for note in file.notes]
+    return "; ".join([f"{file.name} has no usable position: {why}", *notes, "name another log"])
 
 
 def _judged(ordered: OrderedPoints, *, timed: bool) -> UsableFixes:
