@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from time import process_time
@@ -14,6 +15,7 @@ from flight_replay.exceptions import LogError
 from flight_replay.logs.flights import find_flights
 from flight_replay.logs.read_log import read_log
 from tests.helpers.dataflash_writer import DataflashWriter, flight, fmt
+from tests.helpers.track_files import read_bytes
 
 SIZE = 40_000_000
 LIMIT = 20.0
@@ -144,6 +146,20 @@ HOSTILE = (
     values_at_random,
     text_without_end,
 )
+
+
+def test_a_log_of_positions_alone_takes_little_memory_besides_its_track() -> None:
+    """A track has 77 bytes a fix."""
+    n = 300_000
+    log = DataflashWriter()
+    rows = np.tile(np.frombuffer(bytes(log.fix(10.0).data[-31:]), np.uint8), (n, 1))
+    rows[:, 3:11] = (np.arange(n, dtype="<u8") * 40_000)[:, None].view(np.uint8)
+    data = bytes(DataflashWriter().data) + rows.tobytes()
+    tracemalloc.start()
+    assert len(read_bytes(data).track) == n
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < n * 130 + (15 << 20)
 
 
 @pytest.fixture(scope="module")
