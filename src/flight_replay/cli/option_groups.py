@@ -210,7 +210,7 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--connect",
         metavar="STRING",
-        help="vehicle to fly: 127.0.0.1:14550, udp:, udpout:, tcp:HOST:PORT or a serial port "
+        help="vehicle to fly: udpin:, udpout: or tcp:HOST:PORT, or a serial port "
         "(default: start a simulator)",
     )
     group.add_argument(
@@ -294,7 +294,8 @@ def _add_display(group: argparse._ArgumentGroup) -> None:
         "--gcs",
         metavar="STRING",
         action="append",
-        help="connect a ground station to the vehicle at udp:HOST:PORT or tcp:HOST:PORT (repeatable)",
+        help="share the vehicle with a ground station: send to udpout:HOST:PORT, listen at udpin:HOST:PORT, "
+        "or connect to tcp:HOST:PORT (repeatable)",
     )
     group.add_argument(
         "--gcs-open",

@@ -9,6 +9,7 @@ from flight_replay.simulator.server.addresses import NetworkAddress, parse_netwo
     ("text", "address"),
     [
         ("udpin:127.0.0.1:14550", NetworkAddress("udpin", "127.0.0.1", 14550)),
+        ("udp:127.0.0.1:14550", NetworkAddress("udpin", "127.0.0.1", 14550)),
         ("UDPOUT:example.org:1", NetworkAddress("udpout", "example.org", 1)),
         ("tcp:[::1]:5760", NetworkAddress("tcp", "::1", 5760)),
         ("tcpin::0", NetworkAddress("tcpin", "", 0)),

@@ -77,7 +77,7 @@ def received(endpoint: Endpoint, client: Client, kind: str) -> object:
     [
         ("tcp:127.0.0.1:5760", Address("tcp", "127.0.0.1", 5760)),
         ("tcpin:0.0.0.0:0", Address("tcp", "0.0.0.0", 0)),
-        ("udp:localhost:14550", Address("udpout", "localhost", 14550)),
+        ("udp:localhost:14550", Address("udpin", "localhost", 14550)),
         ("udpout:10.0.0.2:14550", Address("udpout", "10.0.0.2", 14550)),
         ("udpin:127.0.0.1:14550", Address("udpin", "127.0.0.1", 14550)),
         ("tcp:[::1]:5760", Address("tcp", "::1", 5760)),
@@ -150,11 +150,11 @@ def test_messages_between_stations_are_passed_on(opened: Callable[..., Endpoint]
         client.socket.close()
 
 
-def test_udp_sends_to_its_address_and_hears_the_answers(opened: Callable[..., Endpoint]) -> None:
+def test_udpout_sends_to_its_address_and_hears_the_answers(opened: Callable[..., Endpoint]) -> None:
     """A ground station that waits on a port hears the vehicle first, and can then talk to it."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind((LOCAL, 0))
-        endpoint = opened(f"udp:{LOCAL}:{sock.getsockname()[1]}")
+        endpoint = opened(f"udpout:{LOCAL}:{sock.getsockname()[1]}")
         client = Client(sock)
         endpoint.step()
         _, vehicle = sock.recvfrom(65536)

@@ -203,7 +203,9 @@ def by_hand(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_by_hand_it_runs_until_interrupted(number: signal.Signals, status: int) -> None:
     """It says where it listens, each address on a line, and ends quietly on Ctrl-C and SIGTERM."""
-    with by_hand("--listen", "tcp:127.0.0.1:0", "--listen", "udp:127.0.0.1:9", "--speedup", "20") as process:
+    with by_hand(
+        "--listen", "tcp:127.0.0.1:0", "--listen", "udpout:127.0.0.1:9", "--speedup", "20"
+    ) as process:
         assert process.stdout is not None
         address = process.stdout.readline().removeprefix("listening on ").strip()
         assert process.stdout.readline() == "sending to udpout:127.0.0.1:9\n"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import errno
+import logging
 import queue
+import re
 import socket
 import struct
 import threading
@@ -90,12 +92,11 @@ def receive(stream: socket.socket, count: int) -> bytes:
     return data
 
 
-@pytest.mark.parametrize("kind", ["udp", "udpout"])
-def test_a_station_that_listens_on_udp_receives_and_commands(kind: str) -> None:
+def test_a_station_that_listens_on_udp_receives_and_commands() -> None:
     """Frames pass unchanged in both directions."""
     link = FakeLink()
     with listening(socket.SOCK_DGRAM) as station:
-        with ground_stations(link, [f"{kind}:127.0.0.1:{station.getsockname()[1]}"]):
+        with ground_stations(link, [f"udpout:127.0.0.1:{station.getsockname()[1]}"]):
             link.speak(frame(1))
             data, sender = station.recvfrom(4096)
             assert data == frame(1)
@@ -204,10 +205,23 @@ def test_an_absent_station_delays_nothing() -> None:
     with listening(socket.SOCK_DGRAM) as nobody:
         port = nobody.getsockname()[1]
     link = FakeLink()
-    with ground_stations(link, [f"tcp:127.0.0.1:{port}", f"udp:127.0.0.1:{port}"]) as (stream, _):
+    with ground_stations(link, [f"tcp:127.0.0.1:{port}", f"udpout:127.0.0.1:{port}"]) as (stream, _):
         for number in range(QUEUED_FRAMES + 100):
             link.speak(frame(number))
         assert len(stream._queue) == QUEUED_FRAMES
+
+
+def test_a_port_that_a_station_has_already_is_said_once(caplog: pytest.LogCaptureFixture) -> None:
+    """With the word for what was probably meant; the flight goes on without."""
+    with listening(socket.SOCK_DGRAM) as station:
+        sockets = UdpServer(station.getsockname())
+        gcs = GroundStation("udp:127.0.0.1:14550", sockets, FakeLink().forward)
+        for _ in range(2):
+            gcs._stop.set()
+            gcs._exchange()
+        sockets.close()
+    (record,) = [each for each in caplog.records if each.levelno == logging.WARNING]
+    assert re.search(r"at udp:127.0.0.1:14550: Address .* in use; .* use udpout:", record.getMessage())
 
 
 @pytest.mark.parametrize(
@@ -218,7 +232,7 @@ def test_invalid_ground_stations_are_refused(text: str) -> None:
     """One sentence with the string and the valid forms; nothing has been started."""
     link = FakeLink()
     with (
-        pytest.raises(FlightReplayError, match=r"invalid ground station .*; write udp:HOST:PORT"),
+        pytest.raises(FlightReplayError, match=r"invalid ground station .*; write udpout:HOST:PORT"),
         ground_stations(link, ["udp:127.0.0.1:14550", text]),
     ):
         pytest.fail("it was understood")
@@ -227,9 +241,10 @@ def test_invalid_ground_stations_are_refused(text: str) -> None:
 
 def test_every_kind_of_station_has_its_socket() -> None:
     """Upper case and IPv6 brackets are accepted."""
-    for kind in ("udp", "UDPOUT", "tcp"):
+    for kind in ("UDPOUT", "tcp"):
         assert isinstance(socket_for(f"{kind}:[::1]:14550"), TransportSocket)
-    assert isinstance(socket_for("udpin:[::1]:14550"), UdpServer)
+    for kind in ("udpin", "udp"):
+        assert isinstance(socket_for(f"{kind}:[::1]:14550"), UdpServer)
     assert isinstance(socket_for("tcpin:127.0.0.1:0"), TcpServer)
 
 
@@ -455,7 +470,7 @@ def test_half_begun_strangers_are_forgotten() -> None:
         ("udp::14550", ["udpin:127.0.0.1:14550"]),
         ("udpin:0.0.0.0:14550", ["tcp:127.0.0.1:5762", "udpout:[::1]:14550"]),
         ("tcp:127.0.0.1:5760", ["tcp:127.0.0.1:5760"]),
-        (None, ["udp:10.0.0.2:14550", "udp:10.0.0.2:14550"]),
+        (None, ["udpout:10.0.0.2:14550", "udpout:10.0.0.2:14550"]),
     ],
 )
 def test_an_address_used_twice_is_refused(connection: str | None, stations: list[str]) -> None:

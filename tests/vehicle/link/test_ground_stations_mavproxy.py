@@ -34,7 +34,7 @@ def test_a_station_watches_the_whole_replay_and_may_take_over(tmp_path: Path) ->
     station = MavProxy(f"udpin:127.0.0.1:{port}", tmp_path)
     station.expect("Waiting for heartbeat")
     options = ["--tlog", str(SAMPLE), "--sim", "builtin", "--speedup", "5", "--duration", "all"]
-    options += ["--gcs", f"udp:127.0.0.1:{port}"]
+    options += ["--gcs", f"udpout:127.0.0.1:{port}"]
     with subprocess.Popen(
         [sys.executable, "-m", "flight_replay", *options],
         stdout=subprocess.DEVNULL,

@@ -101,7 +101,7 @@ def test_stations_and_restore_reach_a_copter_that_wants_signatures(tmp_path: Pat
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
             station.bind(("127.0.0.1", 0))
             station.settimeout(30.0)
-            address = f"udp:127.0.0.1:{station.getsockname()[1]}"
+            address = f"udpout:127.0.0.1:{station.getsockname()[1]}"
             with (
                 connect(connection, speedup=SPEEDUP, signing_key=key) as vehicle,
                 ground_stations(vehicle.link, [address]),

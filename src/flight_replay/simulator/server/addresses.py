@@ -1,25 +1,30 @@
 """Network addresses as MAVLink tools write them, ``udpin:127.0.0.1:14550``, for all options that take one.
 
-``udpin:`` and ``tcpin:`` listen, ``udpout:`` sends first. What a bare ``udp:`` or ``tcp:`` does follows from
-what is named, as in MAVProxy and DroneKit: a vehicle (``--master``) or a ground station (``--out``).
-The simulator listens at ``tcp:`` and ``tcpin:``, sends to ``udp:`` and ``udpout:``, and at ``udpin:`` listens
-for datagrams and answers the last sender.
+``udpin:`` and ``tcpin:`` listen, ``udpout:`` sends first. ``udp:`` is ``udpin:`` in every option, as in
+pymavlink, DroneKit and MAVProxy's ``--master``. ``tcp:`` connects; the simulator listens there.
 """
 
 from __future__ import annotations
 
 import ipaddress
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flight_replay.exceptions import SimulatorError
 
-KINDS = frozenset({"udp", "udpin", "udpout", "tcp", "tcpin"})
+KINDS: Mapping[str, str] = {
+    "udp": "udpin",
+    "udpin": "udpin",
+    "udpout": "udpout",
+    "tcp": "tcp",
+    "tcpin": "tcpin",
+}
 _LARGEST_PORT, _MOST_DIGITS = 65535, 5
 
 
 @dataclass(frozen=True, slots=True)
 class NetworkAddress:
-    """One of ``KINDS``; a host, without brackets, empty if none was said; a port from 0 to 65535."""
+    """One of the values of ``KINDS``; a host, without brackets, empty if none; a port from 0 to 65535."""
 
     kind: str
     host: str
@@ -44,10 +49,7 @@ def parse_network_address(text: str) -> NetworkAddress | None:
         return None
     if len(digits) > _MOST_DIGITS or int(digits) > _LARGEST_PORT:
         return None
-    return NetworkAddress(kind.lower(), host.removeprefix("[").removesuffix("]"), int(digits))
-
-
-_TRANSPORTS = {"tcp": "tcp", "tcpin": "tcp", "udp": "udpout", "udpout": "udpout", "udpin": "udpin"}
+    return NetworkAddress(KINDS[kind.lower()], host.removeprefix("[").removesuffix("]"), int(digits))
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +69,12 @@ def parse_address(text: str) -> Address:
     """Parse an address.
 
     Raises:
-        SimulatorError: if it is not ``tcp:``, ``udp:``, ``udpin:`` or ``udpout:``, a host and a port.
+        SimulatorError: if it is not ``tcp:``, ``udpin:`` or ``udpout:``, a host and a port.
     """
     named = parse_network_address(text)
     if named is None or not named.host:
         raise SimulatorError(
-            f"'{text}' is not a valid address; use tcp:127.0.0.1:5760 or udp:127.0.0.1:14550"
+            f"'{text}' is not a valid address; use tcp:127.0.0.1:5760, udpin:127.0.0.1:14550 or "
+            "udpout:127.0.0.1:14550"
         )
-    return Address(_TRANSPORTS[named.kind], named.host, named.port)
+    return Address("tcp" if named.kind == "tcpin" else named.kind, named.host, named.port)

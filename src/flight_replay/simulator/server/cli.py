@@ -67,8 +67,8 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         type=address,
         metavar="ADDRESS",
-        help=f"tcp:HOST:PORT accepts any number of clients, udp:HOST:PORT sends there, udpin:HOST:PORT "
-        f"listens for datagrams; repeatable, port 0 takes a free one (default: {DEFAULT_LISTEN})",
+        help="tcp:HOST:PORT accepts any number of clients, udpin:HOST:PORT listens for datagrams, "
+        f"udpout:HOST:PORT sends there; repeatable, port 0 takes a free one (default: {DEFAULT_LISTEN})",
     )
     parser.add_argument(
         "--home",

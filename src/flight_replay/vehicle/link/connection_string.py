@@ -76,7 +76,7 @@ def transport_for(connection_string: str, baud: int) -> Transport:
         VehicleError: The string is invalid.
     """
     kind = connection_string.partition(":")[0].lower()
-    bare = parse_network_address(f"udp:{connection_string}")
+    bare = parse_network_address(f"udpin:{connection_string}")
     if kind in KINDS:
         address = parse_network_address(connection_string)
         if address is None or address.port == 0 or address.kind not in _TRANSPORTS:
@@ -96,7 +96,6 @@ _ANY_HOST = "0.0.0.0"
 _TRANSPORTS: dict[str, type[TcpClient] | type[UdpClient] | type[UdpListener]] = {
     "tcp": TcpClient,
     "udpout": UdpClient,
-    "udp": UdpListener,
     "udpin": UdpListener,
 }
 
@@ -104,5 +103,5 @@ _TRANSPORTS: dict[str, type[TcpClient] | type[UdpClient] | type[UdpListener]] = 
 def _invalid(connection_string: str) -> VehicleError:
     return VehicleError(
         f"invalid connection string {connection_string!r}; "
-        "write tcp:HOST:PORT, udp:HOST:PORT, udpout:HOST:PORT or a serial port"
+        "write tcp:HOST:PORT, udpin:HOST:PORT, udpout:HOST:PORT or a serial port"
     )

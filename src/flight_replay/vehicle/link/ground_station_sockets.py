@@ -1,6 +1,6 @@
 """Sockets to ground stations: data goes to all that are connected, and comes with its sender.
 
-``udp:HOST:PORT`` (or ``udpout:``) sends to a station that listens; ``udpin:HOST:PORT`` listens for
+``udpout:HOST:PORT`` sends to a station that listens; ``udpin:HOST:PORT`` (or ``udp:``) listens for
 stations; ``tcp:HOST:PORT`` connects to a station that listens; ``tcpin:HOST:PORT`` accepts connections.
 """
 
@@ -65,14 +65,13 @@ def socket_for(address: str, *, allow_open: bool = False) -> GroundStationSocket
                 )
             return _SERVERS[named.kind](host_port)
     raise FlightReplayError(
-        f"invalid ground station {address!r}; write udp:HOST:PORT, udpin:HOST:PORT, "
+        f"invalid ground station {address!r}; write udpout:HOST:PORT, udpin:HOST:PORT, "
         "tcp:HOST:PORT or tcpin:HOST:PORT"
     )
 
 
 _SERVERS: dict[str, type[TcpServer] | type[UdpServer]] = {"tcpin": TcpServer, "udpin": UdpServer}
 _TRANSPORTS: dict[str, type[UdpClient] | type[TcpClient]] = {
-    "udp": UdpClient,
     "udpout": UdpClient,
     "tcp": TcpClient,
 }
@@ -95,7 +94,7 @@ def check_distinct(connection: str | None, stations: Sequence[str]) -> None:
 
 def _place(address: str) -> tuple[str, str, int] | None:
     """Protocol, host and port of an address, all names of this machine alike; None for a serial port."""
-    named = parse_network_address(address) or parse_network_address(f"udp:{address}")
+    named = parse_network_address(address) or parse_network_address(f"udpin:{address}")
     if named is None:
         return None
     here = named.host == "" or named.is_loopback or _is_of_this_machine(named.host)
