@@ -19,3 +19,15 @@ MISSION_RESULTS = {
     for number, entry in dialect.enums["MAV_MISSION_RESULT"].items()
 }
 """Words for what a MISSION_ACK answers."""
+
+
+def parsed(parser: Any, data: bytes) -> list[Message]:
+    """The messages that ``data`` completes, "BAD_DATA" among them if the parser is robust.
+
+    pymavlink keeps what it has parsed until nothing at all is left over: a sender whose pieces always end
+    within a frame would fill the memory.
+    """
+    messages = parser.parse_buffer(data) or []
+    del parser.buf[: parser.buf_index]
+    parser.buf_index = 0
+    return list(messages)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, parsed
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.parameter_table import Parameter
 from flight_replay.simulator.flight.copter import STEP_S
@@ -59,7 +59,7 @@ class LinkChannel:
     def receive(self, data: bytes) -> list[tuple[Message, Sender]]:
         """The messages that have been received whole, with their senders; damaged ones are dropped."""
         found = []
-        for message in self._decoder.parse_buffer(data) or []:
+        for message in parsed(self._decoder, data):
             if message.get_type() in ("BAD_DATA", "UNKNOWN"):
                 continue
             if message.get_msgbuf()[0] == dialect.PROTOCOL_MARKER_V2 and not self._only_mavlink1:

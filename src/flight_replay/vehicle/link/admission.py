@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from flight_replay.mavlink import dialect
+from flight_replay.mavlink import dialect, parsed
 
 _MARKERS = (dialect.PROTOCOL_MARKER_V1, dialect.PROTOCOL_MARKER_V2)
 
@@ -35,7 +35,7 @@ class Admission:
         if not self._began and data and data[0] not in _MARKERS:
             raise NotMavlinkError
         self._began = True
-        for message in self._parser.parse_buffer(data) or ():
+        for message in parsed(self._parser, data):
             kind = message.get_type()
             if kind == "BAD_DATA" and not self.admitted:
                 raise NotMavlinkError

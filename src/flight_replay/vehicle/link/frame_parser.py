@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Hashable, Iterator
 from typing import Any
 
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, parsed
 
 MAX_SENDERS = 16
 
@@ -21,7 +21,7 @@ class ParserPool:
         """The messages that ``data`` completes; bytes that are no message are skipped."""
         if not data:
             return
-        for message in self._parser(sender).parse_buffer(data) or ():
+        for message in parsed(self._parser(sender), data):
             if message.get_type() != "BAD_DATA":
                 yield message
 
