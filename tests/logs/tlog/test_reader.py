@@ -472,3 +472,22 @@ def test_archives_and_missions_are_named(content: bytes, message: str, tmp_path:
     """Pilots pack their logs, and mix up files."""
     with pytest.raises(LogError, match=message):
         read_log(write(tmp_path, content))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["MAVLink", "old ArduPilot"])
+def test_climbs_are_upward_whichever_way_the_firmware_sends_them(sign: float, tmp_path: Path) -> None:
+    """The heights tell: 2 m/s up, then down."""
+    log = LogWriter()
+    for fix in range(80):
+        up_m_s = 2.0 if fix < 40 else -2.0
+        log.position(250 * fix, 47.4, 8.5, 20.0 - abs(fix - 40) / 2, velocity=(0.0, 0.0, sign * up_m_s))
+    track = read_log(write(tmp_path, log)).track
+    assert track.up_m_s.tolist() == [2.0] * 40 + [-2.0] * 40
+
+
+def test_vertical_velocities_of_a_level_flight_are_left_as_they_are(tmp_path: Path) -> None:
+    """Noise tells nothing."""
+    log = LogWriter()
+    for fix in range(40):
+        log.position(250 * fix, 47.4, 8.5, 10.0 + fix % 2 / 100, velocity=(0.0, 0.0, 0.1 - fix % 2 / 5))
+    assert read_log(write(tmp_path, log)).track.up_m_s.tolist() == [0.1, -0.1] * 20

@@ -15,6 +15,7 @@ from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejectio
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.tlog.armed_state import armed_at, modes_at, vehicle_kind
 from flight_replay.logs.tlog.boot_clock import BootClock, plausible_utc_s, read_clock
+from flight_replay.logs.tlog.climb_sign import with_climbs_as_heights
 from flight_replay.logs.tlog.columns import AnyMessage, ArmingReports, Heartbeats, Positions, Records
 from flight_replay.logs.tlog.gps_status import lacks_3d_fix
 from flight_replay.logs.tlog.scan import scan
@@ -95,7 +96,7 @@ class _Judged:
         time_s, boot = self.clock.time_s[at], self.clock.boot[at]
         time_s += positions.time_ms[at[0]] / 1e3 - time_s[0]
         boot -= boot[0]
-        return Track(
+        track = Track(
             time_s=time_s,
             lat_deg=positions.lat_e7[at] / 1e7,
             lon_deg=positions.lon_e7[at] / 1e7,
@@ -108,6 +109,7 @@ class _Judged:
             boot=boot,
             armed=armed_at(positions.offset[at], boot, self.heartbeats(vehicle), self.reports(vehicle)),
         )
+        return with_climbs_as_heights(track)
 
     def modes(self, vehicle: VehicleCount) -> NDArray[np.int16]:
         """The flight mode at each of a vehicle's fixes, shape (n,)."""
