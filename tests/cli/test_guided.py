@@ -107,7 +107,7 @@ def test_plain_lines_say_what_happens(capsys: pytest.CaptureFixture[str]) -> Non
         " Begins in ",
         "Return to launch",
         "Completed...",
-        " Route: 1560 m, covers 2541 of 2686 fixes",
+        " Route: 1560 m, covers 2541 of 2541 fixes",
         " At equal times: by the recording's clock, ",
         " s of GUIDED",
     ]

@@ -189,7 +189,7 @@ def json_object(result: ReplayResult) -> dict[str, Any]:
 
 def result_lines(result: ReplayResult, arguments: Sequence[str]) -> list[str]:
     """The result as lines of text, which but for the last, a command, fit a terminal of 80 columns."""
-    lines = route_lines(result.route, len(result.log.track))
+    lines = route_lines(result.route)
     if result.flight:
         outcome = result.flight.outcome
         command = whole_flight_command(arguments, outcome.coverage.fly_all)
