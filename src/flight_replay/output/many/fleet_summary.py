@@ -170,10 +170,8 @@ def _counted(counter: Counter[str]) -> str:
 
 def _error_lines(error: ErrorSummary) -> Iterator[str]:
     title = error.column.removesuffix(f"_mean_{error.unit}").replace("_", " ")
-    yield (
-        f" {title.capitalize()}, mean of a flight: median {error.median:.2f} {error.unit} "
-        f"of {len(error.values)}; worst:"
-    )
-    for value, name in error.worst:
-        if value >= _WORTH_TELLING:
-            yield f"  {value:.2f} {error.unit}  {name}"
+    worst = [(value, name) for value, name in error.worst if value >= _WORTH_TELLING]
+    median = f"median {error.median:.2f} {error.unit} of {len(error.values)}"
+    yield f" {title.capitalize()}, mean of a flight: {median}{'; worst:' if worst else ''}"
+    for value, name in worst:
+        yield f"  {value:.2f} {error.unit}  {name}"
