@@ -40,6 +40,20 @@ def test_the_log_that_is_replayed_is_never_written(
     assert log.read_bytes() == before
 
 
+@pytest.mark.parametrize("role", ["read", "written"])
+def test_a_link_to_itself_is_one_clear_error(
+    role: str, log: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whether it is the log or an output."""
+    link = Path("loop.csv")
+    link.symlink_to(link)
+    arguments = [str(link), *DRY] if role == "read" else [str(log), "--save", str(link), *DRY]
+    assert main(arguments) == 1
+    (error,) = [line for line in capsys.readouterr().err.splitlines() if "error" in line]
+    assert "loop.csv" in error
+    assert "symbolic links" in error
+
+
 def test_no_file_is_written_twice(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Two options with one file would leave only one of the two."""
     assert main(["--tlog", str(log), "--save", "a.kml", "--save", "./a.kml", *DRY]) == 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -95,7 +96,7 @@ def _identity(name: Path | str) -> object:
     try:
         status = Path(name).expanduser().stat()
     except OSError:
-        return Path(name).expanduser().resolve()
+        return Path(os.path.realpath(Path(name).expanduser()))  # a loop of links is no error here
     return status.st_dev, status.st_ino
 
 

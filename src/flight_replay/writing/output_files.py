@@ -65,7 +65,7 @@ class NewFile:
             FlightReplayError: The folder does not exist or is not writable.
         """
         target = Path(path).expanduser()
-        self._target = target.resolve() if target.is_symlink() else target
+        self._target = Path(os.path.realpath(target)) if target.is_symlink() else target
         self._path = self._target.with_name(f".flight-replay.{secrets.token_hex(8)}.part")
         try:
             number = os.open(self._path, _CREATE, 0o666)
