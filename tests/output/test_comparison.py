@@ -40,6 +40,15 @@ def test_a_replay_of_a_part_is_measured_over_that() -> None:
     assert result.errors.path_m.path_to_recorded.error.max() < 0.7
 
 
+def test_a_copy_beside_is_beside_at_every_time() -> None:
+    """Where it passes the first fix is not when: the motion there may be towards it."""
+    first = loops(2)
+    beside = replace(first, lat_deg=first.lat_deg + 0.5 / 111_200.0, time_s=first.time_s + 5.0)
+    error_m = compare_tracks(first, beside).errors.position_m.error
+    assert error_m.max() == pytest.approx(0.5, abs=0.03)
+    assert error_m.mean() == pytest.approx(0.5, abs=0.02)
+
+
 def test_what_does_not_move_or_follow_is_refused() -> None:
     """One line says so."""
     here, away = loops(1), loops(1)

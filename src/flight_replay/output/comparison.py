@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from flight_replay.exceptions import LogError
 from flight_replay.flight_modes import CopterMode
-from flight_replay.geometry.flight_errors import FlightErrors, flight_errors
+from flight_replay.geometry.flight_errors import FlightErrors, errors_at_equal_times, flight_errors
 from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import lengths_along_m
@@ -20,6 +21,8 @@ from flight_replay.planning.route import movement_of
 
 _END_M = 1.0
 """Beyond this distance from its ends a track covers another one; within, both may hover."""
+_PASSING_S = 2.0
+"""So far may the moment be off at which a fix is passed: at walking pace, by a metre or two beside it."""
 _ELSEWHERE_M = 100.0
 """Tracks that never come closer than this are not of one motion."""
 
@@ -35,7 +38,8 @@ class Comparison:
 def compare_tracks(first: Track, second: Track) -> Comparison:
     """The errors of the second track, over what it covers of the first.
 
-    Its clock is put on the first one's where it passes the first fix that it covers.
+    Its clock is put on the first one's where it passes the first fix that it covers, give or take what
+    makes the mean position error least.
 
     Raises:
         LogError: One of them does not move, or the second does not follow the first.
@@ -56,12 +60,24 @@ def compare_tracks(first: Track, second: Track) -> Comparison:
     # Where the track stands, lengths are equal: the last time there is when it goes on.
     passed_s = np.interp(along_m[covered[[0, -1]]], lengths_m + 1e-9 * np.arange(len(flown)), flown.time_s)
     start_s = float(passed_s[0])
-    errors = flight_errors(
-        replace(recorded, time_s=recorded.time_s - recorded.time_s[0]),
-        replace(flown, time_s=flown.time_s - start_s),
-        last_s=float(passed_s[1]) - start_s,
-    )
+    recorded = replace(recorded, time_s=recorded.time_s - recorded.time_s[0])
+    flown = replace(flown, time_s=flown.time_s - start_s)
+    errors = flight_errors(recorded, flown, last_s=float(passed_s[1]) - start_s)
+    aligned = replace(flown, time_s=flown.time_s - _late_s(recorded, flown))
+    position_m, height_m, heading_deg = errors_at_equal_times(recorded, aligned)
+    errors = replace(errors, position_m=position_m, height_m=height_m, heading_deg=heading_deg)
     return Comparison(errors, len(recorded))
+
+
+def _late_s(recorded: Movement, flown: Movement) -> float:
+    """How late a flight is by the clock of a recording, within ``_PASSING_S``: the mean distance is least."""
+
+    def mean_m(late_s: float) -> float:
+        off_m = recorded.north_east_m - flown.places_at(recorded.time_s + late_s)
+        return float(np.hypot(off_m[:, 0], off_m[:, 1]).mean())
+
+    bounds = (-_PASSING_S, _PASSING_S)
+    return float(minimize_scalar(mean_m, bounds=bounds, method="bounded", options={"xatol": 1e-4}).x)
 
 
 def _reached(recorded: Movement, flown: Movement) -> Movement:
