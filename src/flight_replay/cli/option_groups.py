@@ -69,7 +69,8 @@ def _add_looking(group: argparse._ArgumentGroup) -> None:
         "--compare",
         nargs=2,
         metavar=("A", "B"),
-        help="measure log B, a replay by its AUTO or GUIDED part, against log A, and exit",
+        help="measure log B, a replay by its AUTO or GUIDED part, against log A, or its flight of --flight, "
+        "and exit",
     )
 
 
@@ -80,8 +81,8 @@ def add_route_group(parser: argparse.ArgumentParser) -> None:
         "--mode",
         choices=("auto", "guided"),
         default="auto",
-        help="auto: fly a mission; guided: follow the recording in step with it, at its place, time, height "
-        "and heading (default: %(default)s)",
+        help="auto: fly a mission; guided: follow the recording in step with it, at its place, time and "
+        "heading, and with --altitude recorded its height (default: %(default)s)",
     )
     group.add_argument(
         "--route",
@@ -273,7 +274,8 @@ def _add_results(group: argparse._ArgumentGroup) -> None:
         metavar="FILE",
         type=Path,
         action="append",
-        help="save the mission as .waypoints, .plan, .kml, .gpx, .geojson or .csv (repeatable)",
+        help="save the mission as .waypoints (MAVProxy, Mission Planner), .plan (QGroundControl), .kml "
+        "(Google Earth), .gpx, .geojson or .csv (repeatable)",
     )
     group.add_argument(
         "--bare",
@@ -302,7 +304,9 @@ def _add_display(group: argparse._ArgumentGroup) -> None:
         action="store_true",
         help="let --gcs tcpin: and udpin: listen for other machines too: they can command the vehicle",
     )
-    group.add_argument("--map", action="store_true", help="show a live map in the browser")
+    group.add_argument(
+        "--map", action="store_true", help="show a live map in the browser, with --dry-run the plan"
+    )
     group.add_argument(
         "--map-tiles",
         action="store_true",

@@ -22,7 +22,7 @@ examples:
       show which flights a log holds
   flight-replay flight.tlog --speedup 10
       fly your own log, ten times faster than real time
-  flight-replay --connect 127.0.0.1:14550
+  flight-replay --connect udpin:127.0.0.1:14550
       fly it on the vehicle that sends to this UDP port
   flight-replay --route fit --duration all --speed recorded
       fly the whole flight at the recorded speed

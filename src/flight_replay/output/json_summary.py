@@ -78,7 +78,7 @@ def route_summary(route: Route) -> Json:
     return {
         "method": route.method,
         **_what_is_flown(route),
-        "fixes_covered": len(route.covered),
+        "fixes_covered": len(route.recorded),
         "length_m": round(route.path.length_m, 3),
         "planned_error_m": _both_ways(route.planned_error, "planned"),
         **objective,

@@ -19,7 +19,7 @@ _WORTH_TELLING_S = 0.05
 def route_lines(route: Route) -> list[str]:
     """The route: what it covers, and how near it is to the recording as planned and as predicted."""
     lines = [
-        f" Route: {route.path.length_m:.0f} m, covers {len(route.covered)} of {len(route.recording)} fixes",
+        f" Route: {route.path.length_m:.0f} m, covers {len(route.recorded)} of {len(route.recording)} fixes",
         *path_lines("Planned path error", route.planned_error, "planned"),
     ]
     if route.predicted is not None:

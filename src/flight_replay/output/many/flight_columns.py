@@ -92,7 +92,7 @@ COLUMNS: tuple[TableColumn, ...] = (
     TableColumn("notes", "text", "what `flight-replay` says of the log and the plan"),
     TableColumn("method", "text", "how it was planned: spacing, fit or guided"),
     TableColumn("waypoints", "whole", "waypoints of the mission; 0 in GUIDED"),
-    TableColumn("fixes_covered", "whole", "fixes that the plan covers"),
+    TableColumn("fixes_covered", "whole", "flown fixes that the plan covers"),
     TableColumn("planned_length_m", "number", "length of the planned path"),
     *_error_columns("planned", BOTH_WAYS),
     TableColumn("predicted_duration_s", "number", "time in AUTO, or of following, that the model predicts"),

@@ -71,7 +71,7 @@ def route_values(route: Route) -> Values:
     return {
         "method": route.method,
         "waypoints": 0 if route.reference is not None else len(route.mission.waypoints),
-        "fixes_covered": len(route.covered),
+        "fixes_covered": len(route.recorded),
         "planned_length_m": route.path.length_m,
         **_path_values("planned", route.planned_error),
         "predicted_duration_s": route.predicted_duration_s,
