@@ -58,11 +58,11 @@ def check_outputs(options: Options) -> None:
 
         transport_for(options.connect, options.baud)
     if options.gcs:
-        from flight_replay.vehicle.link.ground_station_sockets import check_distinct, socket_for
+        from flight_replay.vehicle.link.ground_station_sockets import check_can_listen, check_distinct
 
-        for station in options.gcs:
-            socket_for(station, allow_open=options.gcs_open)
         check_distinct(options.connect, options.gcs)
+        for station in options.gcs:
+            check_can_listen(station, allow_open=options.gcs_open)
 
 
 def _check_place(file: Path) -> None:

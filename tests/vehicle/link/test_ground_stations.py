@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import errno
-import logging
 import queue
-import re
 import socket
 import struct
 import threading
@@ -20,7 +18,12 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.vehicle.link.frame_parser import MAX_SENDERS
 from flight_replay.vehicle.link.ground_station_servers import MAX_CONNECTIONS, TcpServer, UdpServer
-from flight_replay.vehicle.link.ground_station_sockets import TransportSocket, check_distinct, socket_for
+from flight_replay.vehicle.link.ground_station_sockets import (
+    TransportSocket,
+    check_can_listen,
+    check_distinct,
+    socket_for,
+)
 from flight_replay.vehicle.link.ground_stations import QUEUED_FRAMES, GroundStation, ground_stations
 from tests.helpers.machine import outside_address
 
@@ -211,17 +214,20 @@ def test_an_absent_station_delays_nothing() -> None:
         assert len(stream._queue) == QUEUED_FRAMES
 
 
-def test_a_port_that_a_station_has_already_is_said_once(caplog: pytest.LogCaptureFixture) -> None:
-    """With the word for what was probably meant; the flight goes on without."""
-    with listening(socket.SOCK_DGRAM) as station:
-        sockets = UdpServer(station.getsockname())
-        gcs = GroundStation("udp:127.0.0.1:14550", sockets, FakeLink().forward)
-        for _ in range(2):
-            gcs._stop.set()
-            gcs._exchange()
-        sockets.close()
-    (record,) = [each for each in caplog.records if each.levelno == logging.WARNING]
-    assert re.search(r"at udp:127.0.0.1:14550: Address .* in use; .* use udpout:", record.getMessage())
+@pytest.mark.parametrize(
+    ("kind", "other", "type"),
+    [("udp", "udpout", socket.SOCK_DGRAM), ("tcpin", "tcp", socket.SOCK_STREAM)],
+)
+def test_a_port_that_a_station_listens_at_is_refused(kind: str, other: str, type: socket.SocketKind) -> None:
+    """With the address that was probably meant; sending there is accepted."""
+    with listening(type) as station:
+        port = station.getsockname()[1]
+        message = rf"at {kind}:127.0.0.1:{port}: .* in use; .* by {other}:127.0.0.1:{port}"
+        with pytest.raises(FlightReplayError, match=message):
+            check_can_listen(f"{kind}:127.0.0.1:{port}")
+        check_can_listen(f"{other}:127.0.0.1:{port}")
+    check_can_listen(f"{kind}:127.0.0.1:{port}")
+    check_can_listen(f"{kind}:[::1]:0")
 
 
 @pytest.mark.parametrize(
@@ -440,8 +446,9 @@ def test_no_error_ends_a_stations_thread() -> None:
         for _ in range(3):
             connection, _ = gcs.accept()
             with connection:
+                fails = bool(errors)
                 connection.sendall(command())
-                if not errors:
+                if not fails:
                     assert link.heard.get(timeout=PATIENCE_S) == command()
                     break
                 assert connection.recv(1) == b""

@@ -101,7 +101,8 @@ class TcpServer:
     def open(self) -> None:
         """Listen."""
         self.close()
-        self._listener = socket.create_server(self._address)
+        family, _, _, _, address = look_up(*self._address, _LOOK_UP_S)[0]
+        self._listener = socket.create_server(address[:2], family=family)
 
     def read(self, timeout_s: float) -> Received:
         """Data of each station; accepts new stations, and drops those that closed the connection."""

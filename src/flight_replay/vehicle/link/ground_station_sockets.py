@@ -7,12 +7,13 @@ stations; ``tcp:HOST:PORT`` connects to a station that listens; ``tcpin:HOST:POR
 from __future__ import annotations
 
 import ipaddress
+import os
 import socket
 from collections.abc import Hashable, Sequence
 from typing import Protocol
 
 from flight_replay.exceptions import FlightReplayError
-from flight_replay.simulator.server.addresses import parse_network_address
+from flight_replay.simulator.server.addresses import NetworkAddress, parse_network_address
 from flight_replay.vehicle.link.ground_station_servers import Received, TcpServer, UdpServer
 from flight_replay.vehicle.link.transport import TcpClient, Transport, UdpClient
 
@@ -60,14 +61,42 @@ def socket_for(address: str, *, allow_open: bool = False) -> GroundStationSocket
         if named.kind in _SERVERS:
             if not allow_open and not named.is_loopback:
                 raise FlightReplayError(
-                    f"{address} lets every machine that reaches it command the vehicle; "
-                    "listen on 127.0.0.1, or add --gcs-open if that is meant"
+                    f"{address} lets every machine that reaches it command the vehicle; listen on 127.0.0.1, "
+                    f"add --gcs-open if that is meant, or reach a station that listens by {_other_way(named)}"
                 )
             return _SERVERS[named.kind](host_port)
     raise FlightReplayError(
         f"invalid ground station {address!r}; write udpout:HOST:PORT, udpin:HOST:PORT, "
         "tcp:HOST:PORT or tcpin:HOST:PORT"
     )
+
+
+def check_can_listen(address: str, *, allow_open: bool = False) -> None:
+    """Refuse a ``--gcs`` address that is to listen where that is impossible.
+
+    Raises:
+        FlightReplayError: As ``socket_for``, or another program has the port, or another machine the address.
+    """
+    station, named = socket_for(address, allow_open=allow_open), parse_network_address(address)
+    if not station.listens or named is None:
+        return
+    try:
+        station.open()
+    except OSError as error:
+        # create_server adds its own words to the system's.
+        reason = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror or error
+        raise FlightReplayError(
+            f"cannot listen for ground stations at {address}: {reason}; choose another port, "
+            f"or reach a station that listens there by {_other_way(named)}"
+        ) from error
+    finally:
+        station.close()
+
+
+def _other_way(named: NetworkAddress) -> str:
+    """The address of a station that listens where it was asked to listen for stations."""
+    host = f"[{named.host}]" if ":" in named.host else named.host
+    return f"{'udpout' if named.kind == 'udpin' else 'tcp'}:{host}:{named.port}"
 
 
 _SERVERS: dict[str, type[TcpServer] | type[UdpServer]] = {"tcpin": TcpServer, "udpin": UdpServer}

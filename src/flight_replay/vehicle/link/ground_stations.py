@@ -75,7 +75,6 @@ class GroundStation:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"flight-replay gcs {name}", daemon=True)
         self.opened = threading.Event()
-        self._is_said = False
 
     def start(self) -> None:
         """Start the thread."""
@@ -115,20 +114,8 @@ class GroundStation:
         except Exception as error:
             # Whatever it is, the station is reopened: this thread must not end in flight.
             _log.debug("ground station %s: %s", self._name, error)
-            self._say_once(error)
             self.opened.clear()
             self._stop.wait(_REOPEN_S)
-
-    def _say_once(self, error: Exception) -> None:
-        """Say that nobody can connect to us; a station that we connect to may just not be there yet."""
-        if self._sockets.listens and not self.opened.is_set() and not self._is_said:
-            self._is_said = True
-            reason = (error.strerror if isinstance(error, OSError) else None) or error
-            _log.warning(
-                "cannot listen for ground stations at %s: %s; to send to a station that listens, use udpout:",
-                self._name,
-                reason,
-            )
 
     def _send_queued(self) -> None:
         while self._queue:
