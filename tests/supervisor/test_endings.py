@@ -217,3 +217,18 @@ def test_a_disarmed_vehicle_without_a_clock_ends_the_flight() -> None:
     flight = fake_flight(vehicle)
     assert flight.fly().ended == "disarmed"
     assert flight.wall_s < 45
+
+
+def test_a_second_interrupt_does_not_lengthen_the_command_of_rtl() -> None:
+    """A vehicle that refuses RTL is asked for 8 s from the first Ctrl-C, whatever comes then."""
+    vehicle = FakeVehicle(FakeClock(), refuse_mode=frozenset({"RTL"}))
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    vehicle.schedule += [(20.0, interrupt), (25.0, interrupt)]
+    flight = fake_flight(vehicle)
+    with pytest.raises(KeyboardInterrupt):
+        flight.fly()
+    assert 28.0 <= flight.wall_s < 28.5
+    assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(False)]

@@ -55,3 +55,45 @@ def test_gaps_and_hovering_teach_nothing() -> None:
     for time_s in np.arange(61.1, 120.0, STEP_S):
         learned.observe(time_s, behind_m, 0.0 * north_m_s)
     assert learned.lead_s == pytest.approx(0.0, abs=1e-9)
+
+
+NORTH = np.array([1.0, 0.0, 0.0])
+
+
+def straight(
+    steps: int, step_s: float = STEP_S, behind_m: float = 1.0, speed_m_s: float = 5.0
+) -> LearnedLead:
+    """What is learned from a vehicle that flies north, always as far behind."""
+    learned = LearnedLead()
+    for step in range(steps + 1):
+        learned.observe(step * step_s, behind_m * NORTH, speed_m_s * NORTH)
+    return learned
+
+
+def test_a_fifteenth_of_the_delay_is_learned_in_a_second() -> None:
+    """1 m behind at 5 m/s is 0.2 s late, or early where it is ahead."""
+    assert straight(30).lead_s == pytest.approx(0.2 * 3.0 / 15.0)
+    assert straight(30, behind_m=-1.0).lead_s == pytest.approx(-0.2 * 3.0 / 15.0)
+    assert straight(300, behind_m=-9.0).lead_s == -0.4
+
+
+def test_below_one_metre_a_second_places_weigh_as_at_one() -> None:
+    """0.1 m behind at 0.5 m/s teaches as 0.05 s late."""
+    assert straight(30, behind_m=0.1, speed_m_s=0.5).lead_s == pytest.approx(0.05 * 3.0 / 15.0)
+
+
+def test_steps_up_to_half_a_second_teach() -> None:
+    """A longer one is a gap, and the next step counts from its end."""
+    assert straight(1, step_s=0.5).lead_s == pytest.approx(0.2 * 0.5 / 15.0)
+    learned = straight(1, step_s=0.51)
+    assert learned.lead_s == 0.0
+    learned.observe(0.61, NORTH, 5.0 * NORTH)
+    assert learned.lead_s == pytest.approx(0.2 * 0.1 / 15.0)
+
+
+def test_the_usual_speed_is_the_mean_of_thirty_seconds() -> None:
+    """After 30 s at 10 m/s, two thirds of that square are usual: a slow place then weighs less."""
+    learned = straight(300, behind_m=0.0, speed_m_s=10.0)
+    learned.observe(30.1, NORTH, 2.0 * NORTH)
+    usual_m2_s2 = 100.0 - 99.0 * np.exp(-1.0)
+    assert learned.lead_s == pytest.approx(2.0 / usual_m2_s2 * STEP_S / 15.0, rel=0.01)

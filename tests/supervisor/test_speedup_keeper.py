@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flight_replay.events import Following, Notice
+from flight_replay.events import Event, Following, Notice
+from flight_replay.supervisor import Deadlines
+from flight_replay.supervisor.speedup_keeper import SpeedupKeeper
+from flight_replay.supervisor.vehicle_clock import VehicleClock
+from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import FakeFlight, fake_following
 
@@ -68,3 +72,61 @@ def test_an_idle_machine_keeps_the_speed() -> None:
     flight = _busy_flight(20.0, 0.0)
     flight.fly()
     assert _speedups(flight) == []
+
+
+class Kept:
+    """A keeper that a test tells of targets."""
+
+    def __init__(self, speedup: float | None = 20.0, rate: float = 20.0) -> None:
+        self.vehicle, self.events = FakeVehicle(FakeClock()), list[Event]()
+        self.clock = VehicleClock(rate)
+        monitor = VehicleMonitor(self.vehicle, self.vehicle.clock, self.events.append, Deadlines())
+        self.keeper = SpeedupKeeper(monitor, self.clock, speedup)
+
+    def sent(self, *targets: tuple[float, float]) -> list[str]:
+        """What was requested after targets at these times, each with the gap before it."""
+        for time_s, gap_s in targets:
+            self.keeper.target_sent(time_s, gap_s)
+        return self.vehicle.requested
+
+
+@pytest.mark.parametrize(
+    ("targets", "slower"),
+    [
+        ([(50.0, 0.31), (55.0, 0.31)], True),
+        ([(50.0, 0.3), (51.0, 0.31)], False),
+        ([(50.0, 0.31), (51.0, 0.3)], False),
+        ([(50.0, 0.4), (55.1, 0.4)], False),
+        ([(50.0, 0.4), (55.1, 0.4), (60.0, 0.4)], True),
+    ],
+    ids=["twice in 5 s", "first in time", "second in time", "too far apart", "third after the second"],
+)
+def test_two_targets_later_than_0_3_s_within_5_s_halve_the_speed(
+    targets: list[tuple[float, float]], slower: bool
+) -> None:
+    assert Kept().sent(*targets) == (["speedup 10"] if slower else [])
+
+
+def test_each_halving_needs_two_late_targets_of_its_own() -> None:
+    kept = Kept()
+    assert kept.sent((50.0, 0.4), (51.0, 0.4), (52.0, 0.4)) == ["speedup 10"]
+    assert kept.sent((53.0, 0.4)) == ["speedup 10", "speedup 5"]
+
+
+@pytest.mark.parametrize(
+    ("speedup", "rate", "slower"), [(20.0, 13.0, 6.5), (20.0, 4.12, 2.1), (5.0, 20.0, 2.5), (1.5, 1.5, 1.0)]
+)
+def test_half_of_the_speed_that_was_reached_is_requested(speedup: float, rate: float, slower: float) -> None:
+    """To a tenth, and not below real time; the clock goes on at that rate."""
+    kept = Kept(speedup, rate)
+    assert kept.sent((50.0, 0.4), (51.0, 0.5)) == [f"speedup {slower:g}"]
+    assert kept.clock.rate == slower
+    (notice,) = kept.events
+    assert isinstance(notice, Notice)
+    assert notice.text.startswith(" Targets came 0.5 s apart")
+    assert f"speedup of {speedup:g}; the simulator goes on at {slower:g}" in notice.text
+
+
+@pytest.mark.parametrize("speedup", [None, 1.0, 0.5])
+def test_nothing_is_requested_at_real_time_or_of_others(speedup: float | None) -> None:
+    assert Kept(speedup).sent((50.0, 0.4), (51.0, 0.4), (52.0, 0.4)) == []

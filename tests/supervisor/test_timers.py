@@ -131,6 +131,19 @@ def test_a_clock_that_stands_still_does_not_hold_a_retry_back() -> None:
     assert retry.due(3.0)
 
 
+def test_a_retry_is_due_as_soon_as_its_time_has_passed() -> None:
+    """At the limit, not after it: by the vehicle's clock, and by wall-clock time where that stands still."""
+    clocks = Clocks()
+    retry = RetryTimer(clocks.monitor)
+    assert retry.due(3.0)
+    clocks.pass_time(0.5, 3.0)
+    assert retry.due(3.0, 0.5)
+    clocks.pass_time(2.0, 0.0)
+    assert retry.due(1.25)
+    clocks.pass_time(3.0, 0.0)
+    assert retry.due(3.0)
+
+
 def test_no_request_is_due_while_reports_wait() -> None:
     """One of them may be its ack, or make it wrong."""
     clocks = Clocks()

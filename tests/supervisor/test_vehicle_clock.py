@@ -58,3 +58,15 @@ def test_positions_that_were_held_up_do_not_make_it_run_fast(rate: float, stall_
             now_s = clock.now_s(wall_s)
             assert now_s == pytest.approx(wall_s * rate, abs=0.12)
             assert clock.rate == pytest.approx(rate, rel=0.1)
+
+
+def test_the_freshest_position_of_the_last_second_tells_the_time() -> None:
+    """All positions come 0.1 s late but one, which counts until the newest is a second later."""
+    clock = VehicleClock()
+    told_s = []
+    for i in range(32):
+        wall_s = 7.0 + 0.1 * i + (0.0 if i == 20 else 0.1)
+        clock.received(50.0 + 0.1 * i, wall_s)
+        told_s.append(clock.now_s(7.1 + 0.1 * i))
+    assert told_s[29] == pytest.approx(53.0)
+    assert told_s[31] == pytest.approx(53.1)
