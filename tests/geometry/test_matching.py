@@ -127,7 +127,17 @@ def test_a_quick_matching_is_the_same_where_the_way_is_followed(seed: int, bands
     assert len(bands.searches) == 1
     quick = match_in_order(fixes, path, 1.0, quick=True)
     assert len(bands.searches) == 3
+    _, coarse = bands.searches[1]
+    assert (len(coarse), coarse.max()) == (400, 1000)
     assert quick.distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=1e-9)
+
+
+@pytest.mark.parametrize(("fixes", "searches"), [(1000, 1), (1001, 2)])
+def test_a_quick_matching_searches_a_million_pairs_whole(fixes: int, searches: int, bands: Bands) -> None:
+    """With more, a coarse search comes first."""
+    north = np.linspace(0.0, 1000.0, fixes)
+    match_in_order(np.column_stack([north, 0.0 * north]), [[0, 0], [1000, 0]], 1.0, quick=True)
+    assert len(bands.searches) == searches
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 5, 7])

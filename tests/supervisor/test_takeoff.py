@@ -27,6 +27,18 @@ def test_a_high_take_off_takes_as_long_as_it_climbs() -> None:
     assert flight.of(events.TargetAltitudeReached) == [events.TargetAltitudeReached(100.0)]
 
 
+def test_a_take_off_is_over_at_95_percent_of_its_altitude() -> None:
+    """The vehicle need not climb any farther."""
+    vehicle = FakeVehicle(FakeClock())
+
+    def climb_to_19_m(altitude_m: float) -> None:
+        vehicle.requested.append("takeoff")
+        vehicle.target_m = 19.0
+
+    vehicle.request_takeoff = climb_to_19_m  # type: ignore[method-assign]
+    assert fake_flight(vehicle, takeoff_altitude_m=20.0).fly().problem is None
+
+
 def test_a_climb_that_stops_halfway_ends_in_rtl() -> None:
     """The height that was reached is in the message, 25 s later."""
     flight = fake_flight()

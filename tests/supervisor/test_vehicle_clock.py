@@ -70,3 +70,28 @@ def test_the_freshest_position_of_the_last_second_tells_the_time() -> None:
         told_s.append(clock.now_s(7.1 + 0.1 * i))
     assert told_s[29] == pytest.approx(53.0)
     assert told_s[31] == pytest.approx(53.1)
+
+
+@pytest.mark.parametrize(("late_s", "held_up"), [(0.25, False), (0.35, True)])
+def test_a_position_more_than_0_3_s_late_was_held_up(late_s: float, held_up: bool) -> None:
+    """Then it alone tells the time; otherwise those before it, which came in time, still do."""
+    clock = VehicleClock()
+    for i in range(20):
+        clock.received(50.0 + 0.1 * i, 7.0 + 0.1 * i)
+    clock.received(52.0, 9.0 + late_s)
+    now_s = clock.now_s(9.0 + late_s)
+    assert now_s is not None
+    assert now_s == pytest.approx(52.0 if held_up else 52.0 + late_s, abs=0.06)
+
+
+@pytest.mark.parametrize(("after_s", "counts"), [(0.28, False), (0.32, True)])
+def test_positions_within_0_3_s_of_one_that_was_held_up_were_so_too(after_s: float, counts: bool) -> None:
+    """Each of them alone tells the time; later ones are compared again."""
+    clock = VehicleClock()
+    for i in range(20):
+        clock.received(50.0 + 0.1 * i, 7.0 + 0.1 * i)
+    clock.received(52.0, 10.0)
+    clock.received(52.1, 10.0 + after_s)
+    rate = clock.rate
+    now_s = clock.now_s(10.0 + after_s)
+    assert now_s == pytest.approx(52.0 + after_s * rate if counts else 52.1)
