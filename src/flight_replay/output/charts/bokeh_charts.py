@@ -73,17 +73,18 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
 
 
 def _add_home(chart: figure, home_m: Floats | None) -> None:
+    """Home, above the flown lines that are added later."""
     place = [] if home_m is None else [home_m]
     source = ColumnDataSource(
         {"east": [float(each[1]) for each in place], "north": [float(each[0]) for each in place]}, name="home"
     )
     chart.scatter(
         "east", "north", source=source, size=_HOME_PX, fill_color="white", line_color="black",
-        legend_label="home (launch)",
+        legend_label="home (launch)", level="annotation",
     )  # fmt: skip
     chart.text(
         "east", "north", text=value("H"), source=source, text_align="center", text_baseline="middle",
-        text_font_size="11px", text_font_style="bold",
+        text_font_size="11px", text_font_style="bold", level="annotation",
     )  # fmt: skip
 
 

@@ -100,11 +100,12 @@ class Page:
         )
         chart.ray(
             "east", "north", angle="angle", source=self._copter, length=26, length_units="screen",
-            line_width=4, line_color="black",
+            line_width=4, line_color="black", level="annotation",
         )  # fmt: skip
         chart.scatter(
-            "east", "north", source=self._copter, size=13, fill_color=FLOWN_COLOUR, line_color="black"
-        )
+            "east", "north", source=self._copter, size=13, fill_color=FLOWN_COLOUR, line_color="black",
+            level="annotation",
+        )  # fmt: skip
         return lines
 
     def _add(self, points: list[MapPoint]) -> None:

@@ -82,7 +82,7 @@ def fit(  # noqa: PLR0913
     budget = _budget(problem, len(flown), progress)
     best, stopped = search(problem, starts, budget)
     lags = lag_notes(best, problem.recording) if timed else ()
-    notes = (*notes, f"Fitted in {budget.spent:.0f} simulated flights: {stopped}.", *lags)
+    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lags)
     return _result(best, flown, recording, heights, notes)
 
 
