@@ -111,6 +111,25 @@ def test_a_gain_of_less_than_half_a_metre_is_not_a_climb() -> None:
         fake_flight(vehicle).fly()
 
 
+@pytest.mark.parametrize(
+    ("altitude_m", "problem"),
+    [(0.99, "was disarmed before take-off by"), (1.0, "disarmed during take-off, after climbing to 1.0 m")],
+)
+def test_a_vehicle_that_gained_a_metre_is_in_the_air(altitude_m: float, problem: str) -> None:
+    """Disarming there is never taken for its own on the ground."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+
+    def lift() -> None:
+        vehicle.altitude_m = altitude_m
+
+    def disarm() -> None:
+        vehicle.armed = False
+
+    vehicle.schedule += [(6.0, lift), (7.0, disarm)]
+    with pytest.raises(VehicleError, match=problem):
+        fake_flight(vehicle).fly()
+
+
 def test_a_refused_arming_is_requested_again_soon() -> None:
     """1.2 s after each refusal; it succeeds when the refusals end."""
     vehicle = FakeVehicle(FakeClock(), refuse_arm="Arm: Throttle too high")

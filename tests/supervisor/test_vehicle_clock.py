@@ -95,3 +95,16 @@ def test_positions_within_0_3_s_of_one_that_was_held_up_were_so_too(after_s: flo
     rate = clock.rate
     now_s = clock.now_s(10.0 + after_s)
     assert now_s == pytest.approx(52.0 + after_s * rate if counts else 52.1)
+
+
+def test_the_rate_is_that_of_the_last_two_seconds() -> None:
+    """From a quarter of a second on; a slow first step counts until it is more than 2 s ago."""
+    clock = VehicleClock(4.0)
+    clock.received(50.0, 7.0)
+    clock.received(50.0625, 7.125)
+    assert clock.rate == 4.0
+    rates = []
+    for i in range(1, 10):
+        clock.received(49.875 + 0.25 * i, 7.0 + 0.25 * i)
+        rates.append(clock.rate)
+    assert (rates[0], rates[7], rates[8]) == (0.5, 1.875 / 2.0, 1.0)
