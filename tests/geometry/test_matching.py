@@ -168,6 +168,9 @@ def test_a_band_grows_only_where_the_answer_touches_it() -> None:
     grown = matching._widened_band(np.array([3, 4, 9]), np.array([2, 4, 8]), high, 12)
     assert grown is not None
     assert [bound.tolist() for bound in grown] == [[0, 0, 8], [6, 10, 12]]
+    grown = matching._widened_band(np.array([1, 6, 9]), np.array([1, 4, 8]), high, 12)
+    assert grown is not None
+    assert [bound.tolist() for bound in grown] == [[0, 4, 8], [6, 10, 12]]
 
 
 def test_a_long_path_is_searched_within_40_m_of_the_coarse_matching(bands: Bands) -> None:

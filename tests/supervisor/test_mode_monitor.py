@@ -58,6 +58,7 @@ def test_no_mode_is_unexpected_before_one_is_expected() -> None:
     for wall_s in (1.0, 2.0, 3.0):
         modes.heartbeat("LOITER", True, wall_s)
     assert modes.unexpected.count == 0
+    assert not modes.changed
 
 
 def test_a_requested_mode_is_entered_with_its_heartbeat() -> None:
