@@ -2,12 +2,22 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.logs.track import Armed
 from flight_replay.output.outcome import Coverage
-from flight_replay.output.result_text import coverage_lines, duration_text, flight_lines, statistics_text
+from flight_replay.output.result_text import (
+    coverage_lines,
+    duration_text,
+    flight_lines,
+    route_lines,
+    statistics_text,
+)
+from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_replays import made_following, made_replay
+from tests.helpers.made_tracks import straight_track
 
 
 @pytest.mark.parametrize(
@@ -16,6 +26,15 @@ from tests.helpers.made_replays import made_following, made_replay
 def test_durations_are_minutes_and_seconds(seconds: float, text: str) -> None:
     """Rounded to the second, and never 60 of them."""
     assert duration_text(seconds) == text
+
+
+def test_fixes_on_the_ground_are_not_covered() -> None:
+    """Of a route that begins before arming, those flown count, among those flown."""
+    armed = np.full(51, Armed.NO, np.int8)
+    armed[20:40] = Armed.YES
+    track = replace(straight_track(fixes=51), armed=armed)
+    route = spaced_route(track, spacing_m=3.0, max_points=30)
+    assert route_lines(route)[0].endswith(", covers 10 of 20 fixes")
 
 
 def test_a_part_says_how_to_fly_all() -> None:
