@@ -99,3 +99,17 @@ def test_the_columns_of_a_table_may_be_moved_and_fewer() -> None:
     assert track.time_s.tolist() == [1.5, 2.5]
     assert track.lat_deg.tolist() == [47.0, 47.0]
     assert track.east_m_s[0] == pytest.approx(0.76, abs=0.01)
+
+
+def test_a_nul_spoils_its_cell_alone() -> None:
+    """Python 3.10's own reader of tables stops at one, or fails."""
+    header, *rows = formats.csv_table.text(MISSION, full_track()).encode().splitlines(keepends=True)
+    rows[7] = b"\0" + rows[7]
+    assert (
+        len(
+            read_bytes(
+                header.rstrip() + b",no\0te\n" + b"".join(each.rstrip() + b",\n" for each in rows)
+            ).track
+        )
+        == 39
+    )

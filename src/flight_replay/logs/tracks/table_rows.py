@@ -14,6 +14,9 @@ from flight_replay.logs.tracks.byte_pieces import LogPieces
 from flight_replay.logs.tracks.text_values import number
 from flight_replay.logs.tracks.track_points import MOST_POINTS
 
+_NO_CHARACTER = "\N{REPLACEMENT CHARACTER}"
+"""Python 3.10 reads no table that holds a NUL."""
+
 
 class Table:
     """A table that is read once.
@@ -22,7 +25,7 @@ class Table:
     """
 
     def __init__(self, pieces: LogPieces, name: str) -> None:
-        lines = pieces.lines()
+        lines = (line.replace("\0", _NO_CHARACTER) for line in pieces.lines())
         first = next(lines, "")
         self.header = [
             cell.strip() for cell in next(csv.reader([next(lines, "") if _parts(first) else first]))
