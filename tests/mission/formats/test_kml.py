@@ -62,7 +62,8 @@ def test_what_was_flown_plays_beside_the_recording() -> None:
         "2023-11-14T22:13:20.000Z",
     ]
     assert [place.text for place in replayed.iter(f"{GX}coord")][1] == "8.54560000 47.39780000 489.250"
-    lines = [e.findtext(f"{KML}name") for e in root.iter(f"{KML}Placemark") if e.find(f"{KML}LineString")]
+    places = [pin for pin in root.iter(f"{KML}Placemark") if pin.find(f"{KML}LineString") is not None]
+    lines = [pin.findtext(f"{KML}name") for pin in places]
     assert lines == ["Route", "Recorded track", "Flown by flight-replay"]
 
 

@@ -24,6 +24,7 @@ from flight_replay.planning.route import Route
 
 _HOST = "127.0.0.1"
 _START_TIMEOUT_S = 10.0
+_TASKS_END_S = 1.0
 _STOP_TIMEOUT_S = 1.5
 """Wall-clock time after which a server that is busy with its pages is left behind."""
 _FINAL_UPDATE_S = 3 * TICK_MS / 1000
@@ -105,7 +106,17 @@ class LiveMap:
         self._loop.start()
         server.unlisten()
         server.stop()
+        _end_tasks(self._loop.asyncio_loop)
         self._loop.close(all_fds=True)
 
     def _open_page(self, document: Any) -> None:
         Page(self._data, self._series, self._frame, self._tiles).fill(document)
+
+
+def _end_tasks(loop: asyncio.AbstractEventLoop) -> None:
+    """Cancel what still runs on a stopped loop, and let it end: Bokeh 3.10 leaves its periodic tasks."""
+    tasks = asyncio.all_tasks(loop)
+    for task in tasks:
+        task.cancel()
+    if tasks:
+        loop.run_until_complete(asyncio.wait(tasks, timeout=_TASKS_END_S))
