@@ -17,6 +17,14 @@ _CONNECT_S = 30.0
 _CLOSE_S = 5.0
 _RETRIED_AFTER_LOST_WORKERS = 1
 _KEPT_BYTES = 32 << 20
+_SETTINGS = {
+    "distributed.scheduler.allowed-failures": _RETRIED_AFTER_LOST_WORKERS,
+    "distributed.worker.daemon": False,  # a flight starts processes
+    "distributed.worker.preload": ["flight_replay.cli.many.worker_process"],
+    # With Dask's own, 64 kB, larger arrays come from the system and go back to it, a fifth of the time.
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": _KEPT_BYTES,
+    "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": _KEPT_BYTES,
+}
 _NO_DASK = 'flight-replay-many needs Dask; install it with: pip install "flight-replay[many]"'
 
 
@@ -41,16 +49,8 @@ def dask_client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         with _connected(scheduler) as client:
             yield client
         return
-    settings = {
-        "distributed.scheduler.allowed-failures": _RETRIED_AFTER_LOST_WORKERS,
-        "distributed.worker.daemon": False,  # a flight starts processes
-        "distributed.worker.preload": ["flight_replay.cli.many.worker_process"],
-        # With Dask's own, 64 kB, larger arrays come from the system and go back to it, a fifth of the time.
-        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": _KEPT_BYTES,
-        "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": _KEPT_BYTES,
-    }
     with (
-        dask.config.set(settings),
+        dask.config.set(_SETTINGS),
         LocalCluster(
             n_workers=workers or cores(),
             threads_per_worker=1,
