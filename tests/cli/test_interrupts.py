@@ -153,7 +153,7 @@ def test_sigterm_commands_rtl(scratch: Path) -> None:
 def test_ctrl_c_leaves_no_simulator(moment: str, armed: bool, scratch: Path) -> None:
     """SITL and its temporary folder are removed at every moment."""
     status, output = interrupted(["--sim", "sitl", "--duration", "20"], moment, scratch)
-    assert status == 130
+    assert status == 130, output
     assert ("The vehicle confirmed RTL" in output) is armed
     assert processes_with(str(scratch)) == []
 
