@@ -1,12 +1,13 @@
 """Reading DataFlash logs: ours against pymavlink's DFReader and mavlogdump.py, on the same bytes.
 
-    python benchmarks/read_dataflash.py [LOG] [--megabytes N] [--runs N] [--skip-slow]
+    python benchmarks/read_dataflash.py [LOG] [--only NAMES] [--megabytes N] [--runs N] [--skip-slow]
 
 Makes a big log of a small one (default: the flight in ``tests/data/dataflash``) in a temporary
 directory: its formats once, and its other records again and again, with times that go on. Each reader
 is a whole process on one core; they run in turns, and the best time of each counts. Ours makes a track
 of it; the others only give the records of POS, GPS, ATT, XKF1, EV and ARM, one by one. Memory is the
-most that a process held, the file included where a reader maps it.
+most that a process held, the file included where a reader maps it. ``--only POS`` makes a log of
+positions alone.
 """
 
 from __future__ import annotations
@@ -96,9 +97,9 @@ def keep_to_one_core() -> None:
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
-def build(small: bytes, size: int, target: Path) -> None:
-    """A log of that size: the formats of a small one, and its other records with times that go on."""
-    body = repeatable(small)
+def build(small: bytes, size: int, target: Path, names: set[str]) -> None:
+    """A log of that size: the formats of a small one, and its records (of some names) with later times."""
+    body = repeatable(small, names)
     data = np.frombuffer(body.data, np.uint8).copy()
     step_us = int(body.time_us.max() - body.time_us.min()) + 100_000
     times = np.ndarray((len(data) - 7,), "<u8", data, strides=(1,))  # eight bytes from each byte on
@@ -119,7 +120,7 @@ class Body:
     time_us: np.ndarray
 
 
-def repeatable(small: bytes) -> Body:
+def repeatable(small: bytes, names: set[str]) -> Body:
     """A log in parts: FMT is told once, and the times of all other records can be moved."""
     stream = RecordStream(OpenLog("small", io.BytesIO(small)), ())
     for _ in stream.blocks():
@@ -135,7 +136,7 @@ def repeatable(small: bytes) -> Body:
         record = small[at : at + length]
         if kind == FMT_TYPE and length == FMT_LENGTH:
             own.append(record)
-        else:
+        elif not names or formats.by_type[kind].name in names:
             known = formats.by_type[kind]
             if known.columns[:1] == ("TimeUS",):
                 time_at.append(len(others) + 3)
@@ -172,6 +173,7 @@ def measure(big: Path, runs: int, skip_slow: bool) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("log", nargs="?", type=Path, default=SAMPLE)
+    parser.add_argument("--only", default="", metavar="NAMES", help="records to leave in, such as POS,ARM")
     parser.add_argument("--megabytes", type=int, default=250)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--skip-slow", action="store_true", help="leave out pymavlink and mavlogdump.py")
@@ -179,7 +181,8 @@ def main() -> None:
     data = options.log.read_bytes()
     with tempfile.TemporaryDirectory() as name:
         big = Path(name) / "big.bin"
-        build(gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data, options.megabytes * 10**6, big)
+        small = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+        build(small, options.megabytes * 10**6, big, set(filter(None, options.only.split(","))))
         keep_to_one_core()
         measure(big, options.runs, options.skip_slow)
 

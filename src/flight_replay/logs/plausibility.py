@@ -8,7 +8,7 @@ multicopter's speed can explain.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -51,20 +51,20 @@ _FEWEST_AHEAD, _MOST_AHEAD = 16, 1 << 14  # how many runs ahead are looked at to
 class RecordedPositions:
     """Positions that vehicles recorded, as columns of shape (n,).
 
-    ``speed_m_s`` is the length of the reported velocity, not a number where there was none; ``boot``
-    numbers what one vehicle's clock counted between two reboots.
+    ``speed_m_s_at`` tells the length of the reported velocity at some of them (m,), not a number where
+    there was none; ``boot`` numbers what one vehicle's clock counted between two reboots.
     """
 
     time_s: Floats
     lat_deg: Floats
     lon_deg: Floats
-    speed_m_s: Floats
+    speed_m_s_at: Callable[[Indices], Floats]
     boot: NDArray[np.int32]
     lacks_3d_fix: Flags
 
     def places(self, index: Indices) -> Places:
         """Where and when the vehicle was at some positions (m,), and how fast it may have been there."""
-        fastest_m_s = np.fmax(_VELOCITY_FACTOR * self.speed_m_s[index], _FASTEST_M_S)
+        fastest_m_s = np.fmax(_VELOCITY_FACTOR * self.speed_m_s_at(index), _FASTEST_M_S)
         xyz_m = surface_xyz_m(self.lat_deg[index], self.lon_deg[index])
         return np.column_stack([self.time_s[index], fastest_m_s, xyz_m])
 

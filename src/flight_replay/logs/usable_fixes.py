@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
 from flight_replay.logs.track import Track
 
@@ -34,13 +35,11 @@ def usable_fixes(positions: Track, lacks_3d_fix: Flags | None = None) -> UsableF
         positions: All recorded positions, in the order of boot and time, some possibly not finite.
         lacks_3d_fix: Which of them (n,) the receiver had no 3D fix for; by default none.
     """
-    speed_m_s = np.hypot(positions.north_m_s, positions.east_m_s)
-    np.hypot(speed_m_s, positions.up_m_s, out=speed_m_s)
     recorded = RecordedPositions(
         time_s=positions.time_s,
         lat_deg=_or_outside(positions.lat_deg),
         lon_deg=_or_outside(positions.lon_deg),
-        speed_m_s=speed_m_s,
+        speed_m_s_at=partial(_speed_m_s, positions),
         boot=positions.boot,
         lacks_3d_fix=np.zeros(len(positions), np.bool_) if lacks_3d_fix is None else lacks_3d_fix,
     )
@@ -48,6 +47,12 @@ def usable_fixes(positions: Track, lacks_3d_fix: Flags | None = None) -> UsableF
     counts = np.bincount(found, minlength=len(Rejection))
     rejected = {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
     return UsableFixes(positions.select(found == Rejection.NONE), int(counts[Rejection.EMPTY]), rejected)
+
+
+def _speed_m_s(positions: Track, index: Indices) -> Floats:
+    """Length of the velocity at some positions (m,)."""
+    ground_m_s = np.hypot(positions.north_m_s[index], positions.east_m_s[index])
+    return np.hypot(ground_m_s, positions.up_m_s[index])
 
 
 def _or_outside(angle_deg: Floats) -> Floats:

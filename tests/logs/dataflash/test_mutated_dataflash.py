@@ -88,10 +88,11 @@ def assert_as_slow(data: bytes, block_length: int) -> None:
     assert found == expected
 
 
-def mutate_and_read(first: int, last: int, path: Path) -> tuple[int, int, int]:
+def mutate_and_read(first: int, last: int, path: Path, compared: int = 1) -> tuple[int, int, int]:
     """Read mutated logs, by their seeds: how many were usable.
 
     Of those whose bytes were only moved, also how many fixes they gave, and how many in no original.
+    Two of twice ``compared`` are read by the plain reader, too.
     """
     known = {place[1:] for data in originals() for place in places(data)}
     usable = fixes = strangers = 0
@@ -102,7 +103,8 @@ def mutate_and_read(first: int, last: int, path: Path) -> tuple[int, int, int]:
         for _ in range(chance.integers(1, 4)):
             if data:
                 data = mutations[chance.integers(len(mutations))](data, chance, list(originals()))
-        assert_as_slow(data, int(chance.choice([300, 1_000, 1 << 20])))
+        if seed % (2 * compared) < 2:
+            assert_as_slow(data, int(chance.choice([300, 1_000, 1 << 20])))
         path.write_bytes(data)
         try:
             log = read_log(path)
@@ -138,7 +140,7 @@ def test_damaged_logs_give_recorded_positions_or_one_clear_error(tmp_path: Path)
 def test_damaged_logs_as_text_give_fixes_or_one_clear_error(tmp_path: Path) -> None:
     """Hundreds of them raise nothing else."""
     path, usable = tmp_path / "mutated.log", 0
-    for seed in range(300):
+    for seed in range(150):
         chance = np.random.default_rng(seed)
         text = flight(fixes=30).text
         for _ in range(chance.integers(1, 4)):
@@ -153,7 +155,7 @@ def test_damaged_logs_as_text_give_fixes_or_one_clear_error(tmp_path: Path) -> N
         usable += 1
         assert np.isfinite(log.track.alt_m).all()
         assert (np.diff(log.track.time_s) >= 0).all()
-    assert usable > 100
+    assert usable > 50
 
 
 @pytest.mark.slow
@@ -162,7 +164,7 @@ def test_twenty_thousand_damaged_logs_give_recorded_positions_or_one_clear_error
     first: int, tmp_path: Path
 ) -> None:
     """As above, in ten parts: of each, about seventy positions of two records are expected."""
-    usable, fixes, strangers = mutate_and_read(first, first + 2_000, tmp_path / "mutated.bin")
+    usable, fixes, strangers = mutate_and_read(first, first + 2_000, tmp_path / "mutated.bin", 4)
     assert usable > 600
     assert fixes > 6_000
     assert strangers <= 110

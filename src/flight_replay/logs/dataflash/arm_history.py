@@ -13,6 +13,7 @@ from flight_replay.geometry.arrays import Flags, Indices, Integers
 from flight_replay.logs.dataflash.log_sections import LogSections
 from flight_replay.logs.dataflash.message_rows import Offsets
 from flight_replay.logs.dataflash.message_tables import ArmEvents
+from flight_replay.logs.dataflash.row_slices import slices
 from flight_replay.logs.track import Armed
 
 _SAME_EVENT_S = 1.0  # EV and ARM tell of one arming
@@ -36,16 +37,18 @@ def armed_at(
     armed = np.full(len(offset), eventless, np.int8)
     if not len(events) or not len(offset):
         return armed
-    section, event_section = sections.of(offset), sections.of(events.offset)
-    behind = np.searchsorted(events.offset, offset)
-    before, behind = behind - 1, np.minimum(behind, len(events) - 1)
-    first_is_behind = event_section[behind] == section
-    armed[first_is_behind] = ~events.armed[behind[first_is_behind]]
-    has_before = (before >= 0) & (event_section[before] == section)
-    armed[has_before] = events.armed[before[has_before]]
+    event_section = sections.of(events.offset)
+    for part in slices(len(offset)):
+        section = sections.of(offset[part])
+        behind = np.searchsorted(events.offset, offset[part])
+        before, behind = behind - 1, np.minimum(behind, len(events) - 1)
+        armed[part] = np.where(event_section[behind] == section, ~events.armed[behind], armed[part])
+        has_before = (before >= 0) & (event_section[before] == section)
+        armed[part] = np.where(has_before, events.armed[before], armed[part])
     again = np.searchsorted(offset, events.offset[_are_armings(events, event_section)])
     again = again[(again > 0) & (again < len(offset))]
-    again = again[(section[again] == section[again - 1]) & (armed[again] == Armed.YES)]
+    is_one_section = sections.of(offset[again]) == sections.of(offset[again - 1])
+    again = again[is_one_section & (armed[again] == Armed.YES)]
     armed[again - 1] = Armed.NO
     return armed
 

@@ -28,8 +28,9 @@ from flight_replay.logs.dataflash.message_tables import (
     LoggedPositions,
     LoggedVelocities,
 )
-from flight_replay.logs.dataflash.nearest_records import nearest_in_time
-from flight_replay.logs.dataflash.position_source import PositionSource, choose_positions, values_at
+from flight_replay.logs.dataflash.nearest_records import values_near
+from flight_replay.logs.dataflash.position_source import PositionSource, choose_positions
+from flight_replay.logs.dataflash.row_slices import slices
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.logs.usable_fixes import usable_fixes
@@ -159,13 +160,12 @@ def _track(source: PositionSource, tables: _Tables, logs_when_disarmed: bool | N
     used, section = _runs(sections.of(positions.offset))
     armed = armed_at(positions.offset, tables.events, sections, logs_when_disarmed)
     alt_m, is_home_known = _heights_m(source, tables, armed, section, used)
-    heading_deg = values_at(
-        nearest_in_time(positions, tables.headings), tables.headings.heading_deg.astype(float)
-    )
+    heading_deg = values_near(positions, tables.headings, [tables.headings.heading_deg])[:, 0]
     order = _order(section, positions.time_s)
     time_s = positions.time_s[order]
     clocks = joined_clocks(section, time_s, tables.gps, _numbered(used, sections.of(tables.gps.offset)))
-    time_s = time_s + clocks.shift_s[section]
+    for part in slices(len(time_s)):  # in place: the records' own times are needed no more
+        time_s[part] += clocks.shift_s[section[part]]
     track = track_from_columns(
         np.maximum.accumulate(time_s, out=time_s),  # sums of sections may differ by their last bit
         positions.lat_deg[order],
@@ -182,7 +182,8 @@ def _track(source: PositionSource, tables: _Tables, logs_when_disarmed: bool | N
 
 def _runs(section: Indices) -> tuple[Indices, NDArray[np.int32]]:
     """Which sections there are, and the number of each record's (n,) among them; sections do not fall."""
-    begins = np.diff(section, prepend=-1) != 0
+    begins = np.ones(len(section), np.bool_)
+    begins[1:] = section[1:] != section[:-1]
     return section[begins], np.cumsum(begins, dtype=np.int32) - np.int32(1)
 
 
@@ -203,11 +204,10 @@ def _heights_m(
     positions, counts = source.positions, source.counts
     told_m = _told_heights_m(positions, section, tables, used)
     if counts.all():
-        amsl_m = positions.amsl_m.astype(float)
-        return heights_above_home_m(amsl_m, told_m, section, first_armed(section, armed))
+        return heights_above_home_m(positions.amsl_m, told_m, section, first_armed(section, armed))
     alt_m = np.full(len(positions), np.nan)
     alt_m[counts], is_home_known = heights_above_home_m(
-        positions.amsl_m[counts].astype(float),
+        positions.amsl_m[counts],
         told_m[counts],
         section[counts],
         first_armed(section[counts], armed[counts]),
@@ -215,14 +215,16 @@ def _heights_m(
     return alt_m, is_home_known
 
 
-def _told_heights_m(positions: LoggedPositions, section: Integers, tables: _Tables, used: Indices) -> Floats:
+def _told_heights_m(
+    positions: LoggedPositions, section: Integers, tables: _Tables, used: Indices
+) -> NDArray[np.float32]:
     """Heights above home that the records tell (n,), not numbers before home was set."""
     if isinstance(positions, GpsPositions):
-        return positions.above_home_m.astype(float)
+        return positions.above_home_m
     home_section = _numbered(used, tables.sections.of(tables.homes.offset))
     homes = tables.homes.select(home_section >= 0)
     is_told = after_home_was_set(positions.offset, section, homes.offset, home_section[home_section >= 0])
-    return np.where(is_told, positions.above_home_m, np.nan).astype(float)
+    return np.where(is_told, positions.above_home_m, np.float32(np.nan))
 
 
 def _numbered(used: Indices, section: Integers) -> Indices:

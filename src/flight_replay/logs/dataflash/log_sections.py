@@ -117,7 +117,7 @@ def joined_clocks(
         gps: What the receivers told.
         gps_section: The section of each of these records, numbered likewise, others being -1.
     """
-    first = np.flatnonzero(np.diff(section, prepend=-1))
+    first = np.append(0, np.flatnonzero(section[1:] != section[:-1]) + 1)
     first_s, last_s = time_s[first], time_s[np.append(first[1:], len(section)) - 1]
     utc_s = _utc_at_zero_s(len(first), gps, gps_section)
     gap_s = (utc_s + first_s)[1:] - (utc_s + last_s)[:-1]

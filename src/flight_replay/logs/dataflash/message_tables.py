@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.logs.column_buffer import ColumnBuffer
 from flight_replay.logs.dataflash.message_rows import Offsets
 
 AnyTable = TypeVar("AnyTable", bound="LoggedColumns")
@@ -85,31 +85,24 @@ class ArmEvents(LoggedColumns):
 
 
 class TableParts:
-    """Tables of consecutive parts of a log, to be joined."""
+    """Tables of consecutive parts of a log, joined as they come."""
 
     def __init__(self) -> None:
-        self._parts: dict[str, list[LoggedColumns]] = {}
+        self._buffers: dict[str, ColumnBuffer[Any]] = {}
 
     def add(self, name: str, part: LoggedColumns) -> None:
-        """Append a part to the table of a name."""
-        self._parts.setdefault(name, []).append(part)
+        """Append a part to the table of a name, all of which are of one kind."""
+        self._buffers.setdefault(name, ColumnBuffer(type(part))).add(part)
 
     def joined(self, name: str, kind: type[AnyTable]) -> AnyTable:
         """The whole table of a name, without rows if nothing was added; it can be asked for once."""
-        parts = self._parts.pop(name, [])
-        return joined([part for part in parts if isinstance(part, kind)], kind)
-
-
-def joined(parts: Sequence[AnyTable], kind: type[AnyTable]) -> AnyTable:
-    """Tables one after the other."""
-    if len(parts) == 1:
-        return parts[0]
-    if not parts:
-        empty: dict[str, Any] = {each.name: _EMPTY[str(each.type)] for each in fields(kind)}
-        return kind(**empty)
-    return kind(
-        **{each.name: np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(kind)}
-    )
+        buffer = self._buffers.pop(name, None)
+        if buffer is None:
+            empty: dict[str, Any] = {each.name: _EMPTY[str(each.type)] for each in fields(kind)}
+            return kind(**empty)
+        table = buffer.columns
+        assert isinstance(table, kind)
+        return table
 
 
 _EMPTY = {

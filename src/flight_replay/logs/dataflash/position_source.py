@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.logs.dataflash.log_sections import LogSections
 from flight_replay.logs.dataflash.message_tables import GpsPositions, LoggedPositions, LoggedVelocities
-from flight_replay.logs.dataflash.nearest_records import nearest_in_time
+from flight_replay.logs.dataflash.nearest_records import values_near
 
 _LEAST_COVERED = 0.8  # a log that lost more of POS than of GPS has a better track in the latter
 
@@ -78,9 +78,8 @@ def _covered_s(positions: LoggedPositions, sections: LogSections, counts: Flags)
 
 def _velocities_m_s(positions: LoggedPositions, velocities: LoggedVelocities) -> Floats:
     """The estimator's velocities at positions (n, 3), not numbers where there are none."""
-    nearest = nearest_in_time(positions, velocities)
     columns = velocities.north_m_s, velocities.east_m_s, -velocities.down_m_s
-    return np.column_stack([values_at(nearest, column.astype(float)) for column in columns])
+    return values_near(positions, velocities, columns)
 
 
 def _receiver_velocities_m_s(gps: GpsPositions) -> Floats:
@@ -90,10 +89,3 @@ def _receiver_velocities_m_s(gps: GpsPositions) -> Floats:
     return np.column_stack(
         [speed_m_s * np.cos(course_rad), speed_m_s * np.sin(course_rad), -gps.down_m_s.astype(float)]
     )
-
-
-def values_at(index: Indices, values: Floats) -> Floats:
-    """Values of a column (m,) by indices (n,), not a number for -1."""
-    if not len(values):
-        return np.full(len(index), np.nan)
-    return np.where(index >= 0, values[index], np.nan)

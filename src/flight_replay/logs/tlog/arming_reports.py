@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Bytes, Indices
-from flight_replay.logs.tlog.blocks import SLICE_LENGTH, Block
+from flight_replay.logs.tlog.blocks import Block
 from flight_replay.logs.tlog.byte_rows import rows_at
 from flight_replay.logs.tlog.columns import ArmingReports, Heartbeats
 from flight_replay.logs.tlog.decode import PayloadFields
@@ -30,7 +30,7 @@ _TEXT = re.compile(rb"(dis)?arm(?:ing motors|ed by )|throttle (dis)?armed", re.I
 _TEXT_LENGTH = 24
 _ARM_DISARM, _ACCEPTED = 400, 0  # MAV_CMD_COMPONENT_ARM_DISARM, MAV_RESULT_ACCEPTED
 _NO_REPORT = -2  # unlike all of Armed
-_NONE: Indices = np.zeros(0, np.intp)
+_SEARCH = FrameSearch((STATUSTEXT, COMMAND_ACK))
 
 
 def arming_reports(block: Block, walk: Walk, heartbeats: Heartbeats) -> ArmingReports:
@@ -83,11 +83,8 @@ def _possible_frames(data: Bytes, begin: Indices, end: Indices) -> list[Indices]
     for first, start, size in zip(at.tolist(), begin.tolist(), length.tolist(), strict=True):
         near[first : first + size] = data[start : start + size]
     stop = len(near) - HEADER_LENGTH
-    search = FrameSearch((STATUSTEXT, COMMAND_ACK), min(SLICE_LENGTH, stop))
-    parts = [[_NONE, _NONE]]
-    parts += [search.find(near, of, min(of + SLICE_LENGTH, stop)) for of in range(0, stop, SLICE_LENGTH)]
     found = []
-    for starts in map(np.concatenate, zip(*parts, strict=True)):
+    for starts in _SEARCH.find(near, 0, stop):
         which = np.searchsorted(at, starts, "right") - 1
         inside = starts - at[which]
         found.append((begin[which] + inside)[inside < (end - begin)[which]])

@@ -43,7 +43,7 @@ class Block:
 def read_blocks(stream: Stream, block_length: int) -> Iterator[Block]:
     """The blocks of a stream, of which there is one at least."""
     window = _Window(stream, block_length)
-    search = FrameSearch(_MESSAGES, min(SLICE_LENGTH, block_length))
+    search = FrameSearch(_MESSAGES)
     while True:
         yield _searched(window, search)
         if window.is_last:

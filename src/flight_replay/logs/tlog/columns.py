@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, fields
-from typing import Any, Generic, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Indices
+from flight_replay.logs.column_buffer import ColumnBuffer
 
 AnyMessage = TypeVar("AnyMessage", bound="MessageColumns")
 
@@ -100,10 +101,10 @@ class RecordBuffer:
     """Puts the records of consecutive parts of a log together."""
 
     def __init__(self) -> None:
-        self._positions = _ColumnBuffer(Positions)
-        self._heartbeats = _ColumnBuffer(Heartbeats)
-        self._gps = _ColumnBuffer(GpsStatus)
-        self._reports = _ColumnBuffer(ArmingReports)
+        self._positions = ColumnBuffer(Positions)
+        self._heartbeats = ColumnBuffer(Heartbeats)
+        self._gps = ColumnBuffer(GpsStatus)
+        self._reports = ColumnBuffer(ArmingReports)
         self._empty: Counter[int] = Counter()
 
     def add(self, part: Records) -> None:
@@ -124,26 +125,3 @@ class RecordBuffer:
             self._reports.columns,
             dict(self._empty),
         )
-
-
-class _ColumnBuffer(Generic[AnyMessage]):
-    """Columns in byte arrays, which grow in place: no record is ever held twice."""
-
-    def __init__(self, kind: type[AnyMessage]) -> None:
-        self._kind = kind
-        self._bytes = {each.name: bytearray() for each in fields(kind)}
-        self._dtypes: dict[str, np.dtype[Any]] = {}
-
-    def add(self, part: AnyMessage) -> None:
-        for name in self._bytes:
-            column: NDArray[Any] = getattr(part, name)
-            self._dtypes[name] = column.dtype
-            self._bytes[name] += np.ascontiguousarray(column).view(np.uint8).data
-
-    @property
-    def columns(self) -> AnyMessage:
-        columns = {}
-        for name, grown in self._bytes.items():
-            dtype = self._dtypes[name]
-            columns[name] = np.ndarray((len(grown) // dtype.itemsize,), dtype, grown)
-        return self._kind(**columns)

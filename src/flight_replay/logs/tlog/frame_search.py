@@ -14,14 +14,17 @@ from flight_replay.logs.tlog.byte_rows import FLAGS_AT_ONCE, true_indices
 from flight_replay.logs.tlog.frames import ID_AT
 from flight_replay.logs.tlog.message_table import MAVLINK1_SHAPES, MAVLINK1_STX, MAVLINK2_STX, SIGNED
 
+_PIECE_LENGTH = 1 << 18  # bytes compared at a time: these, and the results, stay in the second cache
+
 
 class FrameSearch:
-    """Searches up to ``length`` bytes at a time for frames of some messages, whose ids are below 256."""
+    """Searches bytes for frames of some messages, whose ids are below 256."""
 
-    def __init__(self, messages: Sequence[int], length: int) -> None:
+    def __init__(self, messages: Sequence[int]) -> None:
         self._numbers = range(1, len(messages) + 1)  # by which the messages are called here; 0 is none
-        self._other_bits = ~reduce(or_, messages) & 255
-        self._ids, self._found, self._found2 = np.zeros((3, length + FLAGS_AT_ONCE), np.uint8)
+        self._factor = _telling_factor(messages)
+        self._other_bits = ~_product_bits(messages, self._factor) & 255
+        self._ids, self._found, self._found2 = np.zeros((3, _PIECE_LENGTH + FLAGS_AT_ONCE), np.uint8)
         self._number_by_id = np.zeros(256, np.uint8)
         self._number_by_id[list(messages)] = self._numbers
         by_shape = MAVLINK1_SHAPES.reshape(256, 256) * self._number_by_id[:, None]
@@ -29,27 +32,33 @@ class FrameSearch:
 
     def find(self, data: Bytes, start: int, stop: int) -> list[Indices]:
         """Where frames of each message may begin, from ``start`` to ``stop``: ascending arrays (n,)."""
-        starts = self._possible_starts(data, start, stop)
-        number = self._message_numbers(data[start:], starts)
-        starts += start
+        pieces = range(start, max(stop, start + 1), _PIECE_LENGTH)
+        starts = np.concatenate(
+            [self._possible_starts(data, piece, min(piece + _PIECE_LENGTH, stop)) for piece in pieces]
+        )
+        number = self._message_numbers(data, starts)
         return [starts.take((number == each).nonzero()[0]) for each in self._numbers]
 
     def _possible_starts(self, data: Bytes, start: int, stop: int) -> Indices:
-        """Where a start byte comes before what may be the id of a message, counted from ``start``, (n,).
+        """Where in a piece a start byte comes before what may be the id of a message, (n,).
 
-        An id that has a bit which those of no message have is another's. So few others pass this test
-        that it pays to look at those alone, and it takes a handful of passes over the bytes.
+        An id whose product with the factor has a bit which those of no message have is another's. So few
+        others pass this test that it pays to look at those alone, and it takes a handful of passes over
+        the bytes.
         """
         length = stop - start
         padded = length + -length % FLAGS_AT_ONCE
         ids, found, found2 = self._ids[: length + 2], self._found[:padded], self._found2[:length]
         found[length:] = 1
-        np.bitwise_and(data[start + 5 : stop + 7], self._other_bits, out=ids)
+        np.multiply(data[start + 5 : stop + 7], self._factor, out=ids)
+        np.bitwise_and(ids, self._other_bits, out=ids)
         for stx, buffer in (MAVLINK1_STX, found[:length]), (MAVLINK2_STX, found2):
             np.bitwise_xor(data[start:stop], stx, out=buffer)
             np.bitwise_or(buffer, ids[ID_AT[stx] - 5 :][:length], out=buffer)  # 0 where both fit
         np.minimum(found[:length], found2, out=found[:length])
-        return true_indices(np.equal(found, 0, out=found.view(np.bool_)))
+        starts = true_indices(np.equal(found, 0, out=found.view(np.bool_)))
+        starts += start
+        return starts
 
     def _message_numbers(self, data: Bytes, starts: Indices) -> NDArray[np.uint8]:
         """Which of the messages frames at start bytes (n,) may hold by their headers, shape (n,)."""
@@ -65,3 +74,16 @@ class FrameSearch:
         number2 *= data[9:].take(starts) == 0
         number[mavlink2] = number2
         return number
+
+
+def _telling_factor(messages: Sequence[int]) -> int:
+    """The odd factor, modulo 256, whose products with the ids have the fewest bits; the largest of these.
+
+    For HEARTBEAT, GPS_RAW_INT and GLOBAL_POSITION_INT that leaves eight ids, none of the others frequent.
+    """
+    return min(range(255, 0, -2), key=lambda factor: _product_bits(messages, factor).bit_count())
+
+
+def _product_bits(messages: Sequence[int], factor: int) -> int:
+    """The bits that products of the factor with the ids have, modulo 256."""
+    return reduce(or_, (message * factor & 255 for message in messages))

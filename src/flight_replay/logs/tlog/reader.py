@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.exceptions import LogError
-from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.logs.byte_source import OpenLog, Progress
 from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
 from flight_replay.logs.recording import Recording
@@ -149,7 +150,7 @@ def _judged(records: Records) -> _Judged:
         time_s=clock.time_s,
         lat_deg=positions.lat_e7 / 1e7,
         lon_deg=positions.lon_e7 / 1e7,
-        speed_m_s=_speed_m_s(positions),
+        speed_m_s_at=partial(_speed_m_s, positions),
         boot=clock.boot,
         lacks_3d_fix=lacks_3d_fix(positions, gps, clock.time_s),
     )
@@ -165,10 +166,10 @@ def _by_vehicle(columns: AnyMessage) -> AnyMessage:
     )
 
 
-def _speed_m_s(positions: Positions) -> Floats:
-    """Length of the reported velocity, shape (n,)."""
+def _speed_m_s(positions: Positions, index: Indices) -> Floats:
+    """Length of the reported velocity at some positions (m,)."""
     columns = positions.north_cm_s, positions.east_cm_s, positions.down_cm_s
-    return np.asarray(np.sqrt(sum(column.astype(float) ** 2 for column in columns)) / 100)
+    return np.asarray(np.sqrt(sum(column[index].astype(float) ** 2 for column in columns)) / 100)
 
 
 def _heading_deg(heading_cdeg: NDArray[np.uint16]) -> Floats:
