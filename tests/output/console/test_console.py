@@ -7,6 +7,7 @@ import pytest
 from flight_replay.events import (
     DistanceToWaypoint,
     Event,
+    Following,
     Notice,
     Phase,
     PhaseStarted,
@@ -73,6 +74,20 @@ def test_a_reading_is_repeated_once_a_second_or_when_it_is_new() -> None:
         "Distance to waypoint (1): 40.00",
         "Distance to waypoint (1): 30.00",
         "Distance to waypoint (2): 7.00",
+    ]
+
+
+def test_a_recording_that_is_followed_in_haste_has_a_line_a_second() -> None:
+    """At speedup 20 its seconds pass twenty times as fast; where it begins is shown at once."""
+    stream, clock = io.StringIO(), Clock()
+    console = PlainConsole(stream, clock=clock)
+    for number, recording_s in enumerate([-2.5, -1.5, -0.5, *range(36)]):
+        clock.now_s = 100 + number / 20
+        console.listener(Following(float(number), recording_s, 60.0, 0.1, waiting=False))
+    assert stream.getvalue().splitlines() == [
+        " Begins in 3 s, 0.10 m off",
+        " 0 of 60 s, 0.10 m off",
+        " 20 of 60 s, 0.10 m off",
     ]
 
 

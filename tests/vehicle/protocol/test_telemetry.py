@@ -132,6 +132,26 @@ def test_a_clock_that_restarts_is_a_reboot(monkeypatch: pytest.MonkeyPatch) -> N
     assert kinds[-1] is VehicleState
 
 
+def test_what_waited_out_of_order_while_nothing_was_read_is_no_reboot(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A program that was stopped for seconds reads old times at once, and newer ones behind them."""
+    clock = [100.0]
+    monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    heard = telemetry()
+    heard.receive(heartbeat())
+    heard.receive(position(90_000))
+    for stopped_s in (3.0, 3.0):
+        clock[0] += stopped_s
+        for time_ms in range(89_000, 89_900, 100):
+            clock[0] += 0.001
+            heard.receive(position(time_ms))
+    heard.receive(position(96_000))
+    kinds = [type(item) for item in heard.reports(0.0)]
+    assert Rebooted not in kinds
+    assert kinds[-1] is VehicleState
+
+
 def test_long_texts_are_joined() -> None:
     """MAVLink 2 sends more than 50 characters in chunks."""
     pieces = ["x" * 50, "y" * 50, "end"]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Protocol, TextIO
 
-from flight_replay.events import Climbing, DistanceToWaypoint, Event, Waiting
+from flight_replay.events import Climbing, DistanceToStart, DistanceToWaypoint, Event, Following, Waiting
 from flight_replay.output.console.terminal import is_capable_terminal, write_line
 from flight_replay.output.event_text import event_line, is_detail, is_problem
 
@@ -119,4 +119,8 @@ def _repetition(event: Event) -> tuple[object, float]:
         return event.target_m, REPEAT_S
     if isinstance(event, DistanceToWaypoint):
         return event.seq, REPEAT_S
+    if isinstance(event, DistanceToStart):
+        return None, REPEAT_S
+    if isinstance(event, Following):
+        return event.recording_s < 0, REPEAT_S
     return None, 0.0

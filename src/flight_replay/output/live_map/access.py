@@ -62,7 +62,9 @@ class GuardedTornado(BokehTornado):
         return _BUSY if is_page and len(self.get_sessions("/")) >= _MAX_SESSIONS else None
 
 
-class _BoundedServer(HTTPServer):
+class BoundedServer(HTTPServer):
+    """A web server that closes connections beyond a number."""
+
     def handle_stream(self, stream: IOStream, address: tuple[Any, ...]) -> None:
         """Serve a new connection, or close it."""
         if len(self._connections) >= _MAX_CONNECTIONS:
@@ -70,10 +72,15 @@ class _BoundedServer(HTTPServer):
             return
         super().handle_stream(stream, address)
 
+    def drop_connections(self) -> None:
+        """Close those that are open, whatever is being received or sent."""
+        for connection in list(self._connections):
+            connection.stream.close()
 
-def bounded_server(application: GuardedTornado) -> HTTPServer:
+
+def bounded_server(application: GuardedTornado) -> BoundedServer:
     """A web server that closes connections beyond a number, and those that stay silent."""
-    return _BoundedServer(
+    return BoundedServer(
         application,
         max_body_size=_MAX_BODY_BYTES,
         max_buffer_size=2 * _MAX_MESSAGE_BYTES,

@@ -106,17 +106,29 @@ class LiveMap:
         self._loop.start()
         server.unlisten()
         server.stop()
-        _end_tasks(self._loop.asyncio_loop)
+        http.drop_connections()
+        end_tasks(self._loop.asyncio_loop)
         self._loop.close(all_fds=True)
 
     def _open_page(self, document: Any) -> None:
         Page(self._data, self._series, self._frame, self._tiles).fill(document)
 
 
-def _end_tasks(loop: asyncio.AbstractEventLoop) -> None:
-    """Cancel what still runs on a stopped loop, and let it end: Bokeh 3.10 leaves its periodic tasks."""
+def end_tasks(loop: asyncio.AbstractEventLoop) -> None:
+    """Cancel what still runs on a stopped loop, and let it end: Bokeh 3.10 leaves its periodic tasks.
+
+    That a page's request ends so is no error to be logged.
+    """
     tasks = asyncio.all_tasks(loop)
+    if not tasks:
+        return
     for task in tasks:
         task.cancel()
-    if tasks:
+    loggers = [logging.getLogger(name) for name in ("tornado.access", "tornado.application")]
+    for logger in loggers:
+        logger.disabled = True
+    try:
         loop.run_until_complete(asyncio.wait(tasks, timeout=_TASKS_END_S))
+    finally:
+        for logger in loggers:
+            logger.disabled = False

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".html", ".htm")
 _BINS = 30
 _LARGEST_SHARE = 0.98
-_HISTOGRAM_WIDTH, _HISTOGRAM_HEIGHT, _A_ROW = 400, 240, 3
+_HISTOGRAM_WIDTH, _HISTOGRAM_HEIGHT = 350, 240
 _GOOD_COLOUR, _BAD_COLOUR = "#1f77b4", "#d62728"
 _MERCATOR_M = 6378137.0
 _MAX_LAT_DEG = 85.0
@@ -71,7 +71,7 @@ def save_fleet_report(path: Path, rows: Iterable[Row], command: str) -> None:
     page = file_html(
         roots,
         resources=Resources(mode="inline"),
-        title=f"{summary.rows} flights",
+        title="Replays of many flights",
         template=Template(template),
         template_variables={
             "lead": f"{summary.rows} rows, {summary.failed} of them without a flight that went as asked.",
@@ -114,13 +114,18 @@ def _unknown(name: str) -> Any:
 
 def _roots(columns: _Columns) -> list[Model]:
     """What the template shows, by name: table and command; map and histograms where there is anything."""
-    from bokeh.layouts import gridplot
+    from bokeh.layouts import row
     from bokeh.models import ColumnDataSource, CustomJS
     from bokeh.models.widgets import PreText
 
     data = columns.shown()
     source = ColumnDataSource({**data, **_map_columns(columns)})
-    command = PreText(text="click a row: here is the command that repeats it", name="command", width=1200)
+    command = PreText(
+        text="click a row: here is the command that repeats it",
+        name="command",
+        sizing_mode="stretch_width",
+        styles={"white-space": "pre-wrap", "overflow-wrap": "anywhere"},
+    )
     if "command" in data:
         code = """
             const rows = source.selected.indices;
@@ -134,9 +139,9 @@ def _roots(columns: _Columns) -> list[Model]:
         roots.append(_map(source))
     histograms: list[Any] = [_histogram(name, columns.numbers(name)) for name in _DISTRIBUTED if name in data]
     if histograms:
-        grid = gridplot(histograms, ncols=_A_ROW, toolbar_location=None)
-        grid.name = "histograms"
-        roots.append(grid)
+        wrapped = row(histograms, sizing_mode="stretch_width", styles={"flex-wrap": "wrap"})
+        wrapped.name = "histograms"
+        roots.append(wrapped)
     return roots
 
 
@@ -220,10 +225,12 @@ def _histogram(name: str, values: Floats) -> UIElement:
     top = top if top > low else low + 1.0
     counts, edges = np.histogram(np.minimum(values, top), bins=_BINS, range=(low, top))
     chart = figure(
-        title=Title(text=f"{name.replace('_', ' ')}: median {np.median(values):.2f}", text_font_size="9pt"),
+        title=Title(text=name.replace("_", " "), text_font_size="9pt"),
+        x_axis_label=f"median {np.median(values):.2f}",
         width=_HISTOGRAM_WIDTH,
         height=_HISTOGRAM_HEIGHT,
         tools="",
+        toolbar_location=None,
         y_axis_label="flights",
     )
     chart.toolbar.logo = None

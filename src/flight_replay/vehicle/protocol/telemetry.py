@@ -27,7 +27,8 @@ from flight_replay.vehicle.protocol.commands import CommandSender
 
 _QUEUED_REPORTS = 50_000  # Minutes of a fast simulator.
 _MIN_OLD_TIMES = 5  # So many older times in a row ...
-_MIN_OLD_WALL_S = 0.5  # ... and no newer one for so long mean a reboot, not packets out of order.
+_MIN_OLD_WALL_S = 0.5  # ... and no newer one for so long mean a reboot, not packets out of order; ...
+_MOST_BETWEEN_WALL_S = 0.125  # ... while nothing is read, a newer one may be waiting.
 _DUPLICATE_FRAMES = 64  # Sequence numbers go up to 255, so a frame sent anew is not taken for a duplicate ...
 _DUPLICATE_S = 0.9  # ... nor is the next heartbeat of an autopilot that does not number its frames.
 _TOTAL_UNKNOWN = frozenset({0, 65535})  # Values of MISSION_CURRENT.total.
@@ -50,8 +51,8 @@ class Telemetry:
         self._reports: deque[Report] = deque(maxlen=_QUEUED_REPORTS)
         self._changed = threading.Condition()
         self._mode, self._armed = "", False
-        self._newest_s = self._newest_wall_s = self._position_s = float("-inf")
-        self._old_times = 0
+        self._newest_s = self._timed_wall_s = self._position_s = float("-inf")
+        self._old_times, self._old_wall_s = 0, 0.0
         self._frames: deque[tuple[bytes, float]] = deque(maxlen=_DUPLICATE_FRAMES)  # With wall-clock times.
         self.received_s: dict[str, float] = {}
         """Wall-clock time of the last message of each type."""
@@ -106,15 +107,17 @@ class Telemetry:
         if time_ms is None:
             return None
         now_s = time.monotonic()
+        between_s, self._timed_wall_s = now_s - self._timed_wall_s, now_s
+        rebooted = None
         if time_ms / 1e3 < self._newest_s:
             self._old_times += 1
-            if self._old_times < _MIN_OLD_TIMES or now_s - self._newest_wall_s < _MIN_OLD_WALL_S:
+            self._old_wall_s += min(between_s, _MOST_BETWEEN_WALL_S)
+            if self._old_times < _MIN_OLD_TIMES or self._old_wall_s < _MIN_OLD_WALL_S:
                 return None
             self._position_s = float("-inf")
-            self._newest_s, self._newest_wall_s, self._old_times = time_ms / 1e3, now_s, 0
-            return Rebooted()
-        self._newest_s, self._newest_wall_s, self._old_times = time_ms / 1e3, now_s, 0
-        return None
+            rebooted = Rebooted()
+        self._newest_s, self._old_times, self._old_wall_s = time_ms / 1e3, 0, 0.0
+        return rebooted
 
     def _heartbeat(self, message: Message) -> Report:
         self._mode = mode_name(message.custom_mode)
