@@ -114,7 +114,7 @@ def mavproxys(link: FaultLink, conditions: LinkConditions) -> float:
 
 
 def wait_received(link: FaultLink, began_s: float) -> float:
-    while not link.triggers[0].done and time.monotonic() - began_s < LIMIT_S:
+    while link.triggers[0].times and time.monotonic() - began_s < LIMIT_S:
         time.sleep(0.01)
     return time.monotonic() - began_s
 

@@ -1,7 +1,9 @@
 """The state of the process that tests start from, whatever started them."""
 
 import signal
+from importlib import import_module
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 # The same examples in every run, and no limit of wall-clock time that a busy machine would exceed.
@@ -16,3 +18,9 @@ def pytest_configure() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if hasattr(signal, "SIGHUP"):
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+@pytest.fixture
+def brief_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fits end after a quarter of their search: for tests of all but how much the rest of it gains."""
+    monkeypatch.setattr(import_module("flight_replay.planning.fit.fit"), "_MOST_FLIGHTS", 40)

@@ -18,7 +18,7 @@ from flight_replay.logs.sample import sample_log
 from flight_replay.mission import formats
 from tests.mission.formats.test_qgc_plan import PLAN_SCHEMA
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.realtime]
 
 
 @pytest.fixture(scope="module")

@@ -76,6 +76,7 @@ MOMENTS = {
 
 
 @pytest.mark.slow
+@pytest.mark.realtime
 @pytest.mark.parametrize(("moment", "armed"), MOMENTS.values(), ids=MOMENTS.keys())
 def test_ctrl_c_at_any_moment(moment: str, armed: bool, scratch: Path) -> None:
     """The exit status is 130 within 10 s; if armed, RTL is commanded and confirmed."""
@@ -96,6 +97,7 @@ def test_further_signals_do_not_prevent_rtl(scratch: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.realtime
 def test_a_flood_of_the_live_map_does_not_hold_up_the_way_home(scratch: Path) -> None:
     """RTL is confirmed and the program exits in time, while its page is requested without a pause."""
     process = subprocess.Popen(

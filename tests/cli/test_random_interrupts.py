@@ -25,7 +25,7 @@ from tests.helpers.paths import SAMPLE
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked for in /proc")
 
 CHUNKS = 6
-MOMENTS_PER_CHUNK = int(os.environ.get("FLIGHT_REPLAY_MOMENTS", "10"))
+MOMENTS_PER_CHUNK = int(os.environ.get("FLIGHT_REPLAY_MOMENTS", "5"))
 """50 make three hundred moments, a quarter of an hour."""
 EXIT_WITHIN_S, ORPHANS_END_WITHIN_S = 10.0, 5.0
 IMPORTS_S = 0.06
@@ -188,6 +188,7 @@ def test_an_interrupt_during_the_imports_is_one_line(
 
 
 @pytest.mark.slow
+@pytest.mark.realtime
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_an_interrupt_at_any_moment_leaves_nothing_behind(tmp_path: Path, chunk: int) -> None:
     """Status 130 in 10 s, the cursor shown, the terminal as before, no process, no file, no traceback."""

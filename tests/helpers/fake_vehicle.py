@@ -198,6 +198,7 @@ class FakeVehicle:
 
     def request_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
         self.requested.append("position")
+        self.target = None
         self.goal_m = np.array([*FRAME.to_metres(lat_deg, lon_deg), alt_m])
 
     def request_speedup(self, speedup: float) -> None:

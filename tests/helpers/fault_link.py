@@ -28,11 +28,11 @@ Message = Any
 
 @dataclass
 class Trigger:
-    """Calls ``act`` once, when ``matches`` is true of a message to or from the vehicle."""
+    """Calls ``act`` the first ``times`` that ``matches`` is true of a message to or from the vehicle."""
 
     matches: Callable[[Message], bool]
     act: Callable[[FaultLink], None]
-    done: bool = False
+    times: int = 1
 
 
 @dataclass
@@ -151,8 +151,8 @@ class FaultLink:
         conditions = self.conditions
         for message in direction.decoder.parse_buffer(frame) or ():
             for trigger in self.triggers:
-                if not trigger.done and trigger.matches(message):
-                    trigger.done = True
+                if trigger.times and trigger.matches(message):
+                    trigger.times -= 1
                     trigger.act(self)
         if time.monotonic() < self._cut_until_s or self._random.random() < conditions.loss:
             return

@@ -28,7 +28,7 @@ DEADLINES = Deadlines(
     no_climb_s=20.0,
     min_wall_s=8.0,
     give_up_wall_s=8.0,
-    rtl_wall_s=6.0,
+    rtl_wall_s=15.0,
 )
 
 

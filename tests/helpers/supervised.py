@@ -69,4 +69,6 @@ def s_curve(frame: FlatFrame = FRAME, length_m: float = 40.0, alt_m: float = 30.
     places = np.column_stack([along, aside, np.full(len(along), alt_m)])
     spline = make_interp_spline(times_s, places, k=5)
     heading = make_interp_spline(times_s, np.zeros((len(times_s), 1)), k=3)
-    return ReferenceMotion(frame, -5.0, RECORDED_S + 5.0, spline, heading)
+    return ReferenceMotion(
+        frame=frame, begin_s=-5.0, end_s=RECORDED_S + 5.0, position=spline, heading=heading
+    )

@@ -49,6 +49,7 @@ def rival_objectives_m(track: Track, max_points: int, *, timed: bool) -> list[fl
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("brief_search")
 def test_any_number_of_points_may_be_allowed() -> None:
     """The search takes no more than there are fixes to look at: 32,000 points took 12 GB."""
     tracemalloc.start()
@@ -59,6 +60,7 @@ def test_any_number_of_points_may_be_allowed() -> None:
     assert peak < 500e6
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_straight_flight_needs_two_points() -> None:
     """A straight_track at 15 m/s is one leg, flown on the line that was recorded."""
     result = fit(along([(0, 0), (300, 100)], 15.0))
@@ -67,6 +69,7 @@ def test_a_straight_flight_needs_two_points() -> None:
     assert result.path_error.max < 0.3
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_circle_needs_few_points_and_stays_round() -> None:
     """A circle takes fewer waypoints than the budget and stays within 0.5 m."""
     result = fit(circle(), max_points=60, speed_m_s="recorded")
@@ -75,6 +78,7 @@ def test_a_circle_needs_few_points_and_stays_round() -> None:
     assert result.position_error.mean < 3.0
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_recorded_speed_is_flown_at_recorded_speed() -> None:
     """A wandering flight takes as long as it was recorded, within 5 %, with few speed changes."""
     track = wander(1)
@@ -85,6 +89,7 @@ def test_recorded_speed_is_flown_at_recorded_speed() -> None:
     assert result.position_error.mean < 3.0
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_what_is_predicted_is_what_the_model_flies() -> None:
     """The mission of the answer, flown in the model's finer steps, comes as near as was predicted."""
     result = fit(wander(2), max_points=30, speed_m_s="recorded")
@@ -94,12 +99,14 @@ def test_what_is_predicted_is_what_the_model_flies() -> None:
     assert air.auto_s[1] - begin_s == pytest.approx(result.predicted_duration_s, rel=0.03)
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_the_same_answer_every_time() -> None:
     """Two fits of one track are equal, item by item."""
     track = wander(3, fixes=40)
     assert fit(track, max_points=12).mission == fit(track, max_points=12).mission
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_given_speed_is_asked_for_once() -> None:
     """One speed change in front of the first waypoint holds for the whole route."""
     items = fit(wander(4, fixes=40), max_points=12, speed_m_s=3.0).mission.items
@@ -108,11 +115,13 @@ def test_a_given_speed_is_asked_for_once() -> None:
     assert [item.command for item in items].count(Command.CHANGE_SPEED) == 1
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_the_vehicles_own_speed_asks_for_none() -> None:
     """Without a speed there is no speed change."""
     assert all(item.is_waypoint for item in fit(wander(4, fixes=40), max_points=12).mission.items)
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
     """A flight that hovers for half a minute between two legs holds there for about as long."""
     out, back = along([(0, 0), (60, 0)], 4.0), along([(60, 0), (60, 60)], 4.0)
@@ -126,6 +135,7 @@ def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
     assert longest == round(longest)
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_recorded_heights_are_flown_but_not_into_the_ground() -> None:
     """Heights as recorded, none below 5 m."""
     track = along([(0, 0), (120, 0)], 3.0)
@@ -136,6 +146,7 @@ def test_recorded_heights_are_flown_but_not_into_the_ground() -> None:
     assert heights == sorted(heights)
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_figures_of_eight_are_flown_in_order() -> None:
     """Four laps of an eight stay four laps: the path is as long, and no lap is borrowed."""
     track = eights(laps=4)
@@ -144,6 +155,7 @@ def test_figures_of_eight_are_flown_in_order() -> None:
     assert result.planned_error.mean < 1.0
 
 
+@pytest.mark.usefixtures("brief_search")
 @pytest.mark.parametrize(
     "track",
     [
@@ -189,7 +201,8 @@ def test_progress_runs_to_its_total() -> None:
     assert told[-1][0] == told[-1][1]
 
 
-@settings(max_examples=5, suppress_health_check=list(HealthCheck))
+@pytest.mark.usefixtures("brief_search")
+@settings(max_examples=3, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10_000), st.integers(4, 25), st.sampled_from(["recorded", None]))
 def test_what_every_fit_keeps(seed: int, max_points: int, speed_m_s: str | None) -> None:
     """Budget, ends, surroundings and legs are kept, and no classic route is better by the same measure."""

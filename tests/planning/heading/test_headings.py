@@ -57,7 +57,7 @@ def test_a_log_without_heading_is_flown_the_vehicles_way() -> None:
 
 def test_the_mission_stays_within_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     """Items are left out where there is no room for them."""
-    route = route_with(np.linspace(0.0, 1500.0, 51).tolist(), spacing_m=10.0)
+    route = route_with(np.linspace(0.0, 1500.0, 51).tolist(), spacing_m=40.0)
     monkeypatch.setattr(headings, "MEMORIES", (len(route.mission.items) + 3,))
     turned = with_recorded_headings(route, Limits(), timed=True)
     assert len(turned.mission.items) <= len(route.mission.items) + 3
