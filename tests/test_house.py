@@ -7,6 +7,7 @@ import re
 import subprocess
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from tests.helpers.paths import ROOT
 
 SOURCE = ROOT / "src"
 PACKAGE = SOURCE / "flight_replay"
-TREES = {path: ast.parse(path.read_bytes()) for path in sorted(PACKAGE.rglob("*.py"))}
+FILES = sorted(PACKAGE.rglob("*.py"))
 MAX_FILES, MAX_TOP_FOLDERS, MAX_TOP_FILES = 20, 10, 8
 MAX_FUNCTION_LINES = 40
 MACHINE_PATH = re.compile(rb"(?<![\w.~-])/(?:work|root|home/[a-z]\w*|Users/\w+)/")
@@ -28,7 +29,13 @@ def dotted(path: Path) -> str:
     return ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__")
 
 
-MODULES = {dotted(path): tree for path, tree in TREES.items()}
+MODULES = {dotted(path): path for path in FILES}
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """A source file as a syntax tree."""
+    return ast.parse(path.read_bytes())
 
 
 def imported_by(tree: ast.Module) -> Iterator[str]:
@@ -55,25 +62,25 @@ def named_twice(named: Iterable[tuple[str, Path]]) -> dict[str, list[str]]:
 def test_folders_are_small() -> None:
     """No folder of the package has more than twenty files."""
     counts = {
-        folder.relative_to(SOURCE).as_posix(): sum(path.parent == folder for path in TREES)
-        for folder in {path.parent for path in TREES}
+        folder.relative_to(SOURCE).as_posix(): sum(path.parent == folder for path in FILES)
+        for folder in {path.parent for path in FILES}
     }
     assert {folder: count for folder, count in counts.items() if count > MAX_FILES} == {}
 
 
 def test_the_top_of_the_package_is_small() -> None:
     """A newcomer sees at most ten folders and eight files."""
-    folders = {path.relative_to(PACKAGE).parts[0] for path in TREES if path.parent != PACKAGE}
+    folders = {path.relative_to(PACKAGE).parts[0] for path in FILES if path.parent != PACKAGE}
     assert len(folders) <= MAX_TOP_FOLDERS
-    assert sum(path.parent == PACKAGE for path in TREES) <= MAX_TOP_FILES
+    assert sum(path.parent == PACKAGE for path in FILES) <= MAX_TOP_FILES
 
 
 def test_a_public_class_name_means_one_class() -> None:
     """No two modules define public classes of one name."""
     classes = (
         (node.name, path)
-        for path, tree in TREES.items()
-        for node in tree.body
+        for path in FILES
+        for node in tree_of(path).body
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
     )
     assert named_twice(classes) == {}
@@ -81,7 +88,7 @@ def test_a_public_class_name_means_one_class() -> None:
 
 def test_a_module_name_means_one_module() -> None:
     """No two files have one name, except the vehicle's and the simulator's side of one protocol."""
-    modules = ((path.stem, path) for path in TREES if path.stem != "__init__")
+    modules = ((path.stem, path) for path in FILES if path.stem != "__init__")
     twice = {
         name: files
         for name, files in named_twice(modules).items()
@@ -92,7 +99,7 @@ def test_a_module_name_means_one_module() -> None:
 
 def test_no_imports_go_in_a_circle() -> None:
     """The files can be read in an order in which each needs only those before it."""
-    needs = {name: set(imported_by(tree)) - {name} for name, tree in MODULES.items()}
+    needs = {name: set(imported_by(tree_of(path))) - {name} for name, path in MODULES.items()}
     try:
         TopologicalSorter(needs).prepare()
     except CycleError as error:
@@ -103,8 +110,8 @@ def test_functions_fit_a_screen() -> None:
     """No function is longer than forty lines."""
     long = {
         f"{name}.{node.name}": lines
-        for name, tree in MODULES.items()
-        for node in ast.walk(tree)
+        for name, path in MODULES.items()
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
         and (lines := (node.end_lineno or node.lineno) - node.lineno + 1) > MAX_FUNCTION_LINES
     }

@@ -118,6 +118,15 @@ class Following:
 
 
 @dataclass(frozen=True, slots=True)
+class PassFlown:
+    """Pass ``number`` of ``passes`` taught the next; on average it was ``off_m`` from the motion."""
+
+    number: int
+    passes: int
+    off_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class WaypointReached:
     """The vehicle reported reaching mission item ``seq`` at ``time_s`` of its own clock."""
 
@@ -199,6 +208,7 @@ Event = (
     | DistanceToWaypoint
     | DistanceToStart
     | Following
+    | PassFlown
     | WaypointReached
     | VehicleState
     | StatusText

@@ -83,6 +83,8 @@ def test_values_are_read(argv: list[str], name: str, value: object) -> None:
         (["--route", "fit", "--spacing", "3"], "--spacing is for --route spacing"),
         (["--mode", "guided", "--max-points", "9"], "--max-points is for waypoints"),
         (["--max-error", "2"], "--max-error needs --mode guided"),
+        (["--passes", "2"], "--passes needs --mode guided"),
+        (["--mode", "guided", "--passes", "0"], "--passes: must be a whole number of 1 or more"),
         (["--info", "--save", "a.kml"], "--save needs a plan and cannot be used with --info"),
         (["a.tlog", "--tlog", "b.tlog"], "name one log: LOG and --tlog are the same"),
         (["-v", "-q"], "-v and -q cannot be used together"),

@@ -28,6 +28,7 @@ def planned(*argv: str) -> tuple[Route, list[Event]]:
     return plan_step.Planner(options, track, events.append).route(VehicleLimits()), events
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_fit_reports_progress_and_predicted_errors() -> None:
     """--route fit covers the flown part and predicts its errors."""
     route, events = planned("--route", "fit", "--speed", "recorded", "--max-points", "20")
@@ -76,11 +77,12 @@ def test_a_vehicle_with_the_defaults_is_planned_for_once() -> None:
     assert (first.limits.vehicle, second.limits.vehicle) == (None, "ArduCopter 4.6.0")
 
 
+@pytest.mark.usefixtures("brief_search")
 @pytest.mark.parametrize("route", ["spacing", "fit"])
 def test_a_slower_vehicle_is_planned_for(route: str) -> None:
     """It takes longer, and says with which limits; the number of waypoints is said once."""
     events: list[Event] = []
-    arguments = track_and_options("--route", route, "--max-points", "12")
+    arguments = track_and_options("--route", route, "--max-points", "12", "--to", "60")
     slow = VehicleLimits(Limits(wp_speed_m_s=1.0, wp_accel_m_s2=0.5), "ArduCopter 3.3.0")
     planned_slow = plan_step.Planner(*arguments, events.append).route(slow)
     as_usual = plan_step.Planner(*arguments, ignore).route(VehicleLimits())

@@ -64,7 +64,12 @@ def test_drag_is_read_for_following(own: dict[str, float], simulated: bool, told
 
 
 @pytest.mark.parametrize(
-    "argv", [["--connect", "x", "--speedup", "3"], ["--connect", "x", "--limits", "recorded"]]
+    "argv",
+    [
+        ["--connect", "x", "--speedup", "3"],
+        ["--connect", "x", "--limits", "recorded"],
+        ["--connect", "x", "--passes", "2", "--mode", "guided"],
+    ],
 )
 def test_a_real_vehicle_is_refused_what_is_for_simulators(argv: list[str]) -> None:
     """Before anything is planned for it."""

@@ -5,7 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from flight_replay.planning.vehicle_limits import PARAMETER_NAMES, VehicleLimits, limits_of
+from flight_replay.planning.vehicle_limits import GAIN_NAMES, PARAMETER_NAMES, VehicleLimits, limits_of
 from flight_replay.simulator.dynamics.limits import Limits
 
 DEFAULTS_46 = {
@@ -89,3 +89,25 @@ def test_corner_acceleration_is_told_as_it_is_used() -> None:
     found = limits_of(DEFAULTS_46 | {"WPNAV_ACCEL": 100.0}, "ArduCopter")
     assert found is not None
     assert found.values["accel_corner_m_s2"] == 2.0
+
+
+def test_what_a_lossy_link_delivers_first_does_not_matter() -> None:
+    """The drag's parameters may come before those of the speed, or without them."""
+    found = limits_of({"EK3_DRAG_BCOEF_X": 0.0, "WPNAV_SPEED": 500.0}, "ArduCopter")
+    assert found is not None
+    assert found.limits.wp_speed_m_s == 5.0
+    assert limits_of({"EK3_DRAG_BCOEF_X": 0.0}, "ArduCopter") is None
+
+
+def test_the_gains_of_every_version_are_read() -> None:
+    """Those of 3.3 have other names, and no derivative."""
+    old = {"WPNAV_SPEED": 500.0, "POS_XY_P": 1.5, "VEL_XY_P": 1.2, "VEL_XY_I": 0.6}
+    assert {"POS_XY_P", "PSC_POSXY_P", "PSC_NE_POS_P", "PSC_VELXY_D"} <= set(GAIN_NAMES)
+    found = limits_of(old, "ArduCopter")
+    assert found is not None
+    limits = found.limits
+    gains = (limits.position_p, limits.velocity_p, limits.velocity_i, limits.velocity_d)
+    assert gains == (1.5, 1.2, 0.6, 0.0)
+    new = limits_of(DEFAULTS_46 | {"PSC_VELXY_D": 0.25}, "ArduCopter")
+    assert new is not None
+    assert (new.limits.velocity_p, new.limits.velocity_d) == (2.0, 0.25)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flight_replay.events import Following, Phase, PhaseStarted, ReturnCommanded
+from flight_replay.events import Following, PassFlown, Phase, PhaseStarted, ReturnCommanded
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.supervisor.vehicle_interface import Heartbeat
 from tests.helpers.fake_vehicle import FRAME, FakeClock, FakeVehicle
@@ -227,3 +227,29 @@ def test_the_way_to_the_beginning_is_flown_at_the_asked_speed() -> None:
     speeds = [each for each in flight.vehicle.requested if each.startswith("speed")]
     assert speeds[0] == "speed 3"
     assert speeds[-1] == "speed 8"
+
+
+def test_passes_are_flown_one_after_the_other_and_the_last_is_recorded() -> None:
+    """Between them the vehicle flies back to the beginning."""
+    flight = fake_following(duration_s=20.0, passes=3)
+    record = flight.fly()
+    assert (record.ended, record.problem, record.rtl_confirmed) == ("duration", None, True)
+    assert record.auto_s == pytest.approx(25.0, abs=1.0)
+    assert record.recording_s is not None
+    assert record.recording_s[-1] == pytest.approx(20.0, abs=1.0)
+    phases = [event.phase for event in flight.of(PhaseStarted)]
+    assert phases[-7:] == [Phase.APPROACH, Phase.FOLLOW] * 3 + [Phase.RETURN]
+    passes = flight.of(PassFlown)
+    assert [(each.number, each.passes) for each in passes] == [(1, 3), (2, 3)]
+    assert all(0.0 <= each.off_m < 1.0 for each in passes)
+
+
+def test_a_pilot_who_takes_over_in_an_early_pass_has_the_vehicle() -> None:
+    """The flight ends; nothing is commanded, and no other pass begins."""
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=35.0, passes=2)
+    vehicle.schedule.append((50.0, lambda: setattr(vehicle, "mode", "LOITER")))
+    with pytest.raises(VehicleError, match="LOITER"):
+        flight.fly()
+    assert "RTL" not in vehicle.requested
+    assert not flight.of(ReturnCommanded)

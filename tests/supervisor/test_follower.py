@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from flight_replay.supervisor.follower import Follower, Leads
+from flight_replay.geometry.reference_motion import motion_through
+from flight_replay.supervisor.follower import Follower, Leads, Learned
 from tests.helpers.supervised import s_curve
 
 NO_LEADS = Leads(0.0, 0.0, 0.0, 0.0)
@@ -125,3 +128,33 @@ def test_a_vehicle_that_is_always_late_gets_its_targets_earlier() -> None:
     assert target.position_m == pytest.approx(
         reference.state(follower.recording_s + ahead_s).position_m, abs=0.01
     )
+
+
+def test_a_vehicle_with_more_drag_gets_its_targets_displaced() -> None:
+    """The share of the lag that it has, beside what the leads make up for, is learned where it is behind."""
+    times_s = np.linspace(-5.0, 45.0, 400)
+    waves_m = np.column_stack([0.5 * np.sin(times_s), 0.5 * np.cos(times_s), 0.0 * times_s])
+    lag = motion_through(times_s, waves_m)
+    follower = Follower(replace(s_curve(), drag_lag=lag), 3.0, NO_LEADS)
+    learned = follower.learned.drag
+    assert learned.value == pytest.approx(0.3)
+    for time_s in np.arange(95.0, 100.0 + s_curve().end_s - 1.0, 0.1):
+        follower.target(float(time_s))
+        state = s_curve().state(follower.recording_s)
+        off_m = (learned.value - 1.2) * lag.state(follower.recording_s).position_m
+        follower.observe(float(time_s), state.position_m + off_m, state.velocity_m_s)
+    assert learned.value == pytest.approx(1.2, abs=0.1)
+    assert len(follower.misses) > 400
+
+
+def test_a_vehicle_that_stands_gets_targets_where_it_is() -> None:
+    """What makes up for drag, or for what passes missed, is for the way at its speed."""
+    times_s = np.linspace(-5.0, 45.0, 400)
+    metre = motion_through(times_s, np.tile([1.0, 0.0, 0.0], (400, 1)))
+    learned = replace(Learned(), displacement=metre)
+    follower = Follower(replace(s_curve(), drag_lag=metre), 3.0, NO_LEADS, learned)
+    moving = follower.target(100.0)
+    assert moving.position_m - s_curve().state(follower.recording_s).position_m == pytest.approx([1.3, 0, 0])
+    place_m = s_curve().state(10.0).position_m + np.array([0.0, 2.0, 0.0])
+    follower.resume(125.0, place_m, np.zeros(3))
+    assert follower.target(125.0).position_m == pytest.approx(place_m, abs=0.1)

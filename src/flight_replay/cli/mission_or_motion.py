@@ -186,6 +186,7 @@ class AsMotion:
             approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else None,
             speed_m_s=route.limits.limits.wp_speed_m_s,
             speedup=options.speedup if options.connect is None else None,
+            passes=options.passes,
             takeoff_altitude_m=options.takeoff_altitude_m,
             land=options.land,
         )

@@ -12,6 +12,7 @@ _OPTIONS = {
     "spacing_m": "--spacing",
     "max_points": "--max-points",
     "max_error_m": "--max-error",
+    "passes": "--passes",
     "takeoff_altitude_m": "--takeoff-altitude",
     "max_distance_m": "--max-distance",
     "baud": "--baud",
@@ -34,7 +35,7 @@ _OPTIONS = {
     "dry_run": "--dry-run",
     "info": "--info",
 }
-_IN_FLIGHT = "land", "yes", "max_distance_m"
+_IN_FLIGHT = "land", "yes", "max_distance_m", "passes"
 _WITH_VEHICLE = "record", "gcs", "sim", "sitl", "speedup"
 _RESULTS = "save", "plot", "report", "record", "map"
 
@@ -114,7 +115,7 @@ def _check_mode(parser: argparse.ArgumentParser, values: Mapping[str, object]) -
     if values["mode"] == "auto":
         if values["pace"] != 1.0:
             parser.error("--speed with a factor needs --mode guided")
-        _refuse(parser, values, ("max_error_m",), "needs --mode guided")
+        _refuse(parser, values, ("max_error_m", "passes"), "needs --mode guided")
         return
     if values["limits"] == "recorded":
         parser.error("--limits recorded is for missions and cannot be used with --mode guided")

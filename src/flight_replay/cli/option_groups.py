@@ -145,6 +145,13 @@ def _add_motion(group: argparse._ArgumentGroup) -> None:
 def _flight_group(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("flight", "example: flight-replay --duration all --land")
     add_flight(group)
+    group.add_argument(
+        "--passes",
+        metavar="N",
+        type=option_types.count,
+        help="with --mode guided, times that a simulated vehicle follows the recording: each pass learns "
+        "from the errors of those before, and the last is measured (default: 1)",
+    )
     _add_safety(group)
 
 

@@ -36,6 +36,7 @@ _DEFAULTS = {
     "spacing_m": SPACING_M,
     "max_points": MAX_POINTS,
     "max_error_m": 3.0,
+    "passes": 1,
     "takeoff_altitude_m": 30.0,
     "max_distance_m": 1000.0,
     "baud": 57600,
@@ -65,6 +66,7 @@ class Options:
     pace: float
     heading: Literal["vehicle", "recorded"]
     max_error_m: float
+    passes: int
     duration_s: float | None
     limits: Literal["vehicle", "recorded"]
     takeoff_altitude_m: float

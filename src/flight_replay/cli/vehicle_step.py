@@ -12,7 +12,7 @@ from flight_replay.events import Listener, Notice
 from flight_replay.exceptions import VehicleError
 from flight_replay.mission.items import Home
 from flight_replay.planning import drag
-from flight_replay.planning.vehicle_limits import PARAMETER_NAMES, VehicleLimits, limits_of
+from flight_replay.planning.vehicle_limits import GAIN_NAMES, PARAMETER_NAMES, VehicleLimits, limits_of
 
 if TYPE_CHECKING:
     from flight_replay.logs.tlog.writer import Recorder
@@ -88,13 +88,19 @@ def _check_options(connected: ConnectedVehicle, options: Options) -> None:
         return
     if options.speedup not in (None, 1.0):
         raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --speedup")
+    if options.passes > 1:
+        raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --passes")
     if options.limits == "recorded":
         raise VehicleError(f"{connected.identity.name} is a real vehicle; leave out --limits recorded")
 
 
 def vehicle_limits(connected: ConnectedVehicle, options: Options, listener: Listener) -> VehicleLimits:
     """The limits of a vehicle; the defaults, with a warning, where it does not tell them."""
-    names = (*PARAMETER_NAMES, *(drag.PARAMETER_NAMES if options.mode == "guided" else ()))
+    names = (
+        (*PARAMETER_NAMES, *GAIN_NAMES, *drag.PARAMETER_NAMES)
+        if options.mode == "guided"
+        else PARAMETER_NAMES
+    )
     limits = limits_of(connected.parameters(names), connected.identity.name)
     if limits is None:
         listener(

@@ -15,6 +15,7 @@ from flight_replay.events import (
     LinkLost,
     LinkRestored,
     Notice,
+    PassFlown,
     Phase,
     PhaseStarted,
     ReturnCommanded,
@@ -106,6 +107,11 @@ def _following(event: Following) -> str:
     if event.recording_s < 0:
         return f" Begins in {math.ceil(-event.recording_s)} s, {event.error_m:.2f} m off{waiting}"
     return f" {event.recording_s:.0f} of {event.of_s:.0f} s, {event.error_m:.2f} m off{waiting}"
+
+
+@event_line.register
+def _pass_flown(event: PassFlown) -> str:
+    return f" Pass {event.number} of {event.passes}: {event.off_m:.2f} m from the motion on average"
 
 
 @event_line.register

@@ -26,6 +26,10 @@ _FIELDS: dict[str, tuple[str, str]] = {
 """Fields of ``Limits`` that are read from the vehicle, their names and units for people."""
 PARAMETER_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _FIELDS)
 """What to read from a vehicle, in the names of all versions; each vehicle has some of them."""
+_GAINS = frozenset({"position_p", "velocity_p", "velocity_i", "velocity_d"})
+GAIN_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _GAINS)
+"""Those of the controllers that follow a motion."""
+_GAIN_WITHOUT_D = "VEL_XY_P"  # Of 3.3, whose velocity controller has no derivative.
 _JERK_NAMES = frozenset(name for name, (limit, _) in PARAMETERS.items() if limit == "wp_jerk_m_s3")
 _NO_JERK_LIMIT_M_S3 = 17.0
 """Before 4.1 legs had no jerk limit but that of the position controller (AC_PosControl.h)."""
@@ -74,14 +78,17 @@ def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | 
     """The limits that a vehicle's parameters set, or None where its speed is not among them.
 
     Args:
-        parameters: those of ``PARAMETER_NAMES`` that the vehicle has, in its own units, and of its drag.
+        parameters: those of ``PARAMETER_NAMES`` that the vehicle has, in its own units, and of its
+            controllers' gains and its drag, where they are asked for.
         vehicle: its name, for people.
     """
-    if not any(PARAMETERS[name][0] == "wp_speed_m_s" for name in parameters):
-        return None
-    if _JERK_NAMES.isdisjoint(parameters):
-        parameters = {**parameters, "WPNAV_JERK": _NO_JERK_LIMIT_M_S3}
     known = {name: value for name, value in parameters.items() if name in PARAMETERS}
+    if not any(PARAMETERS[name][0] == "wp_speed_m_s" for name in known):
+        return None
+    if _JERK_NAMES.isdisjoint(known):
+        known["WPNAV_JERK"] = _NO_JERK_LIMIT_M_S3
+    if _GAIN_WITHOUT_D in known:
+        known["PSC_VELXY_D"] = 0.0
     limits, default = Limits.from_parameters(known), Limits()
     same = [name for name in _FIELDS if isclose(getattr(limits, name), getattr(default, name), rel_tol=_SAME)]
     limits = replace(limits, **{name: getattr(default, name) for name in same})

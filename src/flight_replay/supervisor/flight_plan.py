@@ -66,6 +66,7 @@ class FollowPlan(FlightPlan):
     from it than ``max_error_m``; three times that ends the flight. The way to the recording's begin is
     flown at ``approach_m_s``, by None at the vehicle's own ``speed_m_s``. ``speedup`` is that of a simulator
     that is slowed down where this machine is too busy for it; None if its clock is not to be changed.
+    Of the ``passes``, all but the last only teach the next one.
     """
 
     reference: ReferenceMotion
@@ -76,6 +77,7 @@ class FollowPlan(FlightPlan):
     approach_m_s: float | None = None
     speed_m_s: float = 10.0
     speedup: float | None = None
+    passes: int = 1
 
     @property
     def end_s(self) -> float:

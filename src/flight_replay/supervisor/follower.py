@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.reference_motion import MotionState, ReferenceMotion
-from flight_replay.supervisor.learned_lead import LearnedLead
+from flight_replay.geometry.reference_motion import MotionState, ReferenceMotion, SmoothMotion
+from flight_replay.supervisor.learned_share import LearnedShare
 
 _CLOCK_CHANGE_PER_S = 0.4  # A clock that starts or stops faster throws the vehicle off by itself.
 _SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 1.0, 2.5  # Drag helps to slow down.
@@ -27,6 +27,9 @@ _CAUGHT_UP, _LOST = 0.5, 2.0
 _REMEMBERED_S = 3.0
 LONGEST_GAP_S = 1.0
 """Vehicles that had no target for so long are braking."""
+_LEADS_S, _SLOWEST_M2_S2 = (-0.4, 0.4), 1.0
+_DRAG_SHARE, _DRAG_SHARES, _SMALLEST_LAG_M2 = 0.3, (-0.5, 2.0), 0.02
+"""Leads make up for most of the drag of SITL's quadcopter already."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,16 +57,44 @@ class MotionTarget:
     heading_rate_deg_s: float
 
 
+def _nothing_learned_of_lead() -> LearnedShare:
+    return LearnedShare(0.0, _LEADS_S, _SLOWEST_M2_S2)
+
+
+def _nothing_learned_of_drag() -> LearnedShare:
+    return LearnedShare(_DRAG_SHARE, _DRAG_SHARES, _SMALLEST_LAG_M2)
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What flying teaches of where targets have to be.
+
+    ``lead_s`` is how much earlier they are taken than the firmware's leads say, ``drag`` the share of
+    ``ReferenceMotion.drag_lag`` that displaces them, ``displacement`` what earlier passes taught beside that.
+    """
+
+    lead_s: LearnedShare = field(default_factory=_nothing_learned_of_lead)
+    drag: LearnedShare = field(default_factory=_nothing_learned_of_drag)
+    displacement: SmoothMotion | None = None
+
+
 class Follower:
     """The reference's clock beside the vehicle's, and the targets that follow from both."""
 
-    def __init__(self, reference: ReferenceMotion, max_error_m: float, leads: Leads = DEFAULT_LEADS) -> None:
+    def __init__(
+        self,
+        reference: ReferenceMotion,
+        max_error_m: float,
+        leads: Leads = DEFAULT_LEADS,
+        learned: Learned | None = None,
+    ) -> None:
         """Begin.
 
         Args:
             reference: what to follow.
             max_error_m: the reference waits for a vehicle that is farther away from its target.
             leads: those of the firmware that flies.
+            learned: what was learned before; it goes on being learned.
         """
         self.reference, self.max_error_m, self.leads = reference, max_error_m, leads
         self.recording_s = reference.begin_s
@@ -74,11 +105,13 @@ class Follower:
         self._offset_m = np.zeros(3)
         self._rejoin_m_s = 0.0
         self._behind = False
-        self._learned = LearnedLead()
+        self.learned = learned or Learned()
         self._time_s: float | None = None
         self._past: deque[tuple[float, float, Floats]] = deque()
         self.clock: list[tuple[float, float]] = []
         """Vehicle time and recording's time of each target."""
+        self.misses: list[tuple[float, Floats]] = []
+        """The recording's time, and where the vehicle was to be from where it was (3,), while in step."""
         self.error_m = 0.0
         """How far the vehicle was from its target when it was last looked at."""
         self.apart_m = 0.0
@@ -92,7 +125,7 @@ class Follower:
     @property
     def learned_lead_s(self) -> float:
         """How much earlier targets are taken than the firmware's leads say, as learned in this flight."""
-        return self._learned.lead_s
+        return self.learned.lead_s.value
 
     @property
     def waiting(self) -> bool:
@@ -136,9 +169,16 @@ class Follower:
         self.apart_m = float(np.linalg.norm(position_m - wanted_m + self._offset_m))
         self._behind = self.error_m > self.max_error_m * (_CAUGHT_UP if self._behind else 1.0)
         if self.rate == 1.0 and self.offset_m == 0.0:
-            self._learned.observe(time_s, wanted_m - position_m, velocity_m_s)
+            self._learn(time_s, wanted_m - position_m, velocity_m_s)
         if self.error_m > _LOST * self.max_error_m:
             self.rejoin(position_m, velocity_m_s, back_s=_REMEMBERED_S, ahead_s=_SEARCH_AHEAD_S)
+
+    def _learn(self, time_s: float, behind_m: Floats, velocity_m_s: Floats) -> None:
+        recording_s, lag = self.recording_at_s(time_s), self.reference.drag_lag
+        self.misses.append((recording_s, behind_m))
+        self.learned.lead_s.observe(time_s, behind_m, velocity_m_s)
+        if lag is not None:
+            self.learned.drag.observe(time_s, behind_m, lag.state(recording_s).position_m)
 
     def resume(self, time_s: float, position_m: Floats, velocity_m_s: Floats) -> None:
         """Go on after a gap, with a target for ``time_s``, from where the vehicle is by then."""
@@ -193,8 +233,7 @@ class Follower:
 
     def _moved(self, recording_s: float) -> MotionTarget:
         """The target at the recording's time, with each quantity ahead by its lead."""
-        leads, rate, reference = self.leads, self.rate, self.reference
-        at = self._at
+        leads, rate, reference, at = self.leads, self.rate, self.reference, self._corrected
         heading = reference.heading_deg(recording_s + rate * leads.heading_s)
         recording_s += rate * self.learned_lead_s
         velocity = rate * at(recording_s + rate * leads.velocity_s).velocity_m_s
@@ -213,6 +252,18 @@ class Follower:
 
     def _at(self, recording_s: float) -> MotionState:
         return self.reference.state(recording_s)
+
+    def _corrected(self, recording_s: float) -> MotionState:
+        """Where targets have to be for the vehicle to be on the reference.
+
+        A slower clock leaves less to make up for, and a vehicle that stands nothing.
+        """
+        state, learned, lag = self._at(recording_s), self.learned, self.reference.drag_lag
+        if lag is not None:
+            state = state.displaced(lag.state(recording_s), self.rate * learned.drag.value)
+        if learned.displacement is not None:
+            state = state.displaced(learned.displacement.state(recording_s), self.rate)
+        return state
 
     def _position_m(self, recording_s: float) -> Floats:
         return self._at(recording_s).position_m + self._offset_m

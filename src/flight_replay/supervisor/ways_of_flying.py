@@ -5,15 +5,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
-from flight_replay.events import Phase, PhaseStarted
+from flight_replay.events import PassFlown, Phase, PhaseStarted
 from flight_replay.geometry.arrays import Floats
 from flight_replay.supervisor.flight_plan import FollowPlan, Plan
 from flight_replay.supervisor.follow_phases import approach, follow
 from flight_replay.supervisor.follower import Follower
+from flight_replay.supervisor.learned_passes import LearnedPasses, mean_miss_m
 from flight_replay.supervisor.mission_phases import fly_mission
 from flight_replay.supervisor.takeoff_phases import change_mode, verify_mission
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
@@ -84,10 +86,23 @@ class FollowingFlight:
         """Nothing is on board."""
 
     def begin(self) -> None:
-        """Fly to where the recording begins."""
+        """Fly to where the recording begins; follow it and come back for each pass before the last."""
         approach(self._monitor, self._plan)
+        passes, learned = self._plan.passes, LearnedPasses(self._plan.reference)
+        for number in range(1, passes):
+            self._monitor.emit(PhaseStarted(Phase.FOLLOW))
+            follow(self._monitor, self._follower, self._plan)
+            self._monitor.emit(PassFlown(number, passes, mean_miss_m(self._follower.misses)))
+            self._follower = self._taught(learned)
+            approach(self._monitor, self._plan)
         self._monitor.emit(PhaseStarted(Phase.FOLLOW))
         self._monitor.record_from_now()
+
+    def _taught(self, learned: LearnedPasses) -> Follower:
+        """The follower of the next pass."""
+        before, plan = self._follower, self._plan
+        knowledge = replace(before.learned, displacement=learned.learn(before.misses))
+        return Follower(plan.reference, plan.max_error_m, plan.leads, knowledge)
 
     def fly(self, start_s: float) -> str:
         """Stream targets in step with the recording."""

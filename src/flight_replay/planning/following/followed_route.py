@@ -17,6 +17,7 @@ from flight_replay.mission.path import Path
 from flight_replay.planning.altitude import FLOOR_M, home_of
 from flight_replay.planning.drag import Drag, DragModel, sitl_drag
 from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.following.drag_lag import drag_lag
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
 from flight_replay.planning.route import Route
@@ -58,13 +59,8 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
     recorded, notes = flown_part(track, tell_joins=False)  # The bridges tell of them.
     commanded, _ = flown_part(replace(track, alt_m=heights_m))
     motion, bridges = _motion(commanded, options.pace, limits.wp_speed_m_s)
-    reference = plan_reference(
-        motion,
-        ReferenceBounds.of(limits),
-        _drag(options, home_of(recorded).alt_amsl_m),
-        headings=options.headings,
-        floor_m=min(options.floor_m, float(heights_m.min())),
-    )
+    floor_m = min(options.floor_m, float(heights_m.min()))
+    reference = _reference(motion, limits, options, floor_m, home_of(recorded).alt_amsl_m)
     wanted = _wanted(motion.time_s, recorded, commanded.alt_m)
     planned_m = reference.positions_m(motion.time_s)
     path = _path(reference, recorded, float(motion.time_s[-1]))
@@ -83,6 +79,20 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         pace=options.pace,
         notes=(*notes, *_notes(options, bridges, motion.time_s, planned_m - motion.position_m)),
     )
+
+
+def _reference(
+    motion: RecordedMotion, limits: Limits, options: FollowOptions, floor_m: float, amsl_m: float
+) -> ReferenceMotion:
+    """The reference of a recorded motion, with the lag that drag makes at an altitude."""
+    reference = plan_reference(
+        motion,
+        ReferenceBounds.of(limits),
+        _drag(options, amsl_m),
+        headings=options.headings,
+        floor_m=floor_m,
+    )
+    return replace(reference, drag_lag=drag_lag(reference, sitl_drag(amsl_m), limits))
 
 
 def _drag(options: FollowOptions, amsl_m: float) -> Drag:

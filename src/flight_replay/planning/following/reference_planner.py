@@ -93,11 +93,11 @@ def plan_reference(
     heights = _heights(knots, recorded, bounds, floor_m)
     known = np.isfinite(recorded.heading_deg)
     return ReferenceMotion(
-        recorded.frame,
-        knots.begin_s,
-        knots.end_s,
-        knots.spline(np.column_stack([ground, heights])),
-        knots.spline(_headings(knots, recorded, known, bounds)) if headings and known.any() else None,
+        frame=recorded.frame,
+        begin_s=knots.begin_s,
+        end_s=knots.end_s,
+        position=knots.spline(np.column_stack([ground, heights])),
+        heading=knots.spline(_headings(knots, recorded, known, bounds)) if headings and known.any() else None,
     )
 
 

@@ -1,7 +1,7 @@
 """ArduPilot's names of what ``Limits`` holds, and the factors that turn its units into SI.
 
-Names and units up to 4.6, then those of 4.7 (ardupilot pull requests 31970, 32147, 32186, 32192
-and the position controller's); a vehicle has one or the other.
+Names and units up to 4.6, then those of 3.3 that differ, then those of 4.7 (ardupilot pull requests 31970,
+32147, 32186, 32192 and the position controller's); a vehicle has one or the other.
 """
 
 from __future__ import annotations
@@ -56,6 +56,10 @@ PARAMETERS: dict[str, tuple[str, float]] = {
     "CIRCLE_RATE": ("circle_rate_rad_s", _DEG),
     "GUID_TIMEOUT": ("guided_timeout_s", 1.0),
     "GUID_OPTIONS": ("guided_options", 1.0),
+    # 3.3
+    "POS_XY_P": ("position_p", 1.0),
+    "VEL_XY_P": ("velocity_p", 1.0),
+    "VEL_XY_I": ("velocity_i", 1.0),
     # 4.7
     "WP_SPD": ("wp_speed_m_s", 1.0),
     "WP_ACC": ("wp_accel_m_s2", 1.0),
