@@ -115,7 +115,7 @@ def follow(
         try:
             with vehicle.connect(link.connection, listener=hears, speedup=speedup) as connected:
                 connected.wait_position(60.0, hears)
-                plan = replace(plan, leads=following.leads(connected.identity))
+                plan = replace(plan, tuning=following.tuning_of(connected.identity))
                 # They stay: this copter is not flown again.
                 connected.set_known_parameters(following.parameters_for_following(connected))
                 run.record = supervisor.fly(connected, WallClock(), plan, hears)

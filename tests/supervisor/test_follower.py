@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from flight_replay.geometry.reference_motion import motion_through
-from flight_replay.supervisor.follower import Follower, Leads, Learned
+from flight_replay.supervisor.follower import Follower, Learned, Tuning
 from tests.helpers.supervised import s_curve
 
-NO_LEADS = Leads(0.0, 0.0, 0.0, 0.0)
+NO_LEADS = Tuning(0.0, 0.0, 0.0, 0.0)
 
 
 def _follower(until_s: float) -> Follower:
@@ -33,7 +33,7 @@ def test_targets_are_the_reference_in_step() -> None:
 
 
 def test_leads_are_taken_of_each_quantity() -> None:
-    follower = Follower(s_curve(), 3.0, Leads(0.1, 0.2, 0.3, 0.0))
+    follower = Follower(s_curve(), 3.0, Tuning(0.1, 0.2, 0.3, 0.0))
     follower.target(95.0)
     for time_s in np.arange(95.1, 115.05, 0.1):
         target = follower.target(float(time_s))
@@ -151,10 +151,11 @@ def test_a_vehicle_that_stands_gets_targets_where_it_is() -> None:
     """What makes up for drag, or for what passes missed, is for the way at its speed."""
     times_s = np.linspace(-5.0, 45.0, 400)
     metre = motion_through(times_s, np.tile([1.0, 0.0, 0.0], (400, 1)))
-    learned = replace(Learned(), displacement=metre)
-    follower = Follower(replace(s_curve(), drag_lag=metre), 3.0, NO_LEADS, learned)
+    learned = replace(Learned.nothing(), displacement=metre)
+    lags = replace(s_curve(), drag_lag=metre, acceleration_lag=metre)
+    follower = Follower(lags, 3.0, NO_LEADS, learned)
     moving = follower.target(100.0)
-    assert moving.position_m - s_curve().state(follower.recording_s).position_m == pytest.approx([1.3, 0, 0])
+    assert moving.position_m - s_curve().state(follower.recording_s).position_m == pytest.approx([2.3, 0, 0])
     place_m = s_curve().state(10.0).position_m + np.array([0.0, 2.0, 0.0])
     follower.resume(125.0, place_m, np.zeros(3))
     assert follower.target(125.0).position_m == pytest.approx(place_m, abs=0.1)

@@ -108,7 +108,7 @@ def test_arducopter_is_nearer_with_each_pass() -> None:
     track = eights(laps=2)
     reference = followed_route(track, track.alt_m, Limits(), FollowOptions()).reference
     assert reference is not None
-    passes, learned, off_m = LearnedPasses(reference), Learned(), []
+    passes, learned, off_m = LearnedPasses(reference), Learned.nothing(), []
     for _ in range(3):
         misses = model_pass(reference, learned).misses
         off_m.append(mean_miss_m(misses))

@@ -23,7 +23,7 @@ def circle(time_s: float, radius_m: float = 20.0, speed_m_s: float = 5.0) -> tup
 
 def flown(delay_s: float, seconds: float, radius_m: float = 20.0) -> LearnedShare:
     """What is learned from a vehicle that is where its target was ``delay_s`` before."""
-    learned = Learned().lead_s
+    learned = Learned.nothing().lead_s
     for time_s in np.arange(0.0, seconds, STEP_S):
         position_m, velocity_m_s = circle(time_s - delay_s + learned.value, radius_m)
         learned.observe(time_s, circle(time_s)[0] - position_m, velocity_m_s)
@@ -41,7 +41,7 @@ def test_it_is_bounded() -> None:
 
 def test_being_aside_teaches_nothing() -> None:
     """A circle flown too wide is not late."""
-    learned = Learned().lead_s
+    learned = Learned.nothing().lead_s
     for time_s in np.arange(0.0, 60.0, STEP_S):
         position_m, velocity_m_s = circle(time_s)
         learned.observe(time_s, 0.05 * position_m, velocity_m_s)
@@ -49,7 +49,7 @@ def test_being_aside_teaches_nothing() -> None:
 
 
 def test_gaps_and_hovering_teach_nothing() -> None:
-    learned = Learned().lead_s
+    learned = Learned.nothing().lead_s
     behind_m, north_m_s = np.array([1.0, 0.0, 0.0]), np.array([5.0, 0.0, 0.0])
     for time_s in (1.0, 31.0, 61.0):
         learned.observe(time_s, behind_m, north_m_s)
@@ -65,7 +65,7 @@ def straight(
     steps: int, step_s: float = STEP_S, behind_m: float = 1.0, speed_m_s: float = 5.0
 ) -> LearnedShare:
     """What is learned from a vehicle that flies north, always as far behind."""
-    learned = Learned().lead_s
+    learned = Learned.nothing().lead_s
     for step in range(steps + 1):
         learned.observe(step * step_s, behind_m * NORTH, speed_m_s * NORTH)
     return learned

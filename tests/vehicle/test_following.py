@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from flight_replay.supervisor.follower import Leads
-from flight_replay.vehicle.following import leads, parameters_for_following
+from flight_replay.supervisor.follower import Tuning
+from flight_replay.vehicle.following import parameters_for_following, tuning_of
 from flight_replay.vehicle.identity import Identity
 
 OWN = {"GUID_TIMEOUT": 3.0, "WPNAV_SPEED": 500.0, "WPNAV_ACCEL": 800.0, "ATC_SLEW_YAW": 1000.0}
@@ -34,9 +34,10 @@ def test_only_simulated_vehicles_with_old_firmware_get_higher_limits() -> None:
     assert _parameters("3.3.0", simulated=False, own=own) == {}
 
 
-def test_leads_are_the_firmwares() -> None:
-    def of(version: str) -> Leads:
-        return leads(Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=True))
+def test_tuning_is_the_firmwares() -> None:
+    def of(version: str) -> Tuning:
+        return tuning_of(Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=True))
 
-    assert of("4.6.0") == of("4.1.0") == Leads()
-    assert of("3.3.0") == of("4.0.7") != Leads()
+    assert of("4.6.0") == of("4.1.0") == Tuning()
+    assert of("4.0.7") == of("3.4.0") != Tuning()
+    assert of("3.3.2").feed_forward < 1.0

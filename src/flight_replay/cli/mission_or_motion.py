@@ -174,15 +174,16 @@ class AsMotion:
 
     def plan(self, identity: Identity) -> FollowPlan:
         """The motion, for so much of the recording."""
-        from flight_replay.vehicle.following import leads
+        from flight_replay.planning.following.followed_route import reference_for
+        from flight_replay.vehicle.following import tuning_of
 
-        options, route = self._options, self._route
+        options, route, tuning = self._options, self._route, tuning_of(identity)
         return FollowPlan(
-            reference=self._reference,
+            reference=reference_for(self._reference, route, route.limits.limits, tuning),
             recorded_s=float(route.wanted.time_s[-1]),
             duration_s=None if options.duration_s is None else options.duration_s / options.pace,
             max_error_m=options.max_error_m,
-            leads=leads(identity),
+            tuning=tuning,
             approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else None,
             speed_m_s=route.limits.limits.wp_speed_m_s,
             speedup=options.speedup if options.connect is None else None,

@@ -86,12 +86,14 @@ class ReferenceMotion(SmoothMotion):
 
     ``position`` is in ``frame`` and above home; ``heading`` gives degrees (1,), clockwise from north and
     not wrapped, or is None if the vehicle turns as it wants. ``drag_lag`` is how far a vehicle would be
-    beside its targets for the drag of SITL's quadcopter, if nothing made up for that; None if unknown.
+    beside its targets for the drag of SITL's quadcopter, if nothing made up for that, ``acceleration_lag``
+    for what the firmware does not feed forward; None if unknown, or nothing.
     """
 
     frame: FlatFrame
     heading: BSpline | None = None
     drag_lag: SmoothMotion | None = None
+    acceleration_lag: SmoothMotion | None = None
 
     def heading_deg(self, time_s: float) -> tuple[float, float] | None:
         """Heading, 0 to 360 degrees, and its rate, degrees/s, if the reference has one."""

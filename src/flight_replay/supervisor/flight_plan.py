@@ -9,7 +9,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
-from flight_replay.supervisor.follower import Leads
+from flight_replay.supervisor.follower import Tuning
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +73,7 @@ class FollowPlan(FlightPlan):
     recorded_s: float
     duration_s: float | None = 60.0
     max_error_m: float = 3.0
-    leads: Leads = field(default_factory=Leads)
+    tuning: Tuning = field(default_factory=Tuning)
     approach_m_s: float | None = None
     speed_m_s: float = 10.0
     speedup: float | None = None

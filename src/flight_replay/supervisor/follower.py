@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,22 +28,32 @@ _REMEMBERED_S = 3.0
 LONGEST_GAP_S = 1.0
 """Vehicles that had no target for so long are braking."""
 _LEADS_S, _SLOWEST_M2_S2 = (-0.4, 0.4), 1.0
-_DRAG_SHARE, _DRAG_SHARES, _SMALLEST_LAG_M2 = 0.3, (-0.5, 2.0), 0.02
-"""Leads make up for most of the drag of SITL's quadcopter already."""
+_DRAG_SHARES, _SMALLEST_LAG_M2 = (-0.5, 2.0), 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Leads:
-    """How far ahead of the vehicle's time targets are taken, seconds, for what it takes to follow them."""
+class Tuning:
+    """What targets need for a firmware's controllers to follow them; the defaults: ArduCopter 4.1 and later.
+
+    Of position, velocity, acceleration and heading: how far ahead of the vehicle's time they are taken.
+    """
 
     position_s: float = 0.05
     velocity_s: float = 0.15
     acceleration_s: float = 0.05
     heading_s: float = 0.07
+    feed_forward: float = 1.0
+    """The share of a motion's acceleration that the controllers feed forward; below 1 they take it from
+    how the velocity that they want changes."""
+    delay_s: float = 0.0
+    """From an acceleration that they ask for to that of the vehicle, where the leads leave it."""
+    drag_share: float = 0.3
+    """The share of ``ReferenceMotion.drag_lag`` that the leads leave for SITL's quadcopter."""
+    drag_per_s: float | None = None
+    """Drag of that quadcopter, if linear in speed; None for that of ArduCopter 4's SITL."""
 
 
-DEFAULT_LEADS = Leads()
-"""Those of ArduCopter 4.1 and later."""
+DEFAULT_TUNING = Tuning()
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +67,6 @@ class MotionTarget:
     heading_rate_deg_s: float
 
 
-def _nothing_learned_of_lead() -> LearnedShare:
-    return LearnedShare(0.0, _LEADS_S, _SLOWEST_M2_S2)
-
-
-def _nothing_learned_of_drag() -> LearnedShare:
-    return LearnedShare(_DRAG_SHARE, _DRAG_SHARES, _SMALLEST_LAG_M2)
-
-
 @dataclass(frozen=True, slots=True)
 class Learned:
     """What flying teaches of where targets have to be.
@@ -73,9 +75,17 @@ class Learned:
     ``ReferenceMotion.drag_lag`` that displaces them, ``displacement`` what earlier passes taught beside that.
     """
 
-    lead_s: LearnedShare = field(default_factory=_nothing_learned_of_lead)
-    drag: LearnedShare = field(default_factory=_nothing_learned_of_drag)
+    lead_s: LearnedShare
+    drag: LearnedShare
     displacement: SmoothMotion | None = None
+
+    @staticmethod
+    def nothing(tuning: Tuning = DEFAULT_TUNING) -> Learned:
+        """What is known before."""
+        return Learned(
+            LearnedShare(0.0, _LEADS_S, _SLOWEST_M2_S2),
+            LearnedShare(tuning.drag_share, _DRAG_SHARES, _SMALLEST_LAG_M2),
+        )
 
 
 class Follower:
@@ -85,7 +95,7 @@ class Follower:
         self,
         reference: ReferenceMotion,
         max_error_m: float,
-        leads: Leads = DEFAULT_LEADS,
+        tuning: Tuning = DEFAULT_TUNING,
         learned: Learned | None = None,
     ) -> None:
         """Begin.
@@ -93,10 +103,10 @@ class Follower:
         Args:
             reference: what to follow.
             max_error_m: the reference waits for a vehicle that is farther away from its target.
-            leads: those of the firmware that flies.
+            tuning: that of the firmware that flies.
             learned: what was learned before; it goes on being learned.
         """
-        self.reference, self.max_error_m, self.leads = reference, max_error_m, leads
+        self.reference, self.max_error_m, self.tuning = reference, max_error_m, tuning
         self.recording_s = reference.begin_s
         """The recording's time that the vehicle is to be at now."""
         self.rate = 1.0
@@ -105,7 +115,7 @@ class Follower:
         self._offset_m = np.zeros(3)
         self._rejoin_m_s = 0.0
         self._behind = False
-        self.learned = learned or Learned()
+        self.learned = learned or Learned.nothing(tuning)
         self._time_s: float | None = None
         self._past: deque[tuple[float, float, Floats]] = deque()
         self.clock: list[tuple[float, float]] = []
@@ -233,17 +243,17 @@ class Follower:
 
     def _moved(self, recording_s: float) -> MotionTarget:
         """The target at the recording's time, with each quantity ahead by its lead."""
-        leads, rate, reference, at = self.leads, self.rate, self.reference, self._corrected
-        heading = reference.heading_deg(recording_s + rate * leads.heading_s)
+        tuning, rate, reference, at = self.tuning, self.rate, self.reference, self._corrected
+        heading = reference.heading_deg(recording_s + rate * tuning.heading_s)
         recording_s += rate * self.learned_lead_s
-        velocity = rate * at(recording_s + rate * leads.velocity_s).velocity_m_s
-        ahead = at(recording_s + rate * leads.acceleration_s)
+        velocity = rate * at(recording_s + rate * tuning.velocity_s).velocity_m_s
+        ahead = at(recording_s + rate * tuning.acceleration_s)
         acceleration = rate * rate * ahead.acceleration_m_s2 + self._change * ahead.velocity_m_s
         apart_m = self.offset_m
         if apart_m > 0:
             velocity = velocity - self._offset_m * (self._rejoin_m_s / apart_m)
         return MotionTarget(
-            at(recording_s + rate * leads.position_s).position_m + self._offset_m,
+            at(recording_s + rate * tuning.position_s).position_m + self._offset_m,
             velocity,
             acceleration,
             None if heading is None else heading[0],
@@ -258,11 +268,15 @@ class Follower:
 
         A slower clock leaves less to make up for, and a vehicle that stands nothing.
         """
-        state, learned, lag = self._at(recording_s), self.learned, self.reference.drag_lag
-        if lag is not None:
-            state = state.displaced(lag.state(recording_s), self.rate * learned.drag.value)
-        if learned.displacement is not None:
-            state = state.displaced(learned.displacement.state(recording_s), self.rate)
+        learned, reference = self.learned, self.reference
+        state = self._at(recording_s)
+        for lag, share in (
+            (reference.drag_lag, learned.drag.value),
+            (reference.acceleration_lag, 1.0),
+            (learned.displacement, 1.0),
+        ):
+            if lag is not None:
+                state = state.displaced(lag.state(recording_s), self.rate * share)
         return state
 
     def _position_m(self, recording_s: float) -> Floats:

@@ -80,7 +80,7 @@ class FollowingFlight:
 
     def __init__(self, monitor: VehicleMonitor, plan: FollowPlan) -> None:
         self._monitor, self._plan = monitor, plan
-        self._follower = Follower(plan.reference, plan.max_error_m, plan.leads)
+        self._follower = Follower(plan.reference, plan.max_error_m, plan.tuning)
 
     def verify(self) -> None:
         """Nothing is on board."""
@@ -102,7 +102,7 @@ class FollowingFlight:
         """The follower of the next pass."""
         before, plan = self._follower, self._plan
         knowledge = replace(before.learned, displacement=learned.learn(before.misses))
-        return Follower(plan.reference, plan.max_error_m, plan.leads, knowledge)
+        return Follower(plan.reference, plan.max_error_m, plan.tuning, knowledge)
 
     def fly(self, start_s: float) -> str:
         """Stream targets in step with the recording."""

@@ -1,28 +1,45 @@
-"""What following needs of each firmware: how far ahead targets are taken, and parameters for the flight.
+"""What following needs of each firmware: how targets are tuned to it, and parameters for the flight.
 
 Leads make up for what a controller adds to the delay of the link; they were measured in SITL, by flying
 the same references with several leads. Firmware before 4.1 takes no acceleration with position and
-velocity, and bounds targets by its speed and acceleration settings.
+velocity, and bounds targets by its speed and acceleration settings. 3.3 feeds forward how the velocity
+that it wants changes, as far as its jerk limit lets the steps of targets through (AC_PosControl.cpp), and
+stamps its positions with the time of its last GPS fix (GCS_Mavlink.cpp): a vehicle that is in step by
+these stamps is a tenth of a second late.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from flight_replay.supervisor.follower import Leads
+from flight_replay.supervisor.follower import Tuning
 from flight_replay.vehicle.connected_vehicle import ConnectedVehicle
 from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.protocol.motion_targets import TAKES_ACCELERATION
 
-_LEADS_WITHOUT_ACCELERATION = Leads(position_s=-0.10, velocity_s=0.30, acceleration_s=0.0, heading_s=0.35)
+_WITHOUT_ACCELERATION = Tuning(position_s=-0.10, velocity_s=0.30, acceleration_s=0.0, heading_s=0.35)
+"""Of 3.4 to 4.0, where it was not flown."""
+_OF_3_3 = Tuning(
+    position_s=-0.15,
+    velocity_s=-0.15,
+    acceleration_s=0.0,
+    heading_s=0.30,
+    feed_forward=0.4,
+    delay_s=0.25,
+    drag_share=1.0,
+    drag_per_s=9.80665 / 15.0,  # Its terminal velocity is 15 m/s (SIM_Multicopter.cpp).
+)
+_AFTER_3_3 = (3, 4)
 TARGET_TIMEOUT_S = 0.5
 _RAISED_WITHOUT_ACCELERATION = {"WPNAV_SPEED": 1500.0, "WPNAV_ACCEL": 500.0, "ATC_SLEW_YAW": 6000.0}
 """cm/s, cm/s² and hundredths of degrees/s."""
 
 
-def leads(identity: Identity) -> Leads:
-    """How far ahead of the vehicle's time each quantity of a target is taken."""
-    return Leads() if identity.version_numbers >= TAKES_ACCELERATION else _LEADS_WITHOUT_ACCELERATION
+def tuning_of(identity: Identity) -> Tuning:
+    """How targets are tuned to a vehicle's firmware."""
+    if identity.version_numbers >= TAKES_ACCELERATION:
+        return Tuning()
+    return _WITHOUT_ACCELERATION if identity.version_numbers >= _AFTER_3_3 else _OF_3_3
 
 
 def parameters_for_following(connected: ConnectedVehicle) -> Mapping[str, float]:

@@ -17,11 +17,12 @@ from flight_replay.mission.path import Path
 from flight_replay.planning.altitude import FLOOR_M, home_of
 from flight_replay.planning.drag import Drag, DragModel, sitl_drag
 from flight_replay.planning.flown_part import flown_part
-from flight_replay.planning.following.drag_lag import drag_lag
+from flight_replay.planning.following.controller_lag import acceleration_lag, drag_lag
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 
 OUTLINE_STEP_S = 1.0
 """The most time between two places of a route's outline."""
@@ -93,6 +94,28 @@ def _reference(
         floor_m=floor_m,
     )
     return replace(reference, drag_lag=drag_lag(reference, sitl_drag(amsl_m), limits))
+
+
+def reference_for(
+    reference: ReferenceMotion, route: Route, limits: Limits, tuning: Tuning
+) -> ReferenceMotion:
+    """The reference of a route, with the lags of a vehicle's firmware; as planned, they are 4.6's.
+
+    Args:
+        reference: the route's.
+        route: a followed one.
+        limits: with the gains of the vehicle's controllers.
+        tuning: of its firmware.
+    """
+    if tuning.feed_forward == DEFAULT_TUNING.feed_forward:
+        return reference
+    per_s = tuning.drag_per_s
+    drag = sitl_drag(home_of(route.covered).alt_amsl_m) if per_s is None else Drag(per_s, 0.0)
+    return replace(
+        reference,
+        drag_lag=drag_lag(reference, drag, limits, tuning),
+        acceleration_lag=acceleration_lag(reference, limits, tuning),
+    )
 
 
 def _drag(options: FollowOptions, amsl_m: float) -> Drag:

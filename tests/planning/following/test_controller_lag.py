@@ -1,4 +1,4 @@
-"""The lag that drag makes: its size in a steady flight, and what targets displaced by it are worth."""
+"""What controllers leave: its size in a steady flight, and what targets displaced by it are worth."""
 
 from __future__ import annotations
 
@@ -11,16 +11,21 @@ from scipy.interpolate import make_interp_spline
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.reference_motion import ReferenceMotion, SmoothMotion
 from flight_replay.planning.drag import Drag
-from flight_replay.planning.following.drag_lag import drag_lag
+from flight_replay.planning.following.controller_lag import acceleration_lag, drag_lag
 from flight_replay.planning.following.follow_prediction import with_prediction
-from flight_replay.planning.following.followed_route import FollowOptions, followed_route
+from flight_replay.planning.following.followed_route import FollowOptions, followed_route, reference_for
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 from tests.helpers.fake_vehicle import FRAME
 from tests.helpers.fit_tracks import eights
 
 TIMES_S = np.arange(0.0, 60.0, 0.5)
 DRAG = Drag(0.3, 0.02)
+OLD, OLD_LIMITS = (
+    Tuning(feed_forward=0.4, delay_s=0.25),
+    Limits(velocity_p=1.0, velocity_i=0.5, velocity_d=0.0),
+)
 
 
 def moving(speeds_m_s: Floats) -> ReferenceMotion:
@@ -68,10 +73,35 @@ def test_it_is_what_the_controllers_need(limits: Limits) -> None:
     assert np.abs(made - drag).mean() < 0.05
 
 
+def test_what_old_firmware_does_not_feed_forward_is_made_up_for() -> None:
+    """Of 3.3: a share of how the wanted velocity changes, and its errors, have to make the acceleration."""
+    reference = moving(4.0 * np.sin(TIMES_S / 2.0) * np.clip(TIMES_S / 8.0, 0.0, 1.0))
+    lag = acceleration_lag(reference, OLD_LIMITS, OLD)
+    assert lag is not None
+    times_s = np.arange(0.0, 59.0, 0.01)
+    place, velocity = lag.positions_m(times_s)[:, 0], lag.velocities_m_s(times_s)[:, 0]
+    error = velocity + place
+    made = 0.4 * np.gradient(reference.velocities_m_s(times_s)[:, 0] + error, 0.01)
+    made += error + 0.5 * np.cumsum(error) * 0.01
+    wanted = reference.accelerations_m_s2(np.clip(times_s + 0.25, 0.0, 59.5))[:, 0]
+    assert np.abs(made - wanted).mean() < 0.05 * np.abs(wanted).mean() + 0.02
+
+
+def test_what_is_fed_forward_in_time_leaves_no_lag() -> None:
+    assert acceleration_lag(STARTING, Limits(), DEFAULT_TUNING) is None
+    track = eights(laps=1)
+    route = followed_route(track, track.alt_m, Limits(), FollowOptions())
+    assert route.reference is not None
+    assert reference_for(route.reference, route, Limits(), DEFAULT_TUNING) is route.reference
+    old = reference_for(route.reference, route, OLD_LIMITS, OLD)
+    assert old.acceleration_lag is not None
+    assert old.drag_lag is not route.reference.drag_lag
+
+
 def test_gains_that_are_none_move_no_target_far() -> None:
     """A vehicle's parameters may be anything: the displacement is bounded, or there is none."""
     loose = known_lag(STARTING, DRAG, Limits(position_p=0.01, velocity_p=0.01, velocity_i=0.0))
-    assert 2.0 < np.linalg.norm(loose.positions_m(TIMES_S[:-1]), axis=1).max() < 4.2
+    assert 2.0 < np.linalg.norm(loose.positions_m(TIMES_S[:-1]), axis=1).max() < 5.2
     assert drag_lag(STARTING, DRAG, Limits(velocity_p=float("nan"))) is None
     assert drag_lag(STARTING, DRAG, Limits(velocity_p=-1e6)) is None
 
