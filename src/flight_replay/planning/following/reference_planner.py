@@ -47,7 +47,7 @@ class ReferenceBounds:
     def of(cls, limits: Limits) -> ReferenceBounds:
         """The bounds within a vehicle's limits."""
         return cls(
-            thrust_m_s2=0.9 * GRAVITY_M_S2 * tan(limits.lean_angle_rad),
+            thrust_m_s2=0.92 * GRAVITY_M_S2 * tan(limits.lean_angle_rad),
             jerk_m_s3=0.6 * limits.shaping_jerk_m_s3,
             up_m_s=limits.wp_speed_up_m_s,
             down_m_s=limits.wp_speed_down_m_s,
