@@ -70,3 +70,23 @@ def test_a_noisy_value_averages_within_its_bounds(mean: float, deviation: float)
     assert 0.0 <= value <= 1.0
     assert mean_clamped(0.5, deviation) == pytest.approx(0.5)
     assert mean_clamped(1.0 - mean, deviation) == pytest.approx(1.0 - value, abs=1e-9)
+
+
+def scale_after_rest(up_m_s: float, north_m_s: float, rest_s: float) -> float:
+    """The time scale when a target that has moved so has rested for some seconds."""
+    limits = Limits()
+    airframe = Airframe(limits, (0.0, 0.0, 20.0), 0.0, Air(), 0.02)
+    control = PositionControl(limits, airframe)
+    scaler = TrackScaler()
+    for up, north, seconds in ((up_m_s, north_m_s, 1.0), (0.0, 0.0, rest_s)):
+        control.vu = airframe.vu = up
+        control.vn = airframe.vn = north
+        for _ in range(round(seconds / 0.02)):
+            scaler.advance(limits, control, airframe)
+    return scaler.scale
+
+
+def test_a_leg_after_a_climb_begins_slower_than_one_after_a_stop() -> None:
+    """A second after the climb from the take-off to the first waypoint, flights of 4.6 began with 0.8."""
+    assert scale_after_rest(0.2, 0.0, 1.0) == pytest.approx(0.84, abs=0.05)
+    assert scale_after_rest(0.0, 2.0, 1.0) == 1.0
