@@ -63,5 +63,5 @@ def test_a_fit_that_climbs_sooner_is_less_late() -> None:
     predicted = with_prediction(route, Limits(), 10.0).predicted
     assert predicted is not None
     assert predicted.position_m.statistics is not None
-    assert predicted.position_m.statistics.mean < 4.0
+    assert predicted.position_m.statistics.mean < 4.5
     assert np.abs(result.heights.planned_m - result.heights.wanted_m).max() > 4.0

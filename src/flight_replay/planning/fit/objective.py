@@ -39,6 +39,7 @@ CURVE_TOLERANCE_M = 0.02
 """How well curves are drawn while fitting; the planned error of the answer is measured finer."""
 _SPACING_M = 0.25
 _BACK_SPACING_M = 0.5
+_EVERY = round(_BACK_SPACING_M / _SPACING_M)
 _PIECE_M = 1.0
 _NUDGE = 0.01
 _AT_STOP_M = 0.5
@@ -119,7 +120,7 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     """
     planned = match_to_plan(flight.draft, recording)
     flown_s, flown = _match_to_flight(flight, recording, planned[0])
-    late_m = _late_m(flight, recording)
+    late_m = np.asarray(np.hypot(*position_offsets_m(flight, recording).T))
     if not timed:
         late_m = np.where(flown_s > recording.time_s, late_m, 0.0)
     slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else 0.0
@@ -182,13 +183,10 @@ def _leg_and_part(progress: Floats, legs: int) -> tuple[Indices, Floats]:
     return leg, np.clip(progress - leg, 0.0, 1.0)
 
 
-def _late_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
-    """Distance (n,) of every fix from where the vehicle is at that time; it stays where its flight ended."""
-    off = [
-        np.interp(recording.time_s, flown.time_s, flown.place_m[:, axis]) - recording.north_east_m[:, axis]
-        for axis in (0, 1)
-    ]
-    return np.asarray(np.hypot(*off))
+def position_offsets_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
+    """Vectors (n, 2) from every fix to where the vehicle is at that time; it stays where its flight ended."""
+    there = [np.interp(recording.time_s, flown.time_s, column) for column in flown.place_m[:, :2].T]
+    return np.asarray(np.column_stack(there) - recording.north_east_m)
 
 
 def _match_to_flight(
@@ -198,19 +196,30 @@ def _match_to_flight(
 
     A point of the flight belongs to where the plan has the fixes that the vehicle flies by there.
     """
-    line, at = points_along(flight.place_m[:, :2], _SPACING_M)
-    times = np.interp(at, np.arange(len(flight.time_s)), flight.time_s)
+    line, times = _drawn(flight)
     foot, piece, share = _matched_points(recording.north_east_m, line)
     ends = np.minimum(piece + 1, len(times) - 1)
     flown_s = times[piece] + share * (times[ends] - times[piece])
-    every = round(_BACK_SPACING_M / _SPACING_M)
+    marks, marks_s = line[::_EVERY], times[::_EVERY]
     order = np.maximum.accumulate(flown_s)
-    back = _offsets_back(line[::every], np.searchsorted(order, times[::every]), recording)
+    back = _offsets_back(marks, np.searchsorted(order, marks_s), recording)
     progress = np.maximum.accumulate(planned.leg + planned.part)
     rising_s = order + 1e-6 * np.arange(len(order))
-    where = _leg_and_part(np.interp(times[::every], rising_s, progress), len(flight.draft))
+    where = _leg_and_part(np.interp(marks_s, rising_s, progress), len(flight.draft))
     there = Offsets(planned.leg, planned.part, recording.north_east_m - foot)
     return flown_s, (there, Offsets(*where, back))
+
+
+def marks_along(flight: SimulatedDraft) -> tuple[Floats, Floats]:
+    """The points (k, 2) of a flight that are compared with the recorded line, and when it is there (k,)."""
+    line, times = _drawn(flight)
+    return line[::_EVERY], times[::_EVERY]
+
+
+def _drawn(flight: SimulatedDraft) -> tuple[Floats, Floats]:
+    """Points (k, 2) evenly along a flight, and their times (k,)."""
+    line, at = points_along(flight.place_m[:, :2], _SPACING_M)
+    return line, np.interp(at, np.arange(len(flight.time_s)), flight.time_s)
 
 
 def points_along(line_m: Floats, spacing_m: float) -> tuple[Floats, Floats]:

@@ -8,9 +8,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from flight_replay.planning.fit.joint_steps import (
+    FIRST_DAMPING,
+    JOINT_FLIGHTS,
+    JointState,
+    stepped_jointly,
+)
 from flight_replay.planning.fit.legs.leg_moves import LATER_SHARE, USUAL_SHARE
 from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
+from flight_replay.planning.fit.reference import Hover
 from flight_replay.planning.fit.rounds import (
     ENOUGH,
     ROUND_FLIGHTS,
@@ -65,17 +72,28 @@ def _untimed_search(problem: FitProblem, state: State, budget: Budget) -> tuple[
 
 
 def _timed_search(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
-    """The best of places moved, and of legs changed one by one between that; and why it ends.
+    """The best of places moved, legs changed one by one, and all speeds and places moved together.
 
     Each turn is in steps that are set by the exact ones anew, by which its outcome is judged.
     """
-    best, share = problem.exact.evaluate(state.best.draft), USUAL_SHARE
+    best, share, damping = problem.exact.evaluate(state.best.draft), USUAL_SHARE, FIRST_DAMPING
     while budget.affords(SWEEP_FLIGHTS):
-        near = problem.calibrated(state.best.draft)
-        state = replace(state, best=near.evaluate(state.best.draft))
+        near, before_m = problem.calibrated(best.draft), best.objective_m
+        state = replace(state, best=near.evaluate(best.draft))
         state = swept(near, refined(near, state, budget, _STEPS), budget, share)
-        before_m, share = best.objective_m, LATER_SHARE
-        best = better(best, problem.exact.evaluate(state.best.draft))
+        best, share = better(best, problem.exact.evaluate(state.best.draft)), LATER_SHARE
+        best, damping = _joint_steps(problem, JointState(best, damping), state.hovers, budget)
         if best.objective_m > (1 - _WORTH_GOING_ON) * before_m:
             return best, _NO_MORE
     return best, ENOUGH
+
+
+def _joint_steps(
+    problem: FitProblem, state: JointState, hovers: dict[int, Hover], budget: Budget
+) -> tuple[Evaluation, float]:
+    """The best after steps of all places and speeds together, as long as they gain, and the damping."""
+    before_m = float("inf")
+    while budget.affords(JOINT_FLIGHTS) and state.best.objective_m < (1 - _WORTH_GOING_ON) * before_m:
+        before_m = state.best.objective_m
+        state = stepped_jointly(problem, state, hovers, budget)
+    return state.best, state.damping

@@ -29,12 +29,13 @@ class LocalFlight:
     """Where the vehicle was on some legs: times (k,) from reaching the first place, and places (k, 2).
 
     The first ``ended`` of them are on those legs. The rest are the second after, in which the vehicle comes
-    to where its target has been.
+    to where its target has been. ``passed_s`` is when the target left the place of each leg.
     """
 
     time_s: Floats
     north_east_m: Floats
     ended: int
+    passed_s: Floats
 
     @property
     def left_s(self) -> float:
@@ -107,23 +108,27 @@ class LocalFlights:
             return self._flown_already(first, last)
         items, _ = self._items_of(draft)
         copter = self._before[first].copy(self._shared(items))
-        began_m, rows = copter.position_m[:2], []
+        rows, passed_s = [copter.position_m[:2]], []
         for place in range(first, last + 1):
             allowed_s = np.inf if latest_s is None else latest_s[place] + self._begin_s - copter.time_s
             rows += self._flown_to(copter, place, allowed_s)
-        return self._flight(first, [began_m, *rows], self._run_on(copter))
+            passed_s.append(copter.time_s)
+        return self._flight(first, rows, self._run_on(copter), passed_s)
 
     def _flown_already(self, first: int, last: int) -> LocalFlight:
         """The same for the draft that is flown, from what is known of its legs."""
         self.left_s(last)
         legs = self._legs[first : last + 1]
         began_m = self._legs[first - 1].rows[-1]
-        return self._flight(first, [began_m, *chain.from_iterable(leg.rows for leg in legs)], legs[-1].after)
+        rows = [began_m, *chain.from_iterable(leg.rows for leg in legs)]
+        return self._flight(first, rows, legs[-1].after, [leg.left_s for leg in legs])
 
-    def _flight(self, first: int, rows: list[_Place], after: list[_Place]) -> LocalFlight:
+    def _flight(
+        self, first: int, rows: list[_Place], after: list[_Place], passed_s: list[float]
+    ) -> LocalFlight:
         steps = np.arange(len(rows) + len(after), dtype=float)
         times_s = self.left_s(first - 1) + self._problem.step_s * steps
-        return LocalFlight(times_s, np.array(rows + after), len(rows))
+        return LocalFlight(times_s, np.array(rows + after), len(rows), np.array(passed_s) - self._begin_s)
 
     def _run_on(self, copter: Copter) -> list[_Place]:
         """Where a copter is after each step of the time in which it follows its target."""

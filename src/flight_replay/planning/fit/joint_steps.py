@@ -1,0 +1,140 @@
+"""Steps of all speeds and places of a draft together, by the derivatives of its flight in the model.
+
+A step is that of Levenberg and Marquardt: the least squares of the errors, each weighted by its share in the
+objective, with a damping that grows as steps fail. A leg that takes longer makes all after it
+late, so after the step the speeds are set anew, to leave each place when the step meant it to be left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.draft import Draft, with_every_speed
+from flight_replay.planning.fit.legs.flight_derivatives import (
+    CHANGES_A_PLACE,
+    ErrorVectors,
+    flight_derivatives,
+)
+from flight_replay.planning.fit.objective import (
+    TIME_SHARE,
+    Evaluation,
+    path_error_m,
+    position_offsets_m,
+)
+from flight_replay.planning.fit.place_moves import kept_in_corridor
+from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import Hover, LocalTrack
+from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, SLOWEST_M_S, Schedule, speed_caps_m_s
+from flight_replay.planning.fit.speed_search import SpeedSearch
+
+JOINT_FLIGHTS = 25
+"""A step costs about as many flights, most of them for the derivatives."""
+FIRST_DAMPING = 0.03
+_MORE, _LESS = 4.0, 0.5
+_TRIES = 3
+_PLACES = 300
+"""With more places the derivatives take too much memory."""
+_USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
+_MOST_CHANGE = 2 * _USUAL_CHANGE
+_NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class JointState:
+    """The best so far, and how much the next step is damped."""
+
+    best: Evaluation
+    damping: float
+
+
+def stepped_jointly(
+    problem: FitProblem, state: JointState, hovers: dict[int, Hover], budget: Budget
+) -> JointState:
+    """The best after some steps by the same derivatives.
+
+    Args:
+        problem: what to fit, in exact steps; the derivatives are in longer ones.
+        state: the draft as it is flown in exact steps, and the damping.
+        hovers: the recorded hovers by the place at which they are waited for.
+        budget: is told how much was flown.
+    """
+    if not 2 <= len(state.best.draft) <= _PLACES:
+        return state
+    near = problem.calibrated(state.best.draft)
+    base = near.evaluate(state.best.draft)
+    duration_s = float(base.flight.time_s[-1])
+    derivatives = flight_derivatives(near, base, duration_s)
+    steps_a_flight = max(duration_s / near.step_s, 1.0)
+    budget.spend(derivatives.steps / steps_a_flight)
+    caps_m_s = speed_caps_m_s(base.draft, near.recording)
+    back_m = base.flown[1].off_m
+    for _ in range(_TRIES):
+        errors = _errors(state.best, problem.recording, back_m)
+        changes = _changes(derivatives.errors, errors, state.best, state.damping)
+        moved = _changed(state.best.draft, changes, caps_m_s)
+        leave_s = state.best.passed_s + derivatives.passed_s @ changes
+        schedule = Schedule(
+            kept_in_corridor(moved, hovers, problem.recording), np.maximum.accumulate(leave_s)
+        )
+        trial, steps = _flown_on_time(problem.exact, schedule, caps_m_s)
+        budget.spend(steps / steps_a_flight)
+        if trial.objective_m >= state.best.objective_m:
+            state = replace(state, damping=_MORE * state.damping)
+            continue
+        state = JointState(trial, _LESS * state.damping)
+        back_m = back_m + (derivatives.errors @ changes)[-back_m.size :].reshape(back_m.shape)
+    return state
+
+
+def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> ErrorVectors:
+    position_m = position_offsets_m(evaluation.flight, recording)
+    return ErrorVectors(position_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, back_m)
+
+
+def _changes(derivatives: Floats, errors: ErrorVectors, evaluation: Evaluation, damping: float) -> Floats:
+    """The changes (p,) that make the weighted squares of errors of such derivatives (m, p) small."""
+    weighted = derivatives * _weights(errors, evaluation)[:, None]
+    usual = np.tile(_USUAL_CHANGE, len(evaluation.draft) - 1)
+    normal = derivatives.T @ weighted + np.diag(damping / usual**2)
+    found = np.linalg.solve(normal, -(weighted.T @ errors.stacked))
+    most = np.tile(_MOST_CHANGE, len(evaluation.draft) - 1)
+    return np.asarray(np.clip(found, -most, most))
+
+
+def _weights(errors: ErrorVectors, evaluation: Evaluation) -> Floats:
+    """What the squares of the errors' components (m,) count, so that their slope is the objective's."""
+    apart_m = np.linalg.norm(errors.position, axis=1)
+    position = TIME_SHARE / (len(apart_m) * np.maximum(apart_m, _NEAR_M))
+    flown_m, planned_m = (
+        max(path_error_m(both_ways), _LEAST_PATH_ERROR_M)
+        for both_ways in (evaluation.flown, evaluation.planned)
+    )
+    there, back = _path_weights(errors.there, flown_m), _path_weights(errors.back, flown_m)
+    planned = evaluation.plan_share * _path_weights(errors.planned, planned_m)
+    return np.repeat(np.concatenate([position, there, planned, back]), 2)
+
+
+def _path_weights(off_m: Floats, scale_m: float) -> Floats:
+    """The same for vectors (k, 2) of one way of a path error, which is ``scale_m``."""
+    squares = (off_m**2).sum(axis=1)
+    return np.asarray((squares + _LEAST_SQUARE_M2) / (2 * max(len(off_m), 1) * scale_m**3))
+
+
+def _flown_on_time(exact: FitProblem, plan: Schedule, caps_m_s: Floats) -> tuple[Evaluation, int]:
+    """A draft as it is flown, its speeds set to leave each place when it is to be left; the model's steps."""
+    caps_m_s = np.fmax(caps_m_s, plan.draft.speed_m_s)
+    search = SpeedSearch(plan, caps_m_s, exact.limits, exact.step_s, exact.recording.home_amsl_m)
+    return exact.compared(search.run()), search.steps
+
+
+def _changed(draft: Draft, changes: Floats, caps_m_s: Floats) -> Draft:
+    """The draft with the logarithms of its speeds, and its places, changed."""
+    by_place = np.vstack([np.zeros(CHANGES_A_PLACE), changes.reshape(-1, CHANGES_A_PLACE)])
+    places = draft.places_m.copy()
+    places[:, :2] += by_place[:, 1:]
+    wanted_m_s = with_every_speed(draft).speed_m_s * np.exp(by_place[:, 0])
+    speeds = np.clip(wanted_m_s, SLOWEST_M_S, np.minimum(FASTEST_M_S, caps_m_s)).round(2)
+    return replace(draft, places_m=places, speed_m_s=speeds)

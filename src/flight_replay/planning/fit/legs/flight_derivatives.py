@@ -1,0 +1,170 @@
+"""How the flight of a draft changes with its speeds and places, each changed a little in the model.
+
+A change is flown over the legs that it shapes. All that comes after is flown as before, sooner or later.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flight_replay.exceptions import MissionError
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.polyline import nearest_on_segments
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
+from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, Evaluation, marks_along
+from flight_replay.planning.fit.problem import FitProblem
+
+CHANGES_A_PLACE = 3
+"""The logarithm of the speed on the way to it, and how far north and east it is."""
+_SPEED_CHANGE, _PLACE_CHANGE_M = 0.08, 0.4
+_LEGS_AFTER_SPEED, _LEGS_BEFORE_PLACE, _LEGS_AFTER_PLACE = 1, 1, 2
+_BEFORE_S = 1.0
+_AROUND_FIXES = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ErrorVectors:
+    """What a flight is off by, as vectors: n fixes at equal times and beside the flown and planned paths.
+
+    ``position`` (n, 2), ``there`` (n, 2) and ``planned`` (n, 2) are those; ``back`` (m, 2) are m points
+    of the flown path beside the recorded line.
+    """
+
+    position: Floats
+    there: Floats
+    planned: Floats
+    back: Floats
+
+    @property
+    def stacked(self) -> Floats:
+        """All components (6 n + 2 m,)."""
+        return np.concatenate([each.ravel() for each in (self.position, self.there, self.planned, self.back)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightDerivatives:
+    """By the p = 3 (n - 1) changes of n places, ``CHANGES_A_PLACE`` of each place but the first.
+
+    ``errors`` (m, p) are those of the stacked ``ErrorVectors``, ``passed_s`` (n, p) those of when places
+    are left. ``steps`` is how many steps of the model it took.
+    """
+
+    errors: Floats
+    passed_s: Floats
+    steps: int
+
+
+def flight_derivatives(problem: FitProblem, base: Evaluation, longest_s: float) -> FlightDerivatives:
+    """The derivatives of a draft's flight.
+
+    Args:
+        problem: the recording and the vehicle.
+        base: the draft as it is flown, at least two places.
+        longest_s: what takes longer is taken not to change anything.
+    """
+    legs = _ChangedLegs(problem, base, longest_s)
+    places = len(base.draft)
+    columns = [legs.by(change, place) for place in range(1, places) for change in range(CHANGES_A_PLACE)]
+    errors, passed_s = (np.array(rows).T for rows in zip(*columns, strict=True))
+    return FlightDerivatives(errors, passed_s, legs.steps)
+
+
+class _ChangedLegs:
+    """A draft's flight, and what changes of it do to the errors."""
+
+    def __init__(self, problem: FitProblem, base: Evaluation, longest_s: float) -> None:
+        self._recording = problem.recording
+        self._flights = LocalFlights(problem, base.draft, longest_s)
+        self._last = len(base.draft) - 1
+        self._whole = self._flights.fly(self._flights.draft, 1, self._last)
+        self._passed_s = np.append(self._flights.left_s(0), self._whole.passed_s)
+        self._passing_leg = np.maximum.accumulate(base.planned[0].leg)
+        self._path = base.draft.path(CURVE_TOLERANCE_M)
+        self._marks_m, self._marks_s = marks_along(base.flight)
+
+    @property
+    def steps(self) -> int:
+        """Steps of the model so far."""
+        return self._flights.steps
+
+    def by(self, change: int, place: int) -> tuple[Floats, Floats]:
+        """The derivatives of the stacked errors (m,) and of when places are left (n,); 0 if it cannot be."""
+        draft = self._flights.draft
+        if change == 0:
+            speeds, size = draft.speed_m_s.copy(), _SPEED_CHANGE
+            speeds[place] *= np.exp(size)
+            changed = replace(draft, speed_m_s=speeds)
+            first, last = place, place + _LEGS_AFTER_SPEED
+        else:
+            places, size = draft.places_m.copy(), _PLACE_CHANGE_M
+            places[place, change - 1] += size
+            changed = replace(draft, places_m=places)
+            first, last = place - _LEGS_BEFORE_PLACE, place + _LEGS_AFTER_PLACE
+        errors, passed_s = self._differences(changed, max(first, 1), min(last, self._last))
+        return errors / size, passed_s / size
+
+    def _differences(self, changed: Draft, first: int, last: int) -> tuple[Floats, Floats]:
+        passed_s = np.zeros(self._last + 1)
+        fixes = np.zeros_like(self._recording.north_east_m)
+        errors = ErrorVectors(fixes, fixes.copy(), fixes.copy(), np.zeros_like(self._marks_m))
+        try:
+            flown = self._flights.fly(changed, first, last)
+        except MissionError:
+            return errors.stacked, passed_s
+        passed_s[first : last + 1] = flown.passed_s - self._passed_s[first : last + 1]
+        passed_s[last + 1 :] = passed_s[last]
+        begin, end = np.searchsorted(self._passing_leg, [first, last + 1])
+        self._add_position(errors.position, flown, first, float(passed_s[last]))
+        self._add_path(errors, flown, first, last, slice(int(begin), int(end)))
+        if changed.places_m is not self._flights.draft.places_m:
+            self._add_planned(errors.planned, changed, first, last, slice(int(begin), int(end)))
+        return errors.stacked, passed_s
+
+    def _add_position(self, position_m: Floats, flown: LocalFlight, first: int, later_s: float) -> None:
+        after = np.flatnonzero(self._recording.time_s > self._passed_s[first - 1])
+        times_s = self._recording.time_s[after]
+        there = _places_at(flown.time_s, flown.north_east_m, times_s)
+        whole = self._whole
+        as_before = _places_at(whole.time_s, whole.north_east_m, times_s - later_s)
+        there = np.where((times_s <= flown.left_s)[:, None], there, as_before)
+        position_m[after] = there - _places_at(whole.time_s, whole.north_east_m, times_s)
+
+    def _add_path(self, errors: ErrorVectors, flown: LocalFlight, first: int, last: int, some: slice) -> None:
+        begin_s, end_s = self._passed_s[first - 1], self._passed_s[last]
+        time_s, north_east_m = self._whole.time_s, self._whole.north_east_m
+        before = north_east_m[(time_s >= begin_s - _BEFORE_S) & (time_s < begin_s)]
+        usual = north_east_m[(time_s >= begin_s) & (time_s <= end_s + _BEFORE_S)]
+        fixes = self._recording.north_east_m
+        feet = _feet_m(fixes[some], np.vstack([before, flown.north_east_m]))
+        errors.there[some] = _feet_m(fixes[some], np.vstack([before, usual])) - feet
+        on_legs = np.flatnonzero((self._marks_s >= begin_s) & (self._marks_s <= end_s))
+        share = (self._marks_s[on_legs] - begin_s) / max(end_s - begin_s, 1e-6)
+        marks_s = begin_s + share * (flown.left_s - begin_s)
+        marks = _places_at(flown.time_s, flown.north_east_m, marks_s)
+        near = fixes[max(0, some.start - _AROUND_FIXES) : some.stop + _AROUND_FIXES]
+        usual_off = _feet_m(self._marks_m[on_legs], near) - self._marks_m[on_legs]
+        errors.back[on_legs] = _feet_m(marks, near) - marks - usual_off
+
+    def _add_planned(self, planned_m: Floats, changed: Draft, first: int, last: int, some: slice) -> None:
+        fixes = self._recording.north_east_m[some]
+        usual, path = self._path, changed.path(CURVE_TOLERANCE_M)
+        lines = [each.north_east_m[(each.seq >= first - 1) & (each.seq <= last)] for each in (usual, path)]
+        planned_m[some] = _feet_m(fixes, lines[0]) - _feet_m(fixes, lines[1])
+
+
+def _places_at(time_s: Floats, north_east_m: Floats, at_s: Floats) -> Floats:
+    """Places (m, 2) at times (m,)."""
+    return np.column_stack([np.interp(at_s, time_s, column) for column in north_east_m.T])
+
+
+def _feet_m(points_m: Floats, line_m: Floats) -> Floats:
+    """The points (m, 2) of a line (k, 2) that are nearest to points (m, 2); these themselves without one."""
+    if len(line_m) < 2 or not len(points_m):
+        return points_m
+    start, step = line_m[:-1], np.diff(line_m, axis=0)
+    share, apart = nearest_on_segments(points_m[:, None], start, step)
+    nearest, row = apart.argmin(axis=1), np.arange(len(points_m))
+    return np.asarray(start[nearest] + share[row, nearest, None] * step[nearest])

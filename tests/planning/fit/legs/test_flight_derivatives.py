@@ -1,0 +1,76 @@
+"""The derivatives of a draft's flight foretell what small changes of it do."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flight_replay.exceptions import MissionError
+from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.draft import Draft, with_every_speed
+from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.legs.flight_derivatives import CHANGES_A_PLACE, flight_derivatives
+from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
+from flight_replay.planning.fit.objective import Evaluation, position_offsets_m
+from flight_replay.planning.fit.problem import FitProblem
+from flight_replay.planning.fit.reference import local_track
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import along, draft_of
+
+DRAFT = replace(
+    draft_of(
+        [(0, 0), (30, 0), (60, 10), (90, 0), (120, 0)], [False, True, True, True, True], [1, 0, 0, 0, 0]
+    ),
+    speed_m_s=np.array([np.nan, 4.0, 5.0, 4.0, 5.0]),
+)
+PROBLEM = replace(
+    problem_for(local_track(along([(0, 0), (60, 8), (120, 0)], 4.0), 20.0), 20, Limits(), timed=True),
+    step_s=0.02,
+)
+BASE = PROBLEM.evaluate(DRAFT)
+
+
+def position(problem: FitProblem, evaluation: Evaluation) -> Floats:
+    return position_offsets_m(evaluation.flight, problem.recording)
+
+
+@pytest.mark.parametrize(("place", "change", "size"), [(2, 0, 0.05), (2, 1, 0.3), (3, 2, -0.3), (4, 0, 0.05)])
+def test_a_small_change_does_what_the_derivatives_say(place: int, change: int, size: float) -> None:
+    """Errors at equal times, beside the path and the times of passing are foretold to a fifth."""
+    derivatives = flight_derivatives(PROBLEM, BASE, 600.0)
+    trial = PROBLEM.evaluate(changed(place, change, size))
+    column = (place - 1) * CHANGES_A_PLACE + change
+    count = len(PROBLEM.recording)
+    foretold = size * derivatives.errors[: 2 * count, column].reshape(-1, 2)
+    done = position(PROBLEM, trial) - position(PROBLEM, BASE)
+    moving = PROBLEM.recording.time_s < BASE.passed_s[-1] - 1.0
+    assert np.abs(foretold - done)[moving].max() < 0.2 * np.abs(done[moving]).max() + 0.05
+    passed_s = size * derivatives.passed_s[:, column]
+    assert np.abs(passed_s - (trial.passed_s - BASE.passed_s)).max() < 0.06
+
+
+def changed(place: int, change: int, size: float) -> Draft:
+    draft = with_every_speed(DRAFT)
+    if change == 0:
+        speeds = draft.speed_m_s.copy()
+        speeds[place] *= np.exp(size)
+        return replace(draft, speed_m_s=speeds)
+    places = draft.places_m.copy()
+    places[place, change - 1] += size
+    return replace(draft, places_m=places)
+
+
+def test_a_change_that_cannot_be_flown_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Legs that do not end have no derivatives."""
+    fly = LocalFlights.fly
+
+    def refuse(flights: LocalFlights, draft: Draft, first: int, last: int) -> LocalFlight:
+        if draft is not flights.draft and first == 2:
+            raise MissionError("a leg of the fitted flight does not end")
+        return fly(flights, draft, first, last)
+
+    monkeypatch.setattr(LocalFlights, "fly", refuse)
+    derivatives = flight_derivatives(PROBLEM, BASE, 600.0)
+    moved = np.abs(derivatives.errors).max(axis=0).reshape(-1, CHANGES_A_PLACE)
+    assert moved[1, 0] == 0.0
+    assert (moved[0] > 0).all()

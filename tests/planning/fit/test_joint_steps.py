@@ -1,0 +1,55 @@
+"""Steps of all speeds and places together gain, stay near the recording, and stop where they cannot."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.planning.fit import joint_steps
+from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.joint_steps import FIRST_DAMPING, JointState, stepped_jointly
+from flight_replay.planning.fit.knot_placement import first_draft
+from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.rounds import timed
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import wander
+
+
+def problem_and_start() -> tuple[FitProblem, JointState]:
+    problem = problem_for(local_track(wander(2), 20.0), 20, Limits(), timed=True)
+    draft = first_draft(problem.recording, 20, [], timed=True)
+    start = timed(problem.exact, draft, {}, budget())
+    return problem, JointState(start, FIRST_DAMPING)
+
+
+def budget() -> Budget:
+    return Budget(1000, lambda done, total: None)
+
+
+def test_a_joint_step_brings_the_flight_nearer_to_the_recording() -> None:
+    """In place and time: a draft with its speeds set gains a twentieth of the objective."""
+    problem, start = problem_and_start()
+    spent = budget()
+    found = stepped_jointly(problem, start, {}, spent)
+    assert found.best.objective_m < 0.95 * start.best.objective_m
+    assert found.damping < start.damping
+    assert spent.spent > 3
+    places = found.best.draft.places_m[:, :2]
+    feet = problem.recording.nearest_m(places)
+    assert np.linalg.norm(places - feet, axis=1).max() < 4.01
+
+
+def test_steps_that_fail_are_damped_more() -> None:
+    """With next to no damping a step goes too far; what was best stays, and the next one is shorter."""
+    problem, start = problem_and_start()
+    best = stepped_jointly(problem, start, {}, budget())
+    found = stepped_jointly(problem, replace(best, damping=1e-9), {}, budget())
+    assert found.best.objective_m <= best.best.objective_m
+    assert found.damping != 1e-9
+
+
+def test_too_many_places_are_left_as_they_are(monkeypatch) -> None:  # type: ignore[no-untyped-def]
+    """The derivatives take memory by the square of the places."""
+    problem, start = problem_and_start()
+    monkeypatch.setattr(joint_steps, "_PLACES", 10)
+    assert stepped_jointly(problem, start, {}, budget()) is start
