@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from flight_replay.planning.fit import joint_steps
 from flight_replay.planning.fit.fit import problem_for
@@ -48,8 +49,8 @@ def test_steps_that_fail_are_damped_more() -> None:
     assert found.damping != 1e-9
 
 
-def test_too_many_places_are_left_as_they_are(monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    """The derivatives take memory by the square of the places."""
+def test_what_would_take_too_much_memory_is_left_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The derivatives are as many as errors times changes: too many for long flights through many places."""
     problem, start = problem_and_start()
-    monkeypatch.setattr(joint_steps, "_PLACES", 10)
+    monkeypatch.setattr(joint_steps, "_MOST_DERIVATIVES", 50_000)
     assert stepped_jointly(problem, start, {}, budget()) is start

@@ -35,8 +35,8 @@ JOINT_FLIGHTS = 25
 FIRST_DAMPING = 0.03
 _MORE, _LESS = 4.0, 0.5
 _TRIES = 3
-_PLACES = 300
-"""With more places the derivatives take too much memory."""
+_MOST_DERIVATIVES = 20_000_000
+"""More would take too much memory; two copies of these take 320 MB."""
 _USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
 _MOST_CHANGE = 2 * _USUAL_CHANGE
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
@@ -61,7 +61,7 @@ def stepped_jointly(
         hovers: the recorded hovers by the place at which they are waited for.
         budget: is told how much was flown.
     """
-    if not 2 <= len(state.best.draft) <= _PLACES:
+    if len(state.best.draft) < 2 or _derivatives_count(state.best) > _MOST_DERIVATIVES:
         return state
     near = problem.calibrated(state.best.draft)
     base = near.evaluate(state.best.draft)
@@ -87,6 +87,12 @@ def stepped_jointly(
         state = JointState(trial, _LESS * state.damping)
         back_m = back_m + (derivatives.errors @ changes)[-back_m.size :].reshape(back_m.shape)
     return state
+
+
+def _derivatives_count(evaluation: Evaluation) -> int:
+    """How many numbers the derivatives of all errors by all changes are."""
+    vectors = 3 * len(evaluation.late_m) + len(evaluation.flown[1].off_m)
+    return 2 * vectors * CHANGES_A_PLACE * (len(evaluation.draft) - 1)
 
 
 def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> ErrorVectors:
