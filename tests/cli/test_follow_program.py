@@ -105,7 +105,7 @@ def test_a_signal_returns_the_vehicle_and_puts_its_parameter_back(
         run.process.send_signal(number)
         status, _ = run.end()
         assert time.monotonic() - began_s < ENDS_WITHIN_S
-        assert status == 130
+        assert status == 130, run.output
         assert run.output.rstrip().endswith("flight-replay: error: interrupted")
         assert "The vehicle confirmed RTL" in run.output
         assert "Traceback" not in run.output

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -190,3 +191,19 @@ def test_after_an_interrupt_the_cursor_is_shown(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr("flight_replay.cli.main.replay", interrupt)
     assert main(["--dry-run", "-q"]) == 130
     assert [stream.getvalue().count("\x1b[?25h") for stream in streams] == [1, 1]
+
+
+def test_an_error_of_what_an_interrupt_left_half_done_is_the_interrupt(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A condition variable may lose its lock there, and raise a RuntimeError when it is left."""
+
+    def interrupt(*_: object) -> None:
+        try:
+            raise KeyboardInterrupt
+        finally:
+            threading.Lock().release()
+
+    monkeypatch.setattr("flight_replay.cli.main.replay", interrupt)
+    assert main(["--dry-run", "-q"]) == 130
+    assert capsys.readouterr().err == "flight-replay: error: interrupted\n"

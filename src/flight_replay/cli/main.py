@@ -70,6 +70,8 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
 
             for line in traceback.format_exc().rstrip().split("\n"):
                 write_line(sys.stderr, line)
+        if not isinstance(error, FlightReplayError) and signals.is_after_interrupt(error):
+            raise KeyboardInterrupt from error
         problem = _error_message(error)
     lost = flush_or_discard(sys.stdout)
     problem = "; ".join(filter(None, [problem, lost])) or None
