@@ -167,7 +167,7 @@ def _planned_route(
     listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from {source}"))
     route = _with_heights(options, route, limits)
     if options.heading == "recorded":
-        route = _with_recorded_headings(route, limits, timed=options.speed_m_s == RECORDED)
+        route = _with_recorded_headings(options, route, limits)
     return replace(
         with_prediction(route, limits, options.takeoff_altitude_m), required_limits=required_limits
     )
@@ -221,11 +221,12 @@ def _heights(options: Options, route: Route, limits: Limits) -> RouteHeights:
     return route_heights(route, limits, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m)
 
 
-def _with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Route:
+def _with_recorded_headings(options: Options, route: Route, limits: Limits) -> Route:
     # Planned with the model of the whole vehicle, which a route without headings need not import.
     from flight_replay.planning.heading import with_recorded_headings
 
-    return with_recorded_headings(route, limits, timed=timed)
+    timed = options.speed_m_s == RECORDED
+    return with_recorded_headings(route, limits, options.takeoff_altitude_m, timed=timed)
 
 
 def _required_limits(track: Track, limits: Limits) -> dict[str, float]:

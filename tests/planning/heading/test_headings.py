@@ -33,7 +33,7 @@ def error_deg(route: Route) -> float:
 def test_the_vehicle_is_turned_as_recorded(timed: bool) -> None:
     """A flight sideways has a heading item on its legs, and flies sideways."""
     route = route_with(90.0)
-    turned = with_recorded_headings(route, Limits(), timed=timed)
+    turned = with_recorded_headings(route, Limits(), 30.0, timed=timed)
     assert error_deg(route) > 60
     assert error_deg(turned) < 12
     assert len(turned.mission.waypoints) == len(route.mission.waypoints)
@@ -43,14 +43,14 @@ def test_the_vehicle_is_turned_as_recorded(timed: bool) -> None:
 
 def test_legs_that_are_flown_as_recorded_have_no_item() -> None:
     """A vehicle that looked ahead needs none, but to look ahead on the way to the first waypoint."""
-    turned = with_recorded_headings(route_with(0.0), Limits(), timed=True)
+    turned = with_recorded_headings(route_with(0.0), Limits(), 30.0, timed=True)
     assert sum(item.command == Command.CONDITION_YAW for item in turned.mission.items) <= 1
 
 
 def test_a_log_without_heading_is_flown_the_vehicles_way() -> None:
     """A note says so."""
     route = route_with(np.nan)
-    turned = with_recorded_headings(route, Limits(), timed=True)
+    turned = with_recorded_headings(route, Limits(), 30.0, timed=True)
     assert turned.mission is route.mission
     assert turned.notes == ("The log has no heading; the vehicle turns its own way.",)
 
@@ -59,13 +59,13 @@ def test_the_mission_stays_within_the_memory(monkeypatch: pytest.MonkeyPatch) ->
     """Items are left out where there is no room for them."""
     route = route_with(np.linspace(0.0, 1500.0, 51).tolist(), spacing_m=40.0)
     monkeypatch.setattr(headings, "MEMORIES", (len(route.mission.items) + 3,))
-    turned = with_recorded_headings(route, Limits(), timed=True)
+    turned = with_recorded_headings(route, Limits(), 30.0, timed=True)
     assert len(turned.mission.items) <= len(route.mission.items) + 3
 
 
 def test_speeds_stay_where_they_are_or_follow_a_turn() -> None:
     """A recording that changes its speed has the same changes, in the same order."""
-    turned = with_recorded_headings(route_with(200.0), Limits(), timed=True)
+    turned = with_recorded_headings(route_with(200.0), Limits(), 30.0, timed=True)
     speeds = [item for item in turned.mission.items if item.command == Command.CHANGE_SPEED]
     assert speeds == [change_speed(4.0)]
     assert all(isinstance(item, MissionItem) for item in turned.mission.items)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Mission, MissionItem
 from flight_replay.mission.path import planned_path
-from flight_replay.planning.heading.legs import Leg, PredictedFlight, legs_of
+from flight_replay.planning.heading.legs import PredictedFlight, legs_of
 from flight_replay.planning.heading.turn_choice import LegItems, Shifts, best_items
 from flight_replay.planning.heading.turns import Response
 from flight_replay.planning.route import Route
@@ -28,7 +29,7 @@ _SHIFT_COST_DEG_S = 20.0
 _DEARER = 1.5
 
 
-def with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Route:
+def with_recorded_headings(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Route:
     """The route with items that turn the vehicle as the recorded one was; a note says how many.
 
     The smallest memory that holds the mission and one item a leg holds it with all of them.
@@ -36,14 +37,15 @@ def with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Rout
     Args:
         route: what will be flown, without heading items.
         limits: what the vehicle may do.
-        timed: whether it flies in time with the recording, see ``predicted_legs``.
+        takeoff_m: take-off altitude above home.
+        timed: whether it flies in time with the recording, see ``PredictedFlight.wanted_deg``.
     """
     if not np.isfinite(route.wanted.heading_deg).any():
         return _with_note(route, "The log has no heading; the vehicle turns its own way.")
     if route.path.length_m > _LONGEST_SIMULATED_M:
         return _with_note(route, "The route is too long to plan headings; the vehicle turns its own way.")
     try:
-        mission = _turned(route, limits, timed=timed)
+        mission = _turned(route, limits, takeoff_m, timed=timed)
     except MissionError as error:
         return _with_note(route, f"No heading is planned, the vehicle turns its own way. {error}")
     added = len(mission.items) - len(route.mission.items)
@@ -51,31 +53,32 @@ def with_recorded_headings(route: Route, limits: Limits, *, timed: bool) -> Rout
     return _with_note(turned, f"{added} items on top of the waypoints turn the vehicle as recorded.")
 
 
-def _turned(route: Route, limits: Limits, *, timed: bool) -> Mission:
+def _turned(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Mission:
     """The best mission by the predicted heading error, and by how well it keeps the plan's time."""
     mission = route.mission
-    plan = PredictedFlight.of(mission, limits, route.frame)
-    found = []
+    plan = PredictedFlight.of(route, limits, takeoff_m)
+    found, worth_deg_s = [], WORTH_DEG_S
     for shifts in Shifts:
         flight, items = plan, None
         for _ in range(_PASSES):
             legs = legs_of(mission, flight, flight.wanted_deg(route.wanted, timed=timed), route.frame, limits)
-            items = _affordable_items(legs, Response.of(limits), _room(mission), shifts, items)
+            search = partial(best_items, legs, Response.of(limits), shifts=shifts, like=items)
+            items, worth_deg_s = _affordable_items(search, _room(mission), worth_deg_s / _DEARER)
             turned = replace(mission, items=tuple(_merged(mission.items, items)))
-            flight = PredictedFlight.of(turned, limits, route.frame)
+            flight = PredictedFlight.of(replace(route, mission=turned), limits, takeoff_m)
             cost = _SHIFT_COST_DEG_S * _shift_s(flight, plan)
             found.append((_error_deg(flight, route.wanted, timed=timed) + cost, turned))
     return min(found, key=lambda each: each[0])[1]
 
 
 def _affordable_items(
-    legs: Sequence[Leg], response: Response, room: int, shifts: Shifts, like: Sequence[LegItems] | None
-) -> tuple[LegItems, ...]:
-    """The items that are worth it, dearer until there is room for all."""
-    worth_deg_s = WORTH_DEG_S
-    while sum(map(len, items := best_items(legs, response, worth_deg_s, shifts, like))) > room:
+    search: Callable[..., tuple[LegItems, ...]], room: int, worth_deg_s: float
+) -> tuple[tuple[LegItems, ...], float]:
+    """The items that are worth it, dearer until there is room for all, and what they had to be worth."""
+    worth_deg_s = max(worth_deg_s, WORTH_DEG_S)
+    while sum(map(len, items := search(worth_deg_s=worth_deg_s))) > room:
         worth_deg_s *= _DEARER
-    return items
+    return items, worth_deg_s
 
 
 def _shift_s(flight: PredictedFlight, plan: PredictedFlight) -> float:

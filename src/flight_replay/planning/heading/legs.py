@@ -13,12 +13,13 @@ from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import lengths_along_m
 from flight_replay.mission.items import Command, Mission
+from flight_replay.planning.prediction import after_takeoff, step_for_s
+from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import Trajectory, home_frame, simulate
 
 SAMPLE_S = 0.1
 """A turn at ArduCopter's highest rate, 60 degrees a second, is 6 degrees further in that time."""
-_STEP_S = 0.04
 _SAMPLES_A_PLACE = 5
 _PIECE_M = 0.25
 HORIZONTAL = (0.0, 1.0)
@@ -64,18 +65,25 @@ class PredictedFlight:
     own_deg: Floats
 
     @classmethod
-    def of(cls, mission: Mission, limits: Limits, frame: LocalFrame) -> PredictedFlight:
-        """Fly a mission with at least one waypoint; positions are metres in ``frame``.
+    def of(cls, route: Route, limits: Limits, takeoff_m: float) -> PredictedFlight:
+        """Fly the mission of a route with at least one waypoint; positions are metres in the route's frame.
+
+        Args:
+            route: what to fly.
+            limits: what the vehicle may do.
+            takeoff_m: take-off altitude above home: a climb from there makes the first leg begin slowly.
 
         Raises:
             MissionError: the model cannot fly it.
         """
-        flight = simulate(mission, limits, step_s=_STEP_S)
+        start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
+        mission, step_s = route.mission, step_for_s(route)
+        flight = simulate(mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=step_s)
         begin_s = np.array(list(_begins_s(mission, flight)))
         sample_s = np.arange(begin_s[0], begin_s[-1] + SAMPLE_S, SAMPLE_S)
         columns = flight.north_m, flight.east_m, np.unwrap(flight.heading_deg, period=360.0)
         north, east, heading = (np.interp(sample_s, flight.time_s, column) for column in columns)
-        ground_m = frame.to_metres(*home_frame(mission).to_degrees(np.column_stack([north, east])))
+        ground_m = route.frame.to_metres(*home_frame(mission).to_degrees(np.column_stack([north, east])))
         steps = np.minimum(np.searchsorted(flight.time_s, sample_s), len(flight.time_s) - 1)
         return cls(sample_s, begin_s, ground_m, heading, flight.course_deg[steps])
 
