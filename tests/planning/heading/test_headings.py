@@ -21,8 +21,8 @@ def route_with(heading_deg: float | list[float], *, spacing_m: float = 30.0) -> 
     return spaced_route(replace(track, heading_deg=column), spacing_m=spacing_m, speed_m_s=4.0)
 
 
-def error_deg(route: Route) -> float:
-    predicted = with_prediction(route, Limits(), 30.0).predicted
+def error_deg(route: Route, takeoff_m: float = 30.0) -> float:
+    predicted = with_prediction(route, Limits(), takeoff_m).predicted
     assert predicted is not None
     statistics = predicted.heading_deg.statistics
     assert statistics is not None
@@ -69,3 +69,11 @@ def test_speeds_stay_where_they_are_or_follow_a_turn() -> None:
     speeds = [item for item in turned.mission.items if item.command == Command.CHANGE_SPEED]
     assert speeds == [change_speed(4.0)]
     assert all(isinstance(item, MissionItem) for item in turned.mission.items)
+
+
+def test_turns_are_planned_with_the_climb_from_the_takeoff() -> None:
+    """After a climb to the first waypoint the first leg begins slowly, and all turns come later."""
+    route = route_with((20.0 * np.arange(51)).tolist())
+    turned = with_recorded_headings(route, Limits(), 10.0, timed=True)
+    assert error_deg(turned, takeoff_m=10.0) < 5
+    assert error_deg(with_recorded_headings(route, Limits(), 30.0, timed=True), takeoff_m=10.0) > 15
