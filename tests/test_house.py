@@ -21,7 +21,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 MAX_FILES, MAX_TOP_FOLDERS, MAX_TOP_FILES = 20, 10, 8
 MAX_FUNCTION_LINES = 40
 MACHINE_PATH = re.compile(rb"(?<![\w.~-])/(?:work|root|home/[a-z]\w*|Users/\w+)/")
-"""The start of a path that only one machine has; ``/home/user`` in an example is one too."""
+"""The start of a path that only one machine has; a user's home in an example is one too."""
 
 
 def dotted(path: Path) -> str:

@@ -7,7 +7,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
+from flight_replay.geometry.polyline import (
+    lengths_along_m,
+    nearest_on_line_m,
+    nearest_on_segments,
+    segment_lengths_m,
+)
 
 COORDINATES = st.floats(-20, 20, width=32)
 
@@ -49,3 +54,11 @@ def test_every_point_with_every_segment(points: Floats, ends: Floats) -> None:
     assert distance == pytest.approx(reached, abs=1e-9)
     for other in np.linspace(0, 1, 21):
         assert (distance <= np.linalg.norm(points - start - other * step, axis=2) + 1e-9).all()
+
+
+def test_the_nearest_points_of_a_line_are_on_its_segments_or_corners() -> None:
+    """Beside a segment, beyond an end, and outside of a corner."""
+    line = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]])
+    points = np.array([[4.0, 3.0], [-2.0, 1.0], [12.0, -1.0], [9.0, 8.0]])
+    found = nearest_on_line_m(points, line)
+    assert found.tolist() == [[4.0, 0.0], [0.0, 0.0], [10.0, 0.0], [10.0, 8.0]]

@@ -42,3 +42,11 @@ def nearest_on_segments(point_m: Floats, start_m: Floats, step_m: Floats) -> tup
         offsets[axis] -= share * step
         offsets[axis] *= offsets[axis]
     return share, np.sqrt(sum(offsets[1:], start=offsets[0]))
+
+
+def nearest_on_line_m(points_m: Floats, line_m: Floats) -> Floats:
+    """The points (n, d) of a line (m, d), m >= 2, that are nearest to points (n, d)."""
+    start, step = line_m[:-1], np.diff(line_m, axis=0)
+    share, apart = nearest_on_segments(points_m[:, None], start, step)
+    nearest, row = apart.argmin(axis=1), np.arange(len(points_m))
+    return np.asarray(start[nearest] + share[row, nearest, None] * step[nearest])

@@ -185,8 +185,12 @@ def _leg_and_part(progress: Floats, legs: int) -> tuple[Indices, Floats]:
 
 def position_offsets_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
     """Vectors (n, 2) from every fix to where the vehicle is at that time; it stays where its flight ended."""
-    there = [np.interp(recording.time_s, flown.time_s, column) for column in flown.place_m[:, :2].T]
-    return np.asarray(np.column_stack(there) - recording.north_east_m)
+    return places_at(flown.time_s, flown.place_m[:, :2], recording.time_s) - recording.north_east_m
+
+
+def places_at(time_s: Floats, north_east_m: Floats, at_s: Floats) -> Floats:
+    """Places (m, 2) at times (m,) of what is at places (k, 2) at rising times (k,)."""
+    return np.column_stack([np.interp(at_s, time_s, column) for column in north_east_m.T])
 
 
 def _match_to_flight(

@@ -8,7 +8,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
-from flight_replay.geometry.polyline import nearest_on_segments, segment_lengths_m
+from flight_replay.geometry.polyline import nearest_on_line_m, segment_lengths_m
 from flight_replay.logs.track import Track
 from flight_replay.planning.altitude import home_of
 
@@ -45,13 +45,8 @@ class LocalTrack:
         if len(self) == 1:
             return np.repeat(self.north_east_m, len(places_m), axis=0)
         corners = self.thinned(_MOST_CORNERS).north_east_m
-        start, step = corners[:-1], np.diff(corners, axis=0)
-        found = np.empty_like(places_m)
-        for i, place in enumerate(places_m):
-            share, apart = nearest_on_segments(place, start, step)
-            nearest = np.argmin(apart)
-            found[i] = start[nearest] + share[nearest] * step[nearest]
-        return found
+        # One by one: all distances at once would take much memory.
+        return np.vstack([nearest_on_line_m(place[None], corners) for place in places_m])
 
     @property
     def speed_m_s(self) -> Floats:

@@ -72,11 +72,11 @@ def _turned(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> M
 
 
 def _affordable_items(
-    search: Callable[..., tuple[LegItems, ...]], room: int, worth_deg_s: float
+    search: Callable[[float], tuple[LegItems, ...]], room: int, worth_deg_s: float
 ) -> tuple[tuple[LegItems, ...], float]:
     """The items that are worth it, dearer until there is room for all, and what they had to be worth."""
     worth_deg_s = max(worth_deg_s, WORTH_DEG_S)
-    while sum(map(len, items := search(worth_deg_s=worth_deg_s))) > room:
+    while sum(map(len, items := search(worth_deg_s))) > room:
         worth_deg_s *= _DEARER
     return items, worth_deg_s
 

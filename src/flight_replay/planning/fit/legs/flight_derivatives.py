@@ -11,10 +11,10 @@ import numpy as np
 
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import nearest_on_segments
+from flight_replay.geometry.polyline import nearest_on_line_m
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
-from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, Evaluation, marks_along
+from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, Evaluation, marks_along, places_at
 from flight_replay.planning.fit.problem import FitProblem
 
 CHANGES_A_PLACE = 3
@@ -126,11 +126,11 @@ class _ChangedLegs:
     def _add_position(self, position_m: Floats, flown: LocalFlight, first: int, later_s: float) -> None:
         after = np.flatnonzero(self._recording.time_s > self._passed_s[first - 1])
         times_s = self._recording.time_s[after]
-        there = _places_at(flown.time_s, flown.north_east_m, times_s)
+        there = places_at(flown.time_s, flown.north_east_m, times_s)
         whole = self._whole
-        as_before = _places_at(whole.time_s, whole.north_east_m, times_s - later_s)
+        as_before = places_at(whole.time_s, whole.north_east_m, times_s - later_s)
         there = np.where((times_s <= flown.left_s)[:, None], there, as_before)
-        position_m[after] = there - _places_at(whole.time_s, whole.north_east_m, times_s)
+        position_m[after] = there - places_at(whole.time_s, whole.north_east_m, times_s)
 
     def _add_path(self, errors: ErrorVectors, flown: LocalFlight, first: int, last: int, some: slice) -> None:
         begin_s, end_s = self._passed_s[first - 1], self._passed_s[last]
@@ -143,7 +143,7 @@ class _ChangedLegs:
         on_legs = np.flatnonzero((self._marks_s >= begin_s) & (self._marks_s <= end_s))
         share = (self._marks_s[on_legs] - begin_s) / max(end_s - begin_s, 1e-6)
         marks_s = begin_s + share * (flown.left_s - begin_s)
-        marks = _places_at(flown.time_s, flown.north_east_m, marks_s)
+        marks = places_at(flown.time_s, flown.north_east_m, marks_s)
         near = fixes[max(0, some.start - _AROUND_FIXES) : some.stop + _AROUND_FIXES]
         usual_off = _feet_m(self._marks_m[on_legs], near) - self._marks_m[on_legs]
         errors.back[on_legs] = _feet_m(marks, near) - marks - usual_off
@@ -155,16 +155,6 @@ class _ChangedLegs:
         planned_m[some] = _feet_m(fixes, lines[0]) - _feet_m(fixes, lines[1])
 
 
-def _places_at(time_s: Floats, north_east_m: Floats, at_s: Floats) -> Floats:
-    """Places (m, 2) at times (m,)."""
-    return np.column_stack([np.interp(at_s, time_s, column) for column in north_east_m.T])
-
-
 def _feet_m(points_m: Floats, line_m: Floats) -> Floats:
     """The points (m, 2) of a line (k, 2) that are nearest to points (m, 2); these themselves without one."""
-    if len(line_m) < 2 or not len(points_m):
-        return points_m
-    start, step = line_m[:-1], np.diff(line_m, axis=0)
-    share, apart = nearest_on_segments(points_m[:, None], start, step)
-    nearest, row = apart.argmin(axis=1), np.arange(len(points_m))
-    return np.asarray(start[nearest] + share[row, nearest, None] * step[nearest])
+    return nearest_on_line_m(points_m, line_m) if len(line_m) > 1 and len(points_m) else points_m
