@@ -1,17 +1,20 @@
 """The fit beside the classic reducers: path error both ways and position error, planned and predicted.
 
-    python benchmarks/fit.py [LOG] [--flight N] [--max-points N]
+    python benchmarks/fit.py [LOG] [--flight N] [--max-points N] [--jitters N]
 
 All follow the flown part of the log (default: the sample flight). Path errors are mean / p95 / max, from
 the recorded fixes to the path and from the path back to the recorded line, where overshoots show.
 "Planned" is the path on paper, "predicted" that which the model of ArduCopter flies, at the vehicle's
-own speed for the reducers. Needs the package ``simplification``; GPSBabel joins if installed.
+own speed for the reducers. Needs the package ``simplification``; GPSBabel joins if installed. With
+``--jitters`` it tells instead how far apart the fits at the recorded speed are of so many recordings
+whose fixes are moved about 1 cm.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +39,7 @@ from flight_replay.simulator.dynamics.limits import Limits
 SAMPLE = Path(__file__).resolve().parents[1] / "data" / "flight.tlog"
 ALTITUDE_M = 30.0
 STEP_S = 0.05
+JITTER_M = 0.01
 
 
 def numbers(distances: ErrorStatistics | None) -> str:
@@ -90,6 +94,29 @@ def fitted(name: str, part: Track, max_points: int, speed: Recorded | None) -> N
     )
 
 
+def jittered(part: Track, seed: int) -> Track:
+    """The fixes moved by normally distributed distances."""
+    moved_m = part.north_east_m(part.frame)
+    moved_m += np.random.default_rng(seed).normal(0.0, JITTER_M, moved_m.shape)
+    lat_deg, lon_deg = part.frame.to_degrees(moved_m)
+    return replace(part, lat_deg=lat_deg, lon_deg=lon_deg)
+
+
+def spread(part: Track, max_points: int, count: int) -> None:
+    """The objectives and position errors of the fits of so many jittered recordings."""
+    found = []
+    for seed in range(1, count + 1):
+        of_seed = fit(jittered(part, seed), max_points=max_points, altitude_m=ALTITUDE_M, speed_m_s=RECORDED)
+        found.append((of_seed.objective_m, of_seed.position_error.mean))
+        print("jitter {}: objective {:.2f} m, position error {:.2f} m".format(seed, *found[-1]), flush=True)
+    least, most = np.min(found, axis=0), np.max(found, axis=0)
+    share = (most - least)[0] / np.mean(found, axis=0)[0]
+    print(
+        f"objective {least[0]:.2f} to {most[0]:.2f} m, {share:.0%} apart; "
+        f"position error {least[1]:.2f} to {most[1]:.2f} m"
+    )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -97,12 +124,16 @@ def main() -> None:
     parser.add_argument("log", nargs="?", type=Path, default=SAMPLE)
     parser.add_argument("--flight", type=int)
     parser.add_argument("--max-points", type=int, default=100)
+    parser.add_argument("--jitters", type=int, default=0)
     options = parser.parse_args()
     part, notes = flown_part(select(read_log(options.log).track, options.flight))
     recording = local_track(part, ALTITUDE_M)
     print(
         f"{options.log.name}: {len(part)} fixes, {part.length_m:.0f} m, {recording.time_s[-1]:.0f} s", *notes
     )
+    if options.jitters:
+        spread(part, options.max_points, options.jitters)
+        return
     columns = ["route", "points", "recorded to planned, m", "planned to recorded, m"]
     columns += ["recorded to predicted, m", "predicted to recorded, m", "position error, m", "lasts, s"]
     print(f"\n| {' | '.join([*columns, 'computed in, s'])} |")

@@ -32,16 +32,24 @@ def nearest_on_segments(point_m: Floats, start_m: Floats, step_m: Floats) -> tup
         step_m: from there to where they end, of the same shape.
     """
     # One axis of space after the other, in place: the matching spends most of its time here.
-    points, starts, steps = (np.moveaxis(array, -1, 0) for array in (point_m, start_m, step_m))
-    square = (steps * steps).sum(axis=0)
-    per_step = steps / np.where(square > 0, square, 1.0)
-    offsets = [np.asarray(point - start) for point, start in zip(points, starts, strict=True)]
-    share = np.asarray(sum(offset * factor for offset, factor in zip(offsets, per_step, strict=True)))
-    np.clip(share, 0.0, 1.0, out=share)
+    steps = [step_m[..., axis] for axis in range(step_m.shape[-1])]
+    square = _sum([step * step for step in steps])
+    per_length = np.where(square > 0, square, 1.0)
+    offsets = [point_m[..., axis] - start_m[..., axis] for axis in range(len(steps))]
+    share = _sum([offset * (step / per_length) for offset, step in zip(offsets, steps, strict=True)])
+    share = np.clip(share, 0.0, 1.0)
     for axis, step in enumerate(steps):
         offsets[axis] -= share * step
         offsets[axis] *= offsets[axis]
-    return share, np.sqrt(sum(offsets[1:], start=offsets[0]))
+    return share, np.sqrt(_sum(offsets))
+
+
+def _sum(parts: list[Floats]) -> Floats:
+    """The sum of arrays of one shape; the first is overwritten."""
+    total = parts[0]
+    for part in parts[1:]:
+        total += part
+    return total
 
 
 def nearest_on_line_m(points_m: Floats, line_m: Floats) -> Floats:

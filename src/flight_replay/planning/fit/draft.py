@@ -60,6 +60,15 @@ class Draft:
         numbers = np.arange(len(self)) + np.cumsum(np.isfinite(self.speed_m_s)) + FIRST_SEQ
         return [int(number) for number in numbers]
 
+    def part(self, first: int, end: int) -> Draft:
+        """The places from ``first`` up to below ``end``."""
+        return Draft(
+            self.places_m[first:end],
+            self.spline[first:end],
+            self.hold_s[first:end],
+            self.speed_m_s[first:end],
+        )
+
     def path(self, tolerance_m: float) -> Path:
         """The planned path; ``seq`` of its points is the index of the place that they lead to."""
         halts = self.halts

@@ -56,20 +56,19 @@ def stepped_jointly(
     """The best after some steps by the same derivatives.
 
     Args:
-        problem: what to fit, in exact steps; the derivatives are in longer ones.
-        state: the draft as it is flown in exact steps, and the damping.
+        problem: what to fit.
+        state: the draft as it is flown in exact steps of the model, and the damping.
         hovers: the recorded hovers by the place at which they are waited for.
         budget: is told how much was flown.
     """
     if len(state.best.draft) < 2 or _derivatives_count(state.best) > _MOST_DERIVATIVES:
         return state
-    near = problem.calibrated(state.best.draft)
-    base = near.evaluate(state.best.draft)
+    exact, base = problem.exact, state.best
     duration_s = float(base.flight.time_s[-1])
-    derivatives = flight_derivatives(near, base, duration_s)
-    steps_a_flight = max(duration_s / near.step_s, 1.0)
+    derivatives = flight_derivatives(exact, base, duration_s)
+    steps_a_flight = max(duration_s / exact.step_s, 1.0)
     budget.spend(derivatives.steps / steps_a_flight)
-    caps_m_s = speed_caps_m_s(base.draft, near.recording)
+    caps_m_s = speed_caps_m_s(base.draft, exact.recording)
     back_m = base.flown[1].off_m
     for _ in range(_TRIES):
         errors = _errors(state.best, problem.recording, back_m)
@@ -79,7 +78,7 @@ def stepped_jointly(
         schedule = Schedule(
             kept_in_corridor(moved, hovers, problem.recording), np.maximum.accumulate(leave_s)
         )
-        trial, steps = _flown_on_time(problem.exact, schedule, caps_m_s)
+        trial, steps = _flown_on_time(exact, schedule, caps_m_s)
         budget.spend(steps / steps_a_flight)
         if trial.objective_m >= state.best.objective_m:
             state = replace(state, damping=_MORE * state.damping)

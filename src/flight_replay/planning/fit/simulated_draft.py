@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from math import isfinite
 
 import numpy as np
 
@@ -77,7 +79,7 @@ def climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: fl
 
     What is left of the climb when the first leg begins costs that leg some tenths of a second.
     """
-    north, east, up = _vector(draft.places_m[0])
+    north, east, up = draft.places_m[0].tolist()
     short_m = (1.0 - TAKEOFF_REACHED_SHARE) * up
     climb_m_s = min(_CLIMB_LAG_SHARE * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
     return Copter(
@@ -93,23 +95,27 @@ def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[list[LocalItem
     """Mission items with the draft's speed changes, or one before each leg, and the numbers of the places."""
     items: list[LocalItem] = []
     seqs = []
-    for i, place in enumerate(draft.places_m):
-        if np.isfinite(draft.speed_m_s[i]) or (every_speed and i > 0):
-            items.append(_speed(len(items) + FIRST_SEQ, float(draft.speed_m_s[i])))
-        command = Command.SPLINE_WAYPOINT if draft.spline[i] else Command.WAYPOINT
-        north, east, up = _vector(place)
+    columns = (draft.places_m, draft.speed_m_s, draft.hold_s, draft.spline)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    for i, (place, speed_m_s, hold_s, is_spline) in enumerate(rows):
+        if isfinite(speed_m_s) or (every_speed and i > 0):
+            items.append(_speed(len(items) + FIRST_SEQ, speed_m_s))
         seqs.append(len(items) + FIRST_SEQ)
-        items.append(LocalItem(seqs[-1], command, (float(draft.hold_s[i]), 0.0, 0.0, 0.0), (north, east), up))
+        items.append(_waypoint(seqs[-1], tuple(place), hold_s, is_spline))
     return items, seqs
 
 
+# Most items of a draft are those of the draft before.
+@lru_cache(maxsize=4096)
 def _speed(seq: int, speed_m_s: float) -> LocalItem:
     return LocalItem(seq, Command.CHANGE_SPEED, (1.0, speed_m_s, 0.0, 0.0), None, None)
 
 
-def _vector(place_m: Floats) -> tuple[float, float, float]:
-    north, east, up = place_m.tolist()
-    return north, east, up
+@lru_cache(maxsize=4096)
+def _waypoint(seq: int, place_m: Vector, hold_s: float, is_spline: bool) -> LocalItem:
+    north, east, up = place_m
+    command = Command.SPLINE_WAYPOINT if is_spline else Command.WAYPOINT
+    return LocalItem(seq, command, (hold_s, 0.0, 0.0, 0.0), (north, east), up)
 
 
 def _reached_s(reached: list[tuple[int, float]], seq: int) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from math import cos, pi, sqrt, tan
 
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 
 # SIM_Frame.h's default model: at the reference altitude, drag balances 45 degrees of lean at
@@ -44,7 +45,7 @@ def drag_coefficients(amsl_m: float) -> tuple[float, float]:
     return linear, square * density / reference
 
 
-class Air:
+class Air(SnapshotPart):
     """The air around home: ``wind_m_s`` is its velocity, north, east, up."""
 
     __slots__ = ("_linear", "_square", "wind_m_s")

@@ -14,6 +14,7 @@ from flight_replay.simulator.dynamics.aerodynamics import Air
 from flight_replay.simulator.dynamics.heading import Heading
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
 from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
@@ -24,7 +25,7 @@ _WIND_ROUNDS = 8
 _LEAN_LAG_S = 0.02
 
 
-class Airframe:
+class Airframe(SnapshotPart):
     """Position, velocity, lean and heading; ``step`` moves them on."""
 
     __slots__ = (

@@ -9,6 +9,7 @@ from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.dynamics.shaping import clamp, wrap_pi
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 
 # WP_YAW_BEHAVIOR.
 _NEVER, _NEXT_WAYPOINT, _NEXT_WAYPOINT_EXCEPT_RTL, _AHEAD = 0, 1, 2, 3
@@ -30,7 +31,7 @@ class YawMode(Enum):
     RATE = "a yaw rate"
 
 
-class AutoYaw:
+class AutoYaw(SnapshotPart):
     """The target heading; ``update`` turns the airframe one step towards it."""
 
     def __init__(self, limits: Limits, airframe: Airframe, control: PositionControl) -> None:

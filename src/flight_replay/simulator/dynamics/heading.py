@@ -12,6 +12,7 @@ from math import exp, pi, radians
 
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards, wrap_pi
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 
 # ATC_ANG_YAW_P, ATC_RAT_YAW_P, _I and _FLTE, and the largest yaw acceleration that an angle asks for.
 _ANGLE_P, _RATE_P, _RATE_I, _FILTER_S = 4.5, 0.3, 0.02, 1.0 / (2.0 * pi * 2.5)
@@ -21,7 +22,7 @@ _RAD_S2_PER_OUTPUT, _DRAG_PER_S = 13.9, 1.95
 _NO_TURN = 1e-5
 
 
-class Heading:
+class Heading(SnapshotPart):
     """``target`` is turned within limits of rate and acceleration; ``yaw`` follows it. Radians."""
 
     __slots__ = ("_dt", "_error", "_integral", "_limits", "_rate", "_smooth", "_target_rate", "target", "yaw")

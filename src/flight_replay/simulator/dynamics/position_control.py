@@ -162,8 +162,8 @@ class PositionControl(PositionTarget):
         wanted = n + self.accel_n, e + self.accel_e
         self.load = hypot(*wanted) / self._lean_max
         allowed = limit_accel_xy(wanted, (self.vn, self.ve), self._lean_max)
-        self.excess = None if allowed is wanted else (wanted, (dn, de), self._pid.error)
-        self._pid.set_limited((0.0, 0.0) if allowed is wanted else wanted)
+        self.excess = None if allowed == wanted else (wanted, (dn, de), self._pid.error)
+        self._pid.set_limited((0.0, 0.0) if allowed == wanted else wanted)
         return allowed
 
     def _throttle_wanted(self) -> float:

@@ -19,6 +19,7 @@ from flight_replay.simulator.dynamics.shaping import (
     step_towards,
     step_towards_xy,
 )
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 
 # AC_PosControl.h: POSCONTROL_OVERSPEED_GAIN_Z.
@@ -27,7 +28,7 @@ _OVERSPEED_GAIN = 2.0
 Pair = tuple[float, float]
 
 
-class PositionTarget:
+class PositionTarget(SnapshotPart):
     """Target position, velocity and acceleration, and the limits of their motion."""
 
     __slots__ = (

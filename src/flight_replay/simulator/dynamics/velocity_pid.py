@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import exp, hypot, pi
 
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 
 # PSC_VELXY_FLTE, _FLTD and PSC_VELZ_FLTE: 5 Hz.
 FILTER_S = 1.0 / (2.0 * pi * 5.0)
@@ -12,7 +13,7 @@ FILTER_S = 1.0 / (2.0 * pi * 5.0)
 _INTEGRATOR_MAX = 10.0
 
 
-class VelocityPid:
+class VelocityPid(SnapshotPart):
     """Velocity error, m/s north and east, to acceleration, m/s²."""
 
     __slots__ = ("_alpha", "_dt", "_error", "_integral", "_limited", "_rate")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import hypot
 
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.navigation.scurve import SCurve
 
@@ -16,7 +17,7 @@ LegMotion = tuple[Vector, float, float, float]
 """A direction, and position m, speed m/s and acceleration m/s² along it."""
 
 
-class StraightLegs:
+class StraightLegs(SnapshotPart):
     """The leg that is flown, the one before, which may not have ended, and the one after."""
 
     __slots__ = ("current", "following", "previous", "unused_s")

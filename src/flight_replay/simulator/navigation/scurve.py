@@ -10,6 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from math import hypot
 
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.navigation.path_limits import PathLimits
 from flight_replay.simulator.navigation.scurve_ramp import Kinematics, ramp
@@ -35,7 +36,7 @@ from flight_replay.simulator.navigation.scurve_speed_change import with_top_spee
 _RESOLUTION = 1.5e-7
 
 
-class SCurve:
+class SCurve(SnapshotPart):
     """Motion along one straight leg, from rest to rest unless told otherwise; empty without length."""
 
     __slots__ = (

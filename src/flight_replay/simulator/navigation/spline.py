@@ -11,6 +11,7 @@ from __future__ import annotations
 from math import hypot, sqrt
 
 from flight_replay.simulator.dynamics.shaping import clamp
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.navigation.hermite import Coefficients, Ends, hermite
 from flight_replay.simulator.navigation.path_limits import PathLimits
@@ -31,7 +32,7 @@ _ACCEL_DELAY_S, _DECEL_DELAY_S = 0.00125, 0.00375
 _REST_M_S = 0.002
 
 
-class _CurvePoint:
+class _CurvePoint(SnapshotPart):
     """A point of a curve: position, unit tangent, and the speed and acceleration allowed along it.
 
     ``tangent`` is the length of the derivative by t, m, and ``tangent_growth`` how that grows with t.
@@ -80,7 +81,7 @@ def _direction(n: float, e: float, u: float) -> Vector | None:
     return (n / length, e / length, u / length) if length > 0 else None
 
 
-class Spline:
+class Spline(SnapshotPart):
     """Motion along one spline leg; ``speed``, m/s, is what it has now, and may be set to begin with.
 
     ``assumed_speed`` is the speed at the destination, m/s, that the origin speed is planned for

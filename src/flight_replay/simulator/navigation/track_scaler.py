@@ -11,6 +11,7 @@ from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.dynamics.shaping import clamp
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 
 # Speed that the target may have beyond the copter's.
 _LEAD_SHARE = 0.05
@@ -33,7 +34,7 @@ _MOVING_M_S = 0.3
 _RESTING_M_S = 0.001
 
 
-class _EstimateDrift:
+class _EstimateDrift(SnapshotPart):
     """The drift of the position estimate, ``rested_s`` after the target has come to rest."""
 
     __slots__ = ("_velocity", "rested_s")
@@ -57,7 +58,7 @@ class _EstimateDrift:
         return 0.5 * _DRIFT_M_S * (1.0 + cos(pi * since_peak)) * (track_e * vn - track_n * ve) / speed
 
 
-class TrackScaler:
+class TrackScaler(SnapshotPart):
     """``scale`` is how much of each step's time the target moves on, 0 to 1 (_track_scalar_dt)."""
 
     __slots__ = ("_drift", "_rest_scale", "scale")

@@ -11,6 +11,7 @@ from math import hypot
 from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import MIN_SPEED_M_S, Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector, minus
 from flight_replay.simulator.navigation.hermite import Ends
 from flight_replay.simulator.navigation.leg_blending import StraightLegs
@@ -22,7 +23,7 @@ from flight_replay.simulator.navigation.track_scaler import TrackScaler
 _ZERO = (0.0, 0.0, 0.0)
 
 
-class WaypointNavigation:
+class WaypointNavigation(SnapshotPart):
     """The target that flies through the waypoints; ``advance`` moves it and flies the airframe after it."""
 
     def __init__(self, limits: Limits, airframe: Airframe, control: PositionControl) -> None:

@@ -11,17 +11,25 @@ from flight_replay.simulator.flight.copter import Copter
 
 
 class CopterSnapshot:
-    """A copter as it was; what is ``shared`` is not copied."""
+    """A copter in AUTO as it was; what is ``shared`` is not copied."""
 
     def __init__(self, copter: Copter, shared: Sequence[object]) -> None:
+        run = copter.mission
+        assert run is not None, "a draft is flown in AUTO"
         self._shared = shared
+        # What was reached so far would be half of what is written and read.
+        self._reached, run.reached = run.reached, []
         file = io.BytesIO()
         _Pickler(file, shared).dump(copter)
         self._bytes = file.getvalue()
+        run.reached = self._reached.copy()
 
     def copy(self, shared: Sequence[object] | None = None) -> Copter:
         """A copter in the same state, which flies on by itself, with other shared things if given."""
         copied: Copter = _Unpickler(io.BytesIO(self._bytes), shared or self._shared).load()
+        run = copied.mission
+        assert run is not None, "a draft is flown in AUTO"
+        run.reached = self._reached.copy()
         return copied
 
 

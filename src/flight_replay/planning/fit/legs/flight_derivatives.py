@@ -82,7 +82,6 @@ class _ChangedLegs:
         self._whole = self._flights.fly(self._flights.draft, 1, self._last)
         self._passed_s = np.append(self._flights.left_s(0), self._whole.passed_s)
         self._passing_leg = np.maximum.accumulate(base.planned[0].leg)
-        self._path = base.draft.path(CURVE_TOLERANCE_M)
         self._marks_m, self._marks_s = marks_along(base.flight)
 
     @property
@@ -150,9 +149,15 @@ class _ChangedLegs:
 
     def _add_planned(self, planned_m: Floats, changed: Draft, first: int, last: int, some: slice) -> None:
         fixes = self._recording.north_east_m[some]
-        usual, path = self._path, changed.path(CURVE_TOLERANCE_M)
-        lines = [each.north_east_m[(each.seq >= first - 1) & (each.seq <= last)] for each in (usual, path)]
-        planned_m[some] = _feet_m(fixes, lines[0]) - _feet_m(fixes, lines[1])
+        usual, moved = (_legs_m(draft, first - 1, last) for draft in (self._flights.draft, changed))
+        planned_m[some] = _feet_m(fixes, usual) - _feet_m(fixes, moved)
+
+
+def _legs_m(draft: Draft, first: int, last: int) -> Floats:
+    """The line (k, 2) of the legs to places ``first`` to ``last``, which two places around them shape."""
+    begin = max(first - 2, 0)
+    path = draft.part(begin, last + 2).path(CURVE_TOLERANCE_M)
+    return path.north_east_m[(path.seq >= first - begin) & (path.seq <= last - begin)]
 
 
 def _feet_m(points_m: Floats, line_m: Floats) -> Floats:
