@@ -30,7 +30,7 @@ from flight_replay.planning.fit.reference import Hover, LocalTrack
 from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, SLOWEST_M_S, Schedule, speed_caps_m_s
 from flight_replay.planning.fit.speed_search import SpeedSearch
 
-JOINT_FLIGHTS = 25
+JOINT_FLIGHTS = 18
 """A step costs about as many flights, most of them for the derivatives."""
 FIRST_DAMPING = 0.03
 _MORE, _LESS = 4.0, 0.5

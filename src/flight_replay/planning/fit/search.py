@@ -81,7 +81,9 @@ def _timed_search(problem: FitProblem, state: State, budget: Budget) -> tuple[Ev
         near, before_m = problem.calibrated(best.draft), best.objective_m
         state = replace(state, best=near.evaluate(best.draft))
         state = swept(near, refined(near, state, budget, _STEPS), budget, share)
-        best, share = better(best, problem.exact.evaluate(state.best.draft)), LATER_SHARE
+        found = state.best.draft
+        on_time = timed(problem.exact, found, state.hovers, budget)
+        best, share = better(best, problem.exact.evaluate(found), on_time), LATER_SHARE
         best, damping = _joint_steps(problem, JointState(best, damping), state.hovers, budget)
         if best.objective_m > (1 - _WORTH_GOING_ON) * before_m:
             return best, _NO_MORE
@@ -92,8 +94,9 @@ def _joint_steps(
     problem: FitProblem, state: JointState, hovers: dict[int, Hover], budget: Budget
 ) -> tuple[Evaluation, float]:
     """The best after steps of all places and speeds together, as long as they gain, and the damping."""
-    before_m = float("inf")
-    while budget.affords(JOINT_FLIGHTS) and state.best.objective_m < (1 - _WORTH_GOING_ON) * before_m:
+    gains = True
+    while gains:
         before_m = state.best.objective_m
         state = stepped_jointly(problem, state, hovers, budget)
+        gains = state.best.objective_m < (1 - _WORTH_GOING_ON) * before_m and budget.affords(JOINT_FLIGHTS)
     return state.best, state.damping
