@@ -21,10 +21,12 @@ _NOT_COMPILED = frozenset({"__init__.py", "hermite.py", "spline_end.py"})
 """What works with numpy's arrays gains nothing."""
 _LONGEST_S = 600
 _SETUP = """
+import os
 from mypyc.build import mypycify
 from setuptools import setup
-flags = ["--python-version", "3.10", "--follow-imports", "silent", "--ignore-missing-imports"]
-setup(ext_modules=mypycify([*flags, *{modules!r}], group_name="flight_replay", target_dir={target!r}))
+flags = ["--python-version=3.10", "--follow-imports=silent", "--ignore-missing-imports"]
+flags += ["--cache-dir", os.devnull]
+setup(ext_modules=mypycify(flags + {modules!r}, group_name="flight_replay", target_dir={target!r}))
 """
 
 
