@@ -127,7 +127,9 @@ class FakeVehicle:
         self.velocity_m_s = np.zeros(3)
         if self.goal_m is None:
             if self.climbs:
-                self.altitude_m = min(self.target_m, self.altitude_m + CLIMB_M_S * step_s)
+                before_m = self.altitude_m
+                self.altitude_m = min(self.target_m, before_m + CLIMB_M_S * step_s)
+                self.velocity_m_s[2] = (self.altitude_m - before_m) / max(step_s, 1e-6)
         elif self.target is None:
             here = np.array([*self.place_m, self.altitude_m])
             apart_m = self.goal_m - here

@@ -39,6 +39,55 @@ def test_a_take_off_is_over_at_95_percent_of_its_altitude() -> None:
     assert fake_flight(vehicle, takeoff_altitude_m=20.0).fly().problem is None
 
 
+def test_the_mission_begins_when_the_climb_is_over() -> None:
+    """The first leg of a mission that is begun in a climb takes longer or shorter by up to half a second."""
+    flight = fake_flight(takeoff_altitude_m=30.0)
+    begun_m: list[float] = []
+    request_mode = flight.vehicle.request_mode
+
+    def note(mode: str) -> None:
+        if mode == "AUTO":
+            begun_m.append(flight.vehicle.altitude_m)
+        request_mode(mode)
+
+    flight.vehicle.request_mode = note  # type: ignore[method-assign]
+    assert flight.fly().problem is None
+    assert begun_m[0] == 30.0
+
+
+def test_a_vehicle_that_is_never_level_begins_after_ten_seconds() -> None:
+    """A vertical speed that is only noise does not hold the flight up."""
+    vehicle = FakeVehicle(FakeClock())
+    move = vehicle._move
+
+    def bob(step_s: float) -> None:
+        move(step_s)
+        vehicle.velocity_m_s[2] = 0.5
+
+    vehicle._move = bob  # type: ignore[method-assign]
+    flight, calm = fake_flight(vehicle), fake_flight()
+    assert flight.fly().problem is None
+    assert calm.fly().problem is None
+    assert 8.0 < flight.wall_s - calm.wall_s < 11.0
+
+
+def test_a_vehicle_that_disarms_while_it_levels_off_is_an_error() -> None:
+    """It is falling, or was on the ground all the time."""
+    vehicle = FakeVehicle(FakeClock())
+
+    def climb_for_long(altitude_m: float) -> None:
+        vehicle.requested.append("takeoff")
+        vehicle.target_m = altitude_m + 100.0
+
+    def disarm() -> None:
+        vehicle.armed = False
+
+    vehicle.request_takeoff = climb_for_long  # type: ignore[method-assign]
+    vehicle.schedule.append((19.0, disarm))
+    with pytest.raises(VehicleError, match=r"the vehicle disarmed during take-off, after climbing to \d+"):
+        fake_flight(vehicle).fly()
+
+
 def test_a_climb_that_stops_halfway_ends_in_rtl() -> None:
     """The height that was reached is in the message, 25 s later."""
     flight = fake_flight()

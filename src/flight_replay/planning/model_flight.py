@@ -8,8 +8,9 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.movement import Movement
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import Home, Mission
+from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.altitude import home_of
-from flight_replay.planning.prediction import SAMPLE_S, after_takeoff, step_for_s
+from flight_replay.planning.prediction import SAMPLE_S, step_for_s
 from flight_replay.planning.route import Route
 from flight_replay.simulator.flight.trajectory import Trajectory, home_frame, simulate
 from flight_replay.supervisor.flight_plan import FlightRecord

@@ -7,17 +7,16 @@ from dataclasses import replace
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
-from flight_replay.mission.items import TAKEOFF_REACHED_SHARE, Command
+from flight_replay.mission.items import Command
+from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
-from flight_replay.simulator.dynamics.vector import Vector
 
 _STEP_S, _LONG_STEP_S = 0.02, 0.05
 _LONG_M = 5_000.0
 """Beyond this, the tenths of a second at splines' sharp turns that long steps miss are not worth the wait."""
 SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
 _LONGEST_SIMULATED_M = 50_000.0
-_CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
 
 def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
@@ -39,13 +38,6 @@ def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
         return route
     predicted = flight_errors(route.wanted, flown, last_s=last_s)
     return replace(route, predicted=predicted, predicted_flight=flown, predicted_duration_s=auto_s)
-
-
-def after_takeoff(takeoff_m: float, limits: Limits) -> tuple[Vector, Vector]:
-    """Where a vehicle is above home, and its velocity, as the take-off hands over to AUTO: still climbing."""
-    short_m = (1.0 - TAKEOFF_REACHED_SHARE) * takeoff_m
-    climb_m_s = min(_CLIMB_LAG_SHARE * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
-    return (0.0, 0.0, takeoff_m - short_m), (0.0, 0.0, climb_m_s)
 
 
 def step_for_s(route: Route) -> float:

@@ -9,8 +9,8 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.mission.items import FIRST_SEQ, Mission
+from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.heights import HeightChange, RouteHeights
-from flight_replay.planning.prediction import after_takeoff
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 

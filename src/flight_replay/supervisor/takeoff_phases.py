@@ -20,6 +20,7 @@ _RETRY_UNACKED_WALL_S = 1.0  # The vehicle's clock may run fast, and the ack be 
 _PREARM_CHECKS_S = 5.0
 _OFF_GROUND_M = 1.0
 _MIN_CLIMB_M = 0.5  # A smaller gain of height is no climb.
+_LEVEL_M_S, _LEVELLING_S = 0.1, 10.0
 _MAX_ARMINGS = 3
 _MIN_IDLE_S = 4.0  # ArduCopter disarms by itself after 10 s: sooner than this, somebody disarmed it.
 
@@ -127,7 +128,7 @@ def arm_and_takeoff(monitor: VehicleMonitor, altitude_m: float) -> None:
 
 
 def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
-    """Climb to 95 % of ``altitude_m`` above home; False if the vehicle disarmed itself on the ground.
+    """Climb to 95 % of ``altitude_m`` above home, and level off; False if the vehicle disarmed on the ground.
 
     Raises:
         VehicleError: Somebody else disarmed it, perhaps standing beside it; or it disarmed in the air.
@@ -159,7 +160,24 @@ def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
             monitor.emit(Climbing(monitor.altitude_m, enough_m, altitude_m))
         monitor.step()
     monitor.emit(TargetAltitudeReached(altitude_m))
+    _level_off(monitor)
     return True
+
+
+def _level_off(monitor: VehicleMonitor) -> None:
+    """Wait for the end of the climb, though not for long.
+
+    Begun in a climb, a mission's first leg takes up to half a second more or less, by the height.
+    """
+    deadline = Deadline(monitor, _LEVELLING_S)
+    while not deadline.passed and _climbs(monitor):
+        if monitor.modes.disarmed_at_s is not None:
+            raise _disarmed_in_the_air(monitor, monitor.altitude_m)
+        monitor.step()
+
+
+def _climbs(monitor: VehicleMonitor) -> bool:
+    return monitor.state is not None and abs(monitor.state.velocity_m_s[2]) > _LEVEL_M_S
 
 
 def _check_disarmed_itself(monitor: VehicleMonitor, idle_s: float) -> None:

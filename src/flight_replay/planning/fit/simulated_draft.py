@@ -10,7 +10,8 @@ import numpy as np
 
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.mission.items import FIRST_SEQ, TAKEOFF_REACHED_SHARE, Command
+from flight_replay.mission.items import FIRST_SEQ, Command
+from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
@@ -19,7 +20,6 @@ from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _LONGEST_S = 100_000.0
-_CLIMB_LAG_SHARE = 0.8  # Of what the position controller asks for, which the climb follows behind.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +48,7 @@ def simulate_draft(draft: Draft, limits: Limits, step_s: float, home_amsl_m: flo
         MissionError: the flight does not end.
     """
     items, seqs = items_of(draft)
-    copter = climbing_copter(draft, limits, step_s, home_amsl_m)
+    copter = copter_after_takeoff(draft, limits, step_s, home_amsl_m)
     run = copter.start_auto(items)
     return flight_of(draft, run, seqs, _positions_m(copter, run), step_s)
 
@@ -74,18 +74,14 @@ def _positions_m(copter: Copter, run: MissionRun) -> list[Vector]:
     return rows
 
 
-def climbing_copter(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> Copter:
-    """A copter as AUTO finds it: nearly as high as the first place, and slowing down as its controller does.
-
-    What is left of the climb when the first leg begins costs that leg some tenths of a second.
-    """
+def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> Copter:
+    """A copter as AUTO finds it: at the end of its climb to the first place."""
     north, east, up = draft.places_m[0].tolist()
-    short_m = (1.0 - TAKEOFF_REACHED_SHARE) * up
-    climb_m_s = min(_CLIMB_LAG_SHARE * limits.position_z_p * short_m, limits.wp_speed_up_m_s)
+    (_, _, begin_up_m), velocity_m_s = after_takeoff(up, limits)
     return Copter(
         limits,
-        position_m=(north, east, up - short_m),
-        velocity_m_s=(0.0, 0.0, climb_m_s),
+        position_m=(north, east, begin_up_m),
+        velocity_m_s=velocity_m_s,
         step_s=step_s,
         home_amsl_m=home_amsl_m,
     )

@@ -16,7 +16,12 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
-from flight_replay.planning.fit.simulated_draft import SimulatedDraft, climbing_copter, flight_of, items_of
+from flight_replay.planning.fit.simulated_draft import (
+    SimulatedDraft,
+    copter_after_takeoff,
+    flight_of,
+    items_of,
+)
 from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, with_speeds
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
@@ -68,7 +73,7 @@ class SpeedSearch:
         self._plan, self._caps_m_s, self._limits, self._step_s = plan, caps_m_s, limits, step_s
         self._guesses = with_every_speed(plan.draft).speed_m_s
         self._items, self._seqs = items_of(replace(plan.draft, speed_m_s=caps_m_s), every_speed=True)
-        self._copter = climbing_copter(plan.draft, limits, step_s, home_amsl_m)
+        self._copter = copter_after_takeoff(plan.draft, limits, step_s, home_amsl_m)
         self._copter.start_auto(self._items)
         self._rows = [self._copter.position_m]
         self._begin_s = 0.0

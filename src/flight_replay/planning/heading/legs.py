@@ -13,7 +13,8 @@ from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import lengths_along_m
 from flight_replay.mission.items import Command, Mission
-from flight_replay.planning.prediction import after_takeoff, step_for_s
+from flight_replay.planning.after_takeoff import after_takeoff
+from flight_replay.planning.prediction import step_for_s
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import Trajectory, home_frame, simulate

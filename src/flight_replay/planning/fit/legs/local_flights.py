@@ -16,7 +16,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.simulated_draft import climbing_copter, items_of
+from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.mission.local_items import LocalItem
 
@@ -64,7 +64,7 @@ class LocalFlights:
         self._most_steps = most_s / problem.step_s
         self.steps = 0
         items, self._seqs = self._items_of(self._draft)
-        copter = climbing_copter(draft, problem.limits, problem.step_s, problem.recording.home_amsl_m)
+        copter = copter_after_takeoff(draft, problem.limits, problem.step_s, problem.recording.home_amsl_m)
         copter.start_auto(items)
         # How the copter is as the leg to each place is about to begin, and what it flew on each leg before.
         self._before = [self._snapshot(copter, items)]
