@@ -31,3 +31,13 @@ def test_a_search_says_why_it_stopped() -> None:
     problem, starts = problem_and_starts(timed=True)
     assert "enough" in search(problem, starts[:1], Budget(1, lambda done, total: None))[1]
     assert "gained" in search(problem, starts[:1], Budget(10_000, lambda done, total: None))[1]
+
+
+def test_the_next_best_start_goes_on_too_where_the_budget_lasts() -> None:
+    """Two starts get a long budget: the answer is no worse than that of either alone."""
+    problem, starts = problem_and_starts(timed=False)
+    together, _ = search(problem, starts, Budget(10_000, lambda done, total: None))
+    alone = [
+        search(problem, [start], Budget(10_000, lambda done, total: None))[0].objective_m for start in starts
+    ]
+    assert together.objective_m <= min(alone) * 1.001

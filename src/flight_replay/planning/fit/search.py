@@ -1,7 +1,7 @@
 """From first drafts to the best: set the speeds, move the places, change the legs, and again while it gains.
 
-Every start has its first round; the best goes on. What is found in steps of the model that are long
-enough to be cheap is judged in exact ones, where the recorded speed is to be kept.
+Every start has its first round; the best goes on, and others while there is time. What is found in steps of
+the model that are long enough to be cheap is judged in exact ones, where the recorded speed is to be kept.
 """
 
 from __future__ import annotations
@@ -34,19 +34,30 @@ from flight_replay.planning.fit.rounds import (
 _WORTH_GOING_ON = 0.01
 _NO_MORE = f"the last steps gained less than {100 * _WORTH_GOING_ON:.0f} %"
 _STEPS = 6
+_SEARCH_FLIGHTS = 2 * SWEEP_FLIGHTS
 _HOPELESS = 1.5
 """A start so many times worse than the best does not get a round."""
 
 
 def search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tuple[Evaluation, str]:
-    """The best draft that comes of some starts, and why the search stopped, in words."""
-    state = _begun(problem, starts[0], budget)
+    """The best draft that comes of some starts, and why the search stopped, in words.
+
+    The start that is best after a round goes on to its end. It may be a dead end, as straight legs often are:
+    with enough of the budget left the next best goes on, too.
+    """
+    begun = [_begun(problem, starts[0], budget)]
     for start in starts[1:]:
+        best_m = min(state.best.objective_m for state in begun)
         least_m = objective_lower_bound_m(start.draft, problem.recording, timed=problem.timed)
-        if least_m < state.best.objective_m and budget.affords(ROUND_FLIGHTS):
-            rival = _begun(problem, start, budget, state.best.objective_m)
-            state = min(state, rival, key=lambda each: each.best.objective_m)
-    best, stopped = (_timed_search if problem.timed else _untimed_search)(problem, state, budget)
+        if least_m < best_m and budget.affords(ROUND_FLIGHTS):
+            begun.append(_begun(problem, start, budget, best_m))
+    begun.sort(key=lambda state: state.best.objective_m)
+    search_on = _timed_search if problem.timed else _untimed_search
+    best, stopped = search_on(problem, begun[0], budget)
+    for state in begun[1:]:
+        if state.best.objective_m < _HOPELESS * best.objective_m and budget.affords(_SEARCH_FLIGHTS):
+            found, why = search_on(problem, state, budget)
+            best, stopped = (found, why) if found.objective_m < best.objective_m else (best, stopped)
     budget.finish()
     return best, stopped
 
