@@ -39,14 +39,18 @@ class FlightModelHook(BuildHookInterface[Any]):
             return
         self._scratch = Path(tempfile.mkdtemp())
         source = Path(self.root, "src")
-        libraries = compiled(flight_model(source), source, self._scratch)
-        if not libraries:
-            self.app.display_warning(
-                "The flight model is not compiled, and slower: no C compiler, or no Python.h"
-            )
-            return
-        build_data["force_include"].update(libraries)
-        build_data["infer_tag"], build_data["pure_python"] = True, False
+        try:
+            libraries = compiled(flight_model(source), source, self._scratch)
+        except subprocess.CalledProcessError as error:
+            self._stay_plain(error.stderr.strip().rpartition("\n")[2])
+        except (OSError, subprocess.TimeoutExpired) as error:
+            self._stay_plain(str(error))
+        else:
+            build_data["force_include"].update(libraries)
+            build_data["infer_tag"], build_data["pure_python"] = True, False
+
+    def _stay_plain(self, reason: str) -> None:
+        self.app.display_warning(f"The flight model is not compiled, and slower: {reason}")
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Remove what the compiler left."""
@@ -61,19 +65,21 @@ def flight_model(source: Path) -> list[str]:
 
 
 def compiled(modules: list[str], source: Path, scratch: Path) -> dict[str, str]:
-    """The libraries that modules are compiled to, and where each belongs; none if they cannot be."""
+    """The libraries that modules are compiled to, and where each belongs.
+
+    Raises:
+        OSError, subprocess.SubprocessError: they cannot be compiled, or not in time.
+    """
     libraries = scratch / "libraries"
     setup = _SETUP.format(modules=modules, target=str(scratch / "c"))
     arguments = ["build_ext", "--build-lib", str(libraries), "--build-temp", str(scratch / "objects")]
     # Multiplications and additions in one, which some processors have, would change the last bits.
     flags = {} if os.name == "nt" else {"CFLAGS": f"{os.environ.get('CFLAGS', '')} -ffp-contract=off"}
-    try:
-        subprocess.run(
-            [sys.executable, "-c", setup, *arguments],
-            cwd=source, env={**os.environ, **flags}, timeout=_LONGEST_S, check=True, capture_output=True,
-        )  # fmt: skip
-    except (OSError, subprocess.SubprocessError):
-        return {}
+    subprocess.run(
+        [sys.executable, "-c", setup, *arguments],
+        cwd=source, env={**os.environ, **flags}, timeout=_LONGEST_S,
+        check=True, capture_output=True, text=True,
+    )  # fmt: skip
     return {
         str(each): each.relative_to(libraries).as_posix() for each in libraries.rglob("*") if each.is_file()
     }

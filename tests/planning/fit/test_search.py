@@ -1,10 +1,15 @@
 """The search among starts, and why it stops."""
 
+import pytest
+
+import flight_replay.planning.fit.search as search_module
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.rounds import State
 from flight_replay.planning.fit.search import search
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import wander
@@ -33,11 +38,17 @@ def test_a_search_says_why_it_stopped() -> None:
     assert "gained" in search(problem, starts[:1], Budget(10_000, lambda done, total: None))[1]
 
 
-def test_the_next_best_start_goes_on_too_where_the_budget_lasts() -> None:
-    """Two starts get a long budget: the answer is no worse than that of either alone."""
-    problem, starts = problem_and_starts(timed=False)
-    together, _ = search(problem, starts, Budget(10_000, lambda done, total: None))
-    alone = [
-        search(problem, [start], Budget(10_000, lambda done, total: None))[0].objective_m for start in starts
-    ]
-    assert together.objective_m <= min(alone) * 1.001
+def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A start that is best after a round is not the answer for that."""
+    problem, (curved, _) = problem_and_starts(timed=False)
+    searched = []
+
+    def dead_end_first(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
+        searched.append(state.best.objective_m)
+        return (state.best, "a dead end") if len(searched) == 1 else untimed_search(problem, state, budget)
+
+    untimed_search = search_module._untimed_search
+    monkeypatch.setattr(search_module, "_untimed_search", dead_end_first)
+    best, stopped = search(problem, [curved, curved], Budget(150, lambda done, total: None))
+    assert best.objective_m < min(searched)
+    assert stopped != "a dead end"
