@@ -9,6 +9,7 @@ from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 
 
+# Not frozen: pickle cannot make a compiled class again that is.
 @dataclass(slots=True)
 class PathLimits(SnapshotPart):
     """Speeds m/s, accelerations m/s², jerk m/s³ and snap m/s⁴ that legs are planned with."""
