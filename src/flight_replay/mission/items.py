@@ -31,6 +31,7 @@ class Command(IntEnum):
     CONDITION_DISTANCE = 114
     CONDITION_YAW = 115
     CHANGE_SPEED = 178
+    SET_ROI = 201
 
 
 class Frame(IntEnum):
@@ -98,22 +99,15 @@ def turn_to(heading_deg: float, rate_deg_s: float = 0.0, direction: int = 0) -> 
     return MissionItem(Command.CONDITION_YAW, Frame.MISSION, params, 0.0, 0.0, 0.0)
 
 
-def keep_heading() -> MissionItem:
-    """CONDITION_YAW by no degrees: what was asked for before goes on."""
-    params = (0.0, 0.0, 0.0, 1.0)
-    return MissionItem(Command.CONDITION_YAW, Frame.MISSION, params, 0.0, 0.0, 0.0)
-
-
 def wait(duration_s: float) -> MissionItem:
     """CONDITION_DELAY: seconds until the next DO or CONDITION item may start, while the vehicle flies on."""
     params = (float(duration_s), 0.0, 0.0, 0.0)
     return MissionItem(Command.CONDITION_DELAY, Frame.MISSION, params, 0.0, 0.0, 0.0)
 
 
-def wait_until_near(distance_m: float) -> MissionItem:
-    """CONDITION_DISTANCE: wait until the vehicle is nearer to its next waypoint than this."""
-    params = (float(distance_m), 0.0, 0.0, 0.0)
-    return MissionItem(Command.CONDITION_DISTANCE, Frame.MISSION, params, 0.0, 0.0, 0.0)
+def face(lat_deg: float, lon_deg: float, alt_m: float, frame: int = Frame.RELATIVE) -> MissionItem:
+    """DO_SET_ROI: a vehicle without a gimbal faces a position until it is told otherwise."""
+    return MissionItem(Command.SET_ROI, frame, (0.0, 0.0, 0.0, 0.0), lat_deg, lon_deg, alt_m)
 
 
 @dataclass(frozen=True, slots=True)

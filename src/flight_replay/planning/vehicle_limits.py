@@ -22,6 +22,7 @@ _FIELDS: dict[str, tuple[str, str]] = {
     "wp_yaw_behavior": ("yaw behaviour", ""),
     "shaping_jerk_m_s3": ("controller jerk", "m/s³"),
     "lean_angle_rad": ("lean angle", "deg"),
+    "mount_type": ("gimbal type", ""),
 }
 """Fields of ``Limits`` that are read from the vehicle, their names and units for people."""
 PARAMETER_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _FIELDS)

@@ -71,6 +71,31 @@ def test_speeds_stay_where_they_are_or_follow_a_turn() -> None:
     assert all(isinstance(item, MissionItem) for item in turned.mission.items)
 
 
+def with_speed_changes(route: Route) -> Route:
+    """The route with another speed on each of its legs."""
+    speeds = (change_speed(4.0 + k % 2) for k in range(len(route.mission.waypoints)))
+    items = [each for _, item in route.mission.waypoints for each in (next(speeds), item)]
+    return replace(route, mission=replace(route.mission, items=tuple(items)))
+
+
+def test_a_heading_lasts_over_changes_of_speed() -> None:
+    """A flight sideways with a change of speed on each leg faces a far position: few items do."""
+    route = with_speed_changes(route_with(90.0))
+    turned = with_recorded_headings(route, Limits(), 30.0, timed=True)
+    added = len(turned.mission.items) - len(route.mission.items)
+    assert sum(item.command == Command.SET_ROI for item in turned.mission.items) > 0
+    assert error_deg(turned) < 5
+    assert added < len(route.mission.waypoints)
+
+
+def test_a_vehicle_with_a_gimbal_is_turned_without_positions_to_face() -> None:
+    """They would turn its gimbal: it is turned on every leg instead, each time from the path's heading."""
+    route = with_speed_changes(route_with(90.0))
+    turned = with_recorded_headings(route, Limits(mount_type=1.0), 30.0, timed=True)
+    assert not any(item.command == Command.SET_ROI for item in turned.mission.items)
+    assert error_deg(turned) < 30
+
+
 def test_turns_are_planned_with_the_climb_from_the_takeoff() -> None:
     """After a climb to the first waypoint the first leg begins slowly, and all turns come later."""
     route = route_with((20.0 * np.arange(51)).tolist())

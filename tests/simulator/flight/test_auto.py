@@ -54,11 +54,13 @@ class Flown:
         self.places: list[Vector] = []
         self.speeds: list[float] = []
         self.targets_up_m: list[float] = []
+        self.yaws_rad: list[float] = []
         while not self.run.completed and self.copter.motors and self.copter.time_s < seconds:
             self.copter.step()
             self.places.append(self.copter.position_m)
             self.speeds.append(hypot(*self.copter.velocity_m_s))
             self.targets_up_m.append(self.copter.target_m[2])
+            self.yaws_rad.append(self.copter.yaw_rad)
 
     @property
     def reached(self) -> dict[int, float]:
@@ -69,6 +71,9 @@ class Flown:
 
     def at(self, time_s: float) -> Vector:
         return self.places[round(time_s / self.copter.step_s) - 1]
+
+    def heading_deg(self, time_s: float) -> float:
+        return degrees(self.yaws_rad[round(time_s / self.copter.step_s) - 1])
 
 
 def test_corners_are_cut_within_the_radius_and_the_end_is_a_stop() -> None:
@@ -262,6 +267,63 @@ def test_conditions_hold_up_what_comes_after_them() -> None:
         item_at(140, 0),
     )
     assert turned.reached[2] - turned.reached[1] == pytest.approx(3.0, abs=1.5)
+
+
+def roi(n: float, e: float) -> Spec:
+    return Command.SET_ROI, (), (n, e), 20.0
+
+
+def test_a_position_is_faced_until_something_else_is_asked_for() -> None:
+    """DO_SET_ROI outlasts its leg, also where the next one changes speed first; a turn ends it."""
+    flown = Flown(
+        roi(40.0, 1000.0),
+        item_at(40, 0),
+        do(Command.CHANGE_SPEED, 1, 4.0),
+        item_at(80, 0),
+        do(Command.CONDITION_YAW, 180.0, 60.0),
+        item_at(120, 0),
+        do(Command.CHANGE_SPEED, 1, 5.0),
+        item_at(160, 0),
+    )
+    assert flown.heading_deg(5.0) == pytest.approx(90.0, abs=3.0)
+    assert flown.heading_deg(flown.reached[4] - 0.5) == pytest.approx(92.0, abs=3.0)
+    assert abs(flown.heading_deg(flown.reached[6] - 0.5)) == pytest.approx(180.0, abs=2.0)
+    assert flown.heading_deg(flown.reached[8] - 0.5) == pytest.approx(0.0, abs=2.0)
+
+
+def test_a_turn_goes_on_from_the_position_that_is_faced() -> None:
+    """Behind a speed change too: at 20 degrees a second from east, not from the path's heading."""
+    flown = Flown(
+        roi(0.0, 1000.0),
+        item_at(40, 0),
+        do(Command.CHANGE_SPEED, 1, 4.0),
+        do(Command.CONDITION_YAW, 180.0, 20.0),
+        item_at(80, 0),
+    )
+    assert flown.heading_deg(flown.reached[2] + 2.0) == pytest.approx(125.0, abs=10.0)
+
+
+def test_without_a_position_nothing_is_faced() -> None:
+    """DO_SET_ROI at 0, 0 looks along the path again; circles too are flown with the nose where it is told."""
+    flown = Flown(roi(0.0, 1000.0), item_at(40, 0), do(Command.SET_ROI), item_at(80, 0))
+    assert flown.heading_deg(flown.reached[2] - 1.0) == pytest.approx(90.0, abs=4.0)
+    assert flown.heading_deg(flown.reached[4] - 0.5) == pytest.approx(0.0, abs=2.0)
+    circle = (Command.LOITER_TURNS, (1.0, 0.0, 10.0), (0.0, 0.0), 20.0)
+    flown = Flown(roi(1e5, 0.0), circle)
+    assert flown.heading_deg(20.0) == pytest.approx(0.0, abs=2.0)
+
+
+def test_a_mission_begins_without_a_position_of_the_last_one() -> None:
+    """ModeAuto::init: its first leg looks along the path."""
+    copter = Copter(LIMITS, position_m=(0.0, 0.0, 20.0))
+    copter.start_auto(items(roi(0.0, 1000.0), item_at(60, 0)))
+    for _ in range(round(5.0 / copter.step_s)):
+        copter.step()
+    assert degrees(copter.yaw_rad) == pytest.approx(90.0, abs=3.0)
+    copter.start_auto(items(item_at(120, 0)))
+    for _ in range(round(5.0 / copter.step_s)):
+        copter.step()
+    assert degrees(copter.yaw_rad) == pytest.approx(0.0, abs=2.0)
 
 
 def test_take_off_return_and_landing_in_a_mission() -> None:

@@ -306,7 +306,7 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
     items = () if route.reference is not None else route.mission.items
     for seq, item in enumerate(items, FIRST_SEQ):
         row = {"seq": str(seq), "item": _item_text(item), "lat": "", "lon": "", "alt": "", "reached": ""}
-        if item.is_waypoint:
+        if item.is_waypoint or item.command == Command.SET_ROI:
             row |= {"lat": f"{item.lat_deg:.7f}", "lon": f"{item.lon_deg:.7f}", "alt": f"{item.alt_m:.1f}"}
         if seq in reached:
             row["reached"] = f"{reached[seq] - start_s:.1f}"
@@ -321,4 +321,6 @@ def _item_text(item: MissionItem) -> str:
         return f"turn to {item.params[0]:g}°" + (f" at {item.params[1]:g}°/s" if item.params[1] else "")
     if item.command == Command.CONDITION_DELAY:
         return f"next turn after {item.params[0]:g} s"
+    if item.command == Command.SET_ROI:
+        return "face this position"
     return description(item)

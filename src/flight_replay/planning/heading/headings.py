@@ -1,19 +1,20 @@
-"""The recorded heading flown again: CONDITION_YAW items beside a route's waypoints."""
+"""The recorded heading flown again: CONDITION_YAW and DO_SET_ROI items beside a route's waypoints."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from flight_replay.exceptions import MissionError
+from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.movement import Movement
-from flight_replay.mission.items import Mission, MissionItem
+from flight_replay.mission.items import Mission, MissionItem, face
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.heading.legs import PredictedFlight, legs_of
-from flight_replay.planning.heading.turn_choice import LegItems, Shifts, best_items
+from flight_replay.planning.heading.turn_choice import LegItems, best_items
 from flight_replay.planning.heading.turns import Response
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
@@ -56,18 +57,16 @@ def with_recorded_headings(route: Route, limits: Limits, takeoff_m: float, *, ti
 def _turned(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Mission:
     """The best mission by the predicted heading error, and by how well it keeps the plan's time."""
     mission = route.mission
-    plan = PredictedFlight.of(route, limits, takeoff_m)
+    flight = plan = PredictedFlight.of(route, limits, takeoff_m)
     found, worth_deg_s = [], WORTH_DEG_S
-    for shifts in Shifts:
-        flight, items = plan, None
-        for _ in range(_PASSES):
-            legs = legs_of(mission, flight, flight.wanted_deg(route.wanted, timed=timed), route.frame, limits)
-            search = partial(best_items, legs, Response.of(limits), shifts=shifts, like=items)
-            items, worth_deg_s = _affordable_items(search, _room(mission), worth_deg_s / _DEARER)
-            turned = replace(mission, items=tuple(_merged(mission.items, items)))
-            flight = PredictedFlight.of(replace(route, mission=turned), limits, takeoff_m)
-            cost = _SHIFT_COST_DEG_S * _shift_s(flight, plan)
-            found.append((_error_deg(flight, route.wanted, timed=timed) + cost, turned))
+    for _ in range(_PASSES):
+        legs = legs_of(mission, flight, flight.wanted_deg(route.wanted, timed=timed))
+        search = partial(best_items, legs, Response.of(limits), may_face=limits.mount_type == 0)
+        items, worth_deg_s = _affordable_items(search, _room(mission), worth_deg_s / _DEARER)
+        turned = replace(mission, items=tuple(_merged(mission.items, items, route.frame)))
+        flight = PredictedFlight.of(replace(route, mission=turned), limits, takeoff_m)
+        cost = _SHIFT_COST_DEG_S * _shift_s(flight, plan)
+        found.append((_error_deg(flight, route.wanted, timed=timed) + cost, turned))
     return min(found, key=lambda each: each[0])[1]
 
 
@@ -100,17 +99,19 @@ def _room(mission: Mission) -> int:
     return max(memory - len(mission.items), 0)
 
 
-def _merged(items: Sequence[MissionItem], added: Sequence[LegItems]) -> Iterator[MissionItem]:
-    """A mission's items with those of each leg around the DO items before its waypoint."""
-    groups: list[list[MissionItem]] = [[]]
+def _merged(
+    items: Sequence[MissionItem], added: Iterable[LegItems], frame: LocalFrame
+) -> Iterator[MissionItem]:
+    """A mission's items with those of each leg behind the DO items before its waypoint."""
+    of_legs = iter(added)
     for item in items:
-        groups[-1].append(item)
         if item.is_waypoint:
-            groups.append([])
-    for leg, group, following in zip(added, groups, groups[1:], strict=False):
-        early = [item for item in following if not item.is_waypoint] if leg.early else []
-        yield from (*leg.first, *group[:-1], *leg.then, *early, group[-1])
-    yield from groups[-1]
+            leg = next(of_legs)
+            yield from leg.turns
+            if leg.roi_m is not None:
+                (lat_deg,), (lon_deg,) = frame.to_degrees(np.array([leg.roi_m]))
+                yield face(float(lat_deg), float(lon_deg), item.alt_m, item.frame)
+        yield item
 
 
 def _with_note(route: Route, note: str) -> Route:

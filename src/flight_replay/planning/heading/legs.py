@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import lengths_along_m
-from flight_replay.mission.items import Command, Mission
+from flight_replay.mission.items import Mission
 from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.prediction import step_for_s
 from flight_replay.planning.route import Route
@@ -23,8 +22,6 @@ SAMPLE_S = 0.1
 """A turn at ArduCopter's highest rate, 60 degrees a second, is 6 degrees further in that time."""
 _SAMPLES_A_PLACE = 5
 _PIECE_M = 0.25
-HORIZONTAL = (0.0, 1.0)
-"""DO_CHANGE_SPEED's param1: airspeed, which a copter takes for the same, and ground speed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,17 +30,15 @@ class Leg:
 
     ``time_s`` (n,) counts from its beginning. ``wanted_deg`` (n,), without jumps from 360 to 0, is the
     recorded heading, not a number where that is unknown; ``own_deg`` (n,) is where the vehicle turns to
-    without an item, not a number where it is so slow that it does not turn. ``left_m`` (n,) is the
-    distance to the leg's waypoint, ``has_items`` whether other DO items start with it, ``rises``
-    whether they raise the speed.
+    without an item, not a number where it is so slow that it does not turn. ``north_east_m`` (n, 2) is
+    where it is, ``has_items`` whether other DO items start with the leg.
     """
 
     time_s: Floats
     wanted_deg: Floats
     own_deg: Floats
-    left_m: Floats
+    north_east_m: Floats
     has_items: bool = False
-    rises: bool = False
 
     @property
     def duration_s(self) -> float:
@@ -118,42 +113,32 @@ def _begins_s(mission: Mission, flight: Trajectory) -> Iterator[float]:
         yield last_s
 
 
-def legs_of(
-    mission: Mission, flight: PredictedFlight, wanted_deg: Floats, frame: LocalFrame, limits: Limits
-) -> list[Leg]:
+def legs_of(mission: Mission, flight: PredictedFlight, wanted_deg: Floats) -> list[Leg]:
     """The legs to all waypoints, in order.
 
     Args:
         mission: without items that turn the vehicle.
         flight: how it is flown, with such items or without.
         wanted_deg: the headings wanted at its samples (n,).
-        frame: the local frame of ``flight``.
-        limits: what the vehicle may do.
     """
     at = np.searchsorted(flight.time_s, flight.begin_s)
-    waypoints = [item for _, item in mission.waypoints]
-    ends_m = frame.to_metres([item.lat_deg for item in waypoints], [item.lon_deg for item in waypoints])
     return [
         Leg(
             flight.time_s[span] - flight.time_s[at[k]],
             wanted_deg[span],
             flight.own_deg[span],
-            np.linalg.norm(flight.north_east_m[span] - ends_m[k], axis=1),
-            *items,
+            flight.north_east_m[span],
+            has_items,
         )
-        for k, items in enumerate(_items_before(mission, limits))
+        for k, has_items in enumerate(_items_before(mission))
         for span in [slice(at[k], at[k + 1] + 1)]
     ]
 
 
-def _items_before(mission: Mission, limits: Limits) -> Iterator[tuple[bool, bool]]:
-    """Whether DO items start with the leg to each waypoint, and whether they raise the speed."""
-    speed_m_s, before_m_s, has_items = limits.wp_speed_m_s, limits.wp_speed_m_s, False
+def _items_before(mission: Mission) -> Iterator[bool]:
+    """Whether DO items start with the leg to each waypoint."""
+    has_items = False
     for item in mission.items:
         if item.is_waypoint:
-            yield has_items, speed_m_s > before_m_s
-            before_m_s, has_items = speed_m_s, False
-            continue
-        has_items = True
-        if item.command == Command.CHANGE_SPEED and item.params[0] in HORIZONTAL:
-            speed_m_s = item.params[1]
+            yield has_items
+        has_items = not item.is_waypoint

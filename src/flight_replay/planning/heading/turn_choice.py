@@ -1,92 +1,71 @@
 """Which legs to turn the vehicle on, and how: a beam search over the legs in order.
 
-A leg without an item costs what the vehicle's own heading is off; a leg with items costs what is left,
-and ``worth_deg_s`` an item. What a leg ends with is where the next one begins, so that several
+A leg without an item costs what the vehicle's heading is off by itself; a leg with items costs what is
+left, and ``worth_deg_s`` an item. What a leg ends with is where the next one begins, so that several
 beginnings are kept of every leg.
 
-A turn goes on from where the heading is only if it is the first item of its leg
-(``simulator/flight/auto_do_commands.py``); behind a speed change it begins with the path's heading. But
-a speed that rises once its leg has begun comes too late: the end of that leg is planned with the old
-one (``AC_WPNav::set_spline_destination``). So it rises as the leg before ends, behind its turns, and once
-more behind the first turn of its own leg, should that have been missed.
+A turn goes on from where the heading is if it is the first item of its leg; behind a speed change it
+begins with the path's heading, as the leg has taken that (``simulator/flight/auto_do_commands.py``). A
+position that is faced when the leg before ends is faced on, so that a turn behind a speed change too
+goes on from there: to keep a heading the vehicle faces a position far ahead of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from enum import IntEnum
+from dataclasses import dataclass
+from math import cos, radians, sin
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.mission.items import MissionItem, keep_heading, wait_until_near
+from flight_replay.mission.items import MissionItem
 from flight_replay.planning.heading.legs import SAMPLE_S, Leg
 from flight_replay.planning.heading.turns import Response, Turns, followed_deg, knots
 
 KEPT = 6
 """Beginnings of a leg that are kept: 12 lower the error by less than 0.2 degrees."""
 EARLY_S = 0.3
-"""How long before the end of a leg the speed rises for the next: legs differ by a tenth from the model's."""
+"""How long before the end of a leg a position is faced: legs differ by a tenth from the model's."""
+ROI_DISTANCE_M = 1000.0
+"""Far enough for the bearing to stay while a leg is flown, near enough for a map."""
 _SAME_DEG = 6.0
 _MOST_TURNS = 4
 _TOLERANCE_DEG = 2.0
 _SHARES = (0.25, 0.5, 0.75)
 
-
-class Shifts(IntEnum):
-    """Which changes of speed may come later, or sooner, than planned, so that a turn can go on."""
-
-    NONE = 0
-    FALLING = 1
-    ALL = 2
+Place = tuple[float, float]
+"""North and east of the local frame, metres."""
 
 
 @dataclass(frozen=True, slots=True)
 class LegItems:
-    """Items of a leg: ``first`` before the DO items that it has already, ``then`` after them.
+    """Items of a leg, behind those that it has already: turns, then ``roi_m``, the position to face."""
 
-    ``early`` is whether the DO items of the next leg start behind them, too.
-    """
-
-    first: tuple[MissionItem, ...] = ()
-    then: tuple[MissionItem, ...] = ()
-    early: bool = False
-
-    @property
-    def shifts(self) -> tuple[bool, bool]:
-        """Whether the DO items of this leg start later, and those of the next one sooner."""
-        return bool(self.first), self.early
+    turns: tuple[MissionItem, ...] = ()
+    roi_m: Place | None = None
 
     def __len__(self) -> int:
-        return len(self.first) + len(self.then) + self.early
+        return len(self.turns) + (self.roi_m is not None)
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
     """What is asked on the legs so far, what it costs, and the heading and its target at the end.
 
-    ``own`` is whether the vehicle turns its own way there.
+    ``own`` is whether the vehicle turns its own way there, ``roi_m`` the position that it faces, if any.
     """
 
-    legs: tuple[LegItems, ...]
-    cost_deg_s: float
-    heading_deg: float
-    target_deg: float
+    legs: tuple[LegItems, ...] = ()
+    cost_deg_s: float = 0.0
+    heading_deg: float = 0.0
+    target_deg: float = 0.0
     own: bool = True
-
-    @property
-    def early(self) -> bool:
-        """Whether the DO items of the next leg have started already."""
-        return bool(self.legs) and self.legs[-1].early
+    roi_m: Place | None = None
 
 
 def best_items(
-    legs: Sequence[Leg],
-    response: Response,
-    worth_deg_s: float,
-    shifts: Shifts = Shifts.NONE,
-    like: Sequence[LegItems] | None = None,
+    legs: Sequence[Leg], response: Response, worth_deg_s: float, *, may_face: bool = True
 ) -> tuple[LegItems, ...]:
     """The items to add to each leg.
 
@@ -94,19 +73,12 @@ def best_items(
         legs: at least one.
         response: how the vehicle turns.
         worth_deg_s: how much an item must lower the error, degrees times seconds.
-        shifts: which changes of speed may be shifted.
-        like: items that shift the same changes of speed; None where that does not matter.
+        may_face: whether the vehicle turns to positions that it is told to face.
     """
-    choices = [Choice((), 0.0, 0.0, 0.0)]
-    for k, leg in enumerate(legs):
-        early = shifts >= Shifts.ALL and k + 1 < len(legs) and legs[k + 1].rises
-        found = [
-            after
-            for choice in choices
-            for after in _LegSearch(choice, leg, response, worth_deg_s, shifts).choices(early=early)
-        ]
-        alike = found if like is None else [each for each in found if each.legs[-1].shifts == like[k].shifts]
-        choices = _distinct(alike or found)
+    choices = [Choice()]
+    for leg in legs:
+        search = _LegSearch(leg, response, worth_deg_s, may_face)
+        choices = _distinct([after for choice in choices for after in search.choices(choice)])
     return choices[0].legs
 
 
@@ -114,21 +86,19 @@ def _distinct(choices: list[Choice]) -> list[Choice]:
     """The cheapest choices, none of which ends like a cheaper one."""
     kept: dict[tuple[bool, bool, int], Choice] = {}
     for choice in sorted(choices, key=lambda choice: choice.cost_deg_s):
-        kept.setdefault((choice.own, choice.early, round(choice.target_deg % 360.0 / _SAME_DEG)), choice)
+        ends = choice.own, choice.roi_m is None, round(choice.target_deg % 360.0 / _SAME_DEG)
+        kept.setdefault(ends, choice)
         if len(kept) == KEPT:
             break
     return list(kept.values())
 
 
 class _LegSearch:
-    """The ways to go on from a choice along a leg."""
+    """The ways to go on along a leg."""
 
-    def __init__(
-        self, choice: Choice, leg: Leg, response: Response, worth_deg_s: float, shifts: Shifts
-    ) -> None:
-        self._choice, self._leg, self._response = choice, leg, response
-        self._worth_deg_s, self._shifts = worth_deg_s, shifts
-        self._early_m = float(np.interp(leg.duration_s - EARLY_S, leg.time_s, leg.left_m))
+    def __init__(self, leg: Leg, response: Response, worth_deg_s: float, may_face: bool) -> None:
+        self._leg, self._response = leg, response
+        self._worth_deg_s, self._may_face = worth_deg_s, may_face
         known = np.isfinite(leg.wanted_deg)
         # When the target has to be where, for the vehicle to be where wanted one lag later.
         self._ahead_deg = (
@@ -137,62 +107,93 @@ class _LegSearch:
             else None
         )
 
-    def choices(self, *, early: bool) -> Iterator[Choice]:
-        """The vehicle's own way, and turned; ``early``: also with the next leg's items at the end."""
-        leg = self._leg
-        yield replace(self._after(LegItems(), leg.own_deg), own=True)
-        for first, begin in self._beginnings():
-            for turns in self._turned(begin, leg.duration_s):
-                if first or turns.items:
-                    yield self._fixed(LegItems(first, tuple(turns.items)), turns)
-            if early:
-                for turns in self._turned(begin, leg.duration_s - EARLY_S):
-                    if turns.end_s <= leg.duration_s - EARLY_S + SAMPLE_S and (turns.items or first):
-                        turns.items.append(wait_until_near(round(self._early_m, 2)))
-                        yield self._fixed(LegItems(first, tuple(turns.items), early=True), turns)
+    def choices(self, choice: Choice) -> Iterator[Choice]:
+        """The vehicle's own way, or what it faces already; turned; and made to face a position."""
+        yield self._without_items(choice)
+        for turns in self._turned(self._begin_deg(choice), self._leg.duration_s):
+            yield self._after(
+                choice, LegItems(tuple(turns.items)), turns.targets_deg(self._leg.time_s), own=False
+            )
+        if self._may_face:
+            yield from self._faced(choice)
 
-    def _beginnings(self) -> Iterator[tuple[tuple[MissionItem, ...], tuple[float, float]]]:
-        """Items to begin with, and target and time that turns then begin from."""
-        choice, leg = self._choice, self._leg
-        own_deg = float(leg.own_deg[0])
-        own_deg = choice.heading_deg if np.isnan(own_deg) else own_deg
-        yield (), (own_deg if leg.has_items else choice.target_deg, 0.0)
-        shifted = choice.early or (self._shifts >= Shifts.FALLING and not leg.rises)
-        if leg.has_items and not choice.own and shifted:
-            behind_deg = choice.target_deg - choice.heading_deg
-            settling_s = self._response.settling_s(behind_deg / self._response.lag_s)
-            yield (keep_heading(),), (choice.target_deg, settling_s)
+    def _without_items(self, choice: Choice) -> Choice:
+        if choice.roi_m is None:
+            return self._after(choice, LegItems(), self._leg.own_deg, own=True)
+        bearings = self._bearings_deg(choice.roi_m, choice.target_deg)
+        return self._after(choice, LegItems(), bearings, own=False, roi_m=choice.roi_m)
 
-    def _turned(self, begin: tuple[float, float], until_s: float) -> Iterator[Turns]:
-        """Turns to try from a target and time on, to be done by a time."""
-        yield Turns(self._response, *begin)
+    def _begin_deg(self, choice: Choice) -> float:
+        """The target that the first turn begins from."""
+        own_deg = float(self._leg.own_deg[0])
+        if choice.roi_m is not None or not self._leg.has_items:
+            return choice.target_deg
+        return choice.heading_deg if np.isnan(own_deg) else own_deg
+
+    def _faced(self, choice: Choice) -> Iterator[Choice]:
+        """Faced from the beginning; or behind turns, which must be done before the leg ends."""
+        leg, until_s, begin_deg = self._leg, self._leg.duration_s - EARLY_S, self._begin_deg(choice)
+        plain = [Turns(self._response, heading) for heading in self._headings_deg()]
+        for turns in (*plain, *self._turned(begin_deg, until_s)):
+            if turns.end_s > until_s:
+                continue
+            at = int(np.searchsorted(leg.time_s, turns.end_s))
+            roi_m = _far_place(leg.north_east_m[at], turns.target_deg[-1])
+            targets = turns.targets_deg(leg.time_s)
+            targets[at:] = self._bearings_deg(roi_m, turns.target_deg[-1])[at:]
+            yield self._after(choice, LegItems(tuple(turns.items), roi_m), targets, own=False, roi_m=roi_m)
+
+    def _headings_deg(self) -> set[float]:
+        """Headings to try for a whole leg."""
+        ahead_deg = self._ahead_deg
+        if ahead_deg is None:
+            return set()
+        last = len(ahead_deg) - 1
+        places = (ahead_deg[round(share * last)] for share in (0.0, *_SHARES, 1.0))
+        return {*map(float, places), float(np.median(ahead_deg))}
+
+    def _bearings_deg(self, place_m: Place, near_deg: float) -> Floats:
+        """The bearings of a place (n,), without jumps, near a heading at first."""
+        north, east = (np.asarray(place_m) - self._leg.north_east_m).T
+        bearings = np.degrees(np.unwrap(np.arctan2(east, north)))
+        shift: Floats = bearings + round((near_deg - bearings[0]) / 360.0) * 360.0
+        return shift
+
+    def _turned(self, begin_deg: float, until_s: float) -> Iterator[Turns]:
+        """Turns to try from a target on, to be done by a time."""
         times_s, ahead_deg = self._leg.time_s, self._ahead_deg
         last = int(np.searchsorted(times_s, until_s + 1e-6, side="right")) - 1
         if ahead_deg is None or last < 1:
             return
         times_s, ahead_deg = times_s[: last + 1], ahead_deg[: last + 1]
         for chosen in knots(times_s, ahead_deg, _MOST_TURNS, _TOLERANCE_DEG):
-            yield self._through(begin, times_s[chosen], ahead_deg[chosen])
+            yield self._through(begin_deg, times_s[chosen], ahead_deg[chosen])
         for share in _SHARES:
             at = int(share * last)
             for heading_deg in {float(ahead_deg[at]), float(np.median(ahead_deg[at:]))}:
-                yield self._through(begin, times_s[at : at + 1], np.array([heading_deg]))
+                yield self._through(begin_deg, times_s[at : at + 1], np.array([heading_deg]))
 
-    def _through(self, begin: tuple[float, float], times_s: Floats, headings_deg: Floats) -> Turns:
-        turns = Turns(self._response, *begin)
+    def _through(self, begin_deg: float, times_s: Floats, headings_deg: Floats) -> Turns:
+        turns = Turns(self._response, begin_deg)
         for time_s, heading_deg in zip(times_s.tolist(), headings_deg.tolist(), strict=True):
             turns.turn(heading_deg, time_s)
         return turns
 
-    def _fixed(self, items: LegItems, turns: Turns) -> Choice:
-        return self._after(items, turns.targets_deg(self._leg.time_s))
-
-    def _after(self, items: LegItems, targets_deg: Floats) -> Choice:
+    def _after(
+        self, choice: Choice, items: LegItems, targets_deg: Floats, *, own: bool, roi_m: Place | None = None
+    ) -> Choice:
         """The choice at the end of the leg, if the target is there (n,) meanwhile."""
-        choice, leg = self._choice, self._leg
+        leg = self._leg
         headings = followed_deg(choice.heading_deg, targets_deg, SAMPLE_S, self._response)
         off = np.abs((headings - leg.wanted_deg + 180.0) % 360.0 - 180.0)
         cost = float(np.nansum(off[:-1])) * SAMPLE_S + self._worth_deg_s * len(items)
         heading, target = float(headings[-1]), float(targets_deg[-1])
-        ends = heading, heading if np.isnan(target) else target
-        return Choice((*choice.legs, items), choice.cost_deg_s + cost, *ends, own=False)
+        target = heading if np.isnan(target) else target
+        return Choice((*choice.legs, items), choice.cost_deg_s + cost, heading, target, own, roi_m)
+
+
+def _far_place(north_east_m: Floats, heading_deg: float) -> Place:
+    """The position to face for a heading."""
+    north, east = north_east_m.tolist()
+    angle = radians(heading_deg)
+    return north + ROI_DISTANCE_M * cos(angle), east + ROI_DISTANCE_M * sin(angle)

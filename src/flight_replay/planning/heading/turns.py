@@ -56,11 +56,11 @@ class Turns:
     The target is on straight lines between points in time, ``time_s`` and ``target_deg``.
     """
 
-    def __init__(self, response: Response, begin_deg: float, begin_s: float = 0.0) -> None:
+    def __init__(self, response: Response, begin_deg: float) -> None:
         self._response = response
         self.items: list[MissionItem] = []
-        self.time_s = [0.0, begin_s] if begin_s > 0 else [0.0]
-        self.target_deg = [begin_deg] * len(self.time_s)
+        self.time_s = [0.0]
+        self.target_deg = [begin_deg]
         self._until_s = 0.0
 
     def turn(self, heading_deg: float, until_s: float) -> None:

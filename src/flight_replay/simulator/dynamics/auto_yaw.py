@@ -29,6 +29,7 @@ class YawMode(Enum):
     FIXED = "a given heading"
     ANGLE_RATE = "a heading that turns"
     RATE = "a yaw rate"
+    ROI = "a position to face"
 
 
 class AutoYaw(SnapshotPart):
@@ -40,6 +41,7 @@ class AutoYaw(SnapshotPart):
         self.target_rad = self.armed_yaw_rad = airframe.yaw
         self._remaining_rad = 0.0
         self._slew_rad_s = self._rate_rad_s = 0.0
+        self._roi_m = 0.0, 0.0
 
     def use_limits(self, limits: Limits) -> None:
         """Use other limits from now on."""
@@ -59,6 +61,25 @@ class AutoYaw(SnapshotPart):
             self.mode = YawMode.LOOK_AHEAD
         else:
             self.mode = YawMode.LOOK_AT_NEXT_WP
+
+    def begin_mission(self) -> None:
+        """Face no position of an earlier run (ModeAuto::init)."""
+        if self.mode is YawMode.ROI:
+            self.hold()
+
+    def begin_leg(self, *, keeps_heading: bool = False) -> None:
+        """Choose the mode for a leg: a position is faced on (ModeAuto::wp_start, do_spline_wp)."""
+        if self.mode is YawMode.ROI:
+            return
+        if keeps_heading:
+            self.hold()
+        else:
+            self.set_default_mode()
+
+    def face(self, north_east_m: tuple[float, float]) -> None:
+        """Face a position, north and east of home, from wherever the vehicle is (AutoYaw::set_roi)."""
+        self.mode = YawMode.ROI
+        self._roi_m = north_east_m
 
     def set_fixed_yaw(
         self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False
@@ -90,10 +111,10 @@ class AutoYaw(SnapshotPart):
             self.set_rate(0.0)
 
     def look_at(self, position_m: tuple[float, float]) -> None:
-        """Face a position, north and east of home, and turn one step (ROI, circles)."""
-        self.mode = YawMode.HOLD
-        airframe = self._airframe
-        self.target_rad = atan2(position_m[1] - airframe.e, position_m[0] - airframe.n)
+        """Turn one step towards a position, as in circles, unless another one is faced."""
+        if self.mode is not YawMode.ROI:
+            self.mode = YawMode.HOLD
+            self.target_rad = self._bearing_rad(position_m)
         self.update()
 
     def reset_to_armed_yaw(self) -> None:
@@ -140,9 +161,14 @@ class AutoYaw(SnapshotPart):
             return self._along_target()
         if self.mode is YawMode.ANGLE_RATE:
             return self._rate_rad_s
+        if self.mode is YawMode.ROI:
+            self.target_rad = self._bearing_rad(self._roi_m)
         if self.mode is YawMode.LOOK_AHEAD and hypot(airframe.vn, airframe.ve) > _LOOK_AHEAD_SPEED_M_S:
             self.target_rad = atan2(airframe.ve, airframe.vn)
         return 0.0
+
+    def _bearing_rad(self, position_m: tuple[float, float]) -> float:
+        return atan2(position_m[1] - self._airframe.e, position_m[0] - self._airframe.n)
 
     @property
     def course_rad(self) -> float | None:

@@ -84,6 +84,8 @@ class Limits:
     circle_rate_rad_s: float = 20.0 * _DEG
     guided_timeout_s: float = 3.0
     guided_options: float = 0.0
+    mount_type: float = 0.0
+    """A gimbal turns to what is to be faced instead of the vehicle; 0 is none."""
 
     @classmethod
     def from_parameters(cls, parameters: Mapping[str, float]) -> Limits:

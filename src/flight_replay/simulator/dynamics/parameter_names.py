@@ -56,7 +56,9 @@ PARAMETERS: dict[str, tuple[str, float]] = {
     "CIRCLE_RATE": ("circle_rate_rad_s", _DEG),
     "GUID_TIMEOUT": ("guided_timeout_s", 1.0),
     "GUID_OPTIONS": ("guided_options", 1.0),
+    "MNT1_TYPE": ("mount_type", 1.0),
     # 3.3
+    "MNT_TYPE": ("mount_type", 1.0),
     "POS_XY_P": ("position_p", 1.0),
     "VEL_XY_P": ("velocity_p", 1.0),
     "VEL_XY_I": ("velocity_i", 1.0),

@@ -44,6 +44,7 @@ class MissionRun:
         self._since_s: float | None = None
         self._circle_radius_m = flight.limits.circle_radius_m
         flight.navigation.start()
+        flight.auto_yaw.begin_mission()
 
     # state
 

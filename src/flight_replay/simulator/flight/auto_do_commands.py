@@ -2,7 +2,8 @@
 
 The first of a group starts with the navigation item after it, each further one when the one
 before is done. A heading asked for by CONDITION_YAW holds until the next navigation item starts, for
-that chooses the mode by WP_YAW_BEHAVIOR (ModeAuto::wp_start, do_spline_wp). The first item of a group is
+that chooses the mode by WP_YAW_BEHAVIOR (ModeAuto::wp_start, do_spline_wp); a position of DO_SET_ROI is
+faced on. The first item of a group is
 started before and resumed at once (verify_yaw), so that its turn goes on from where the heading is;
 one behind another item starts an update later, with the heading target on the path already, and
 turns from there (AP_Mission::update, AutoYaw::set_fixed_yaw, 4.1 to 4.7).
@@ -66,6 +67,15 @@ class DoCommands:
             self._flight.auto_yaw.set_fixed_yaw(
                 radians(angle), radians(rate), direction, relative=relative > 0
             )
+        elif item.command == Command.SET_ROI:
+            self._set_roi(item)
+
+    def _set_roi(self, item: LocalItem) -> None:
+        """Face a position from now on; without one look along the path again (AutoYaw::set_roi)."""
+        if item.north_east_m is None:
+            self._flight.auto_yaw.set_default_mode()
+        else:
+            self._flight.auto_yaw.face(item.north_east_m)
 
     def _change_speed(self, kind: int, speed_m_s: float) -> None:
         """ModeAuto::do_change_speed."""

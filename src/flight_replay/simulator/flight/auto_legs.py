@@ -39,7 +39,7 @@ class MissionLegs:
             else:
                 navigation.set_wp_destination(position)
             self._set_next(item, position)
-        flight.auto_yaw.set_default_mode()
+        flight.auto_yaw.begin_leg()
 
     def _following(self, item: LocalItem) -> LocalItem | None:
         """The navigation item after this one, unless the vehicle stops here.

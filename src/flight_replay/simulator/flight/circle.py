@@ -30,9 +30,8 @@ class Circle:
             self._begin()
             return
         flight.navigation.set_wp_destination(edge)
-        flight.auto_yaw.hold()
-        if hypot(n - centre[0], e - centre[1]) > max(radius_m, _NEAR_CENTRE_M):
-            flight.auto_yaw.set_default_mode()
+        within = hypot(n - centre[0], e - centre[1]) <= max(radius_m, _NEAR_CENTRE_M)
+        flight.auto_yaw.begin_leg(keeps_heading=within)
 
     def _edge(self) -> Vector:
         """The point of the circle nearest to where the copter can stop; behind it from the centre."""

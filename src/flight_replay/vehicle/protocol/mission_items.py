@@ -29,7 +29,6 @@ _STORED_STEPS: dict[int, dict[int, float]] = {
     Command.DELAY: {0: _WHOLE},
     Command.CHANGE_SPEED: {1: _SPEED_STEP_M_S},
     Command.CONDITION_DELAY: {0: _FLOAT32},
-    Command.CONDITION_DISTANCE: {0: _FLOAT32},
     Command.CONDITION_YAW: {0: _FLOAT32, 1: _FLOAT32, 2: _FLOAT32, 3: _FLOAT32},
 }
 _WITHOUT_POSITION = frozenset(
@@ -38,7 +37,6 @@ _WITHOUT_POSITION = frozenset(
         Command.DELAY,
         Command.CHANGE_SPEED,
         Command.CONDITION_DELAY,
-        Command.CONDITION_DISTANCE,
         Command.CONDITION_YAW,
     }
 )
