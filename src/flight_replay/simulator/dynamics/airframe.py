@@ -22,7 +22,7 @@ _THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
 # Rounds in which the lean against a wind is found: each leaves a fraction of the error.
 _WIND_ROUNDS = 8
 # Time by which the airframe's lean follows the attitude controller's target, 15 to 30 ms in SITL's logs.
-_LEAN_LAG_S = 0.02
+_LEAN_LAG_S = 0.0175
 
 
 class Airframe(SnapshotPart):
@@ -119,14 +119,14 @@ class Airframe(SnapshotPart):
     def step(self, accel_n: float, accel_e: float, throttle: float) -> None:
         """Move one step on, with a demanded horizontal acceleration, m/s², and a throttle, 0 to 1."""
         dt = self.dt
+        lean_n, lean_e = self.lean_n, self.lean_e
         self._lean_towards(accel_n / GRAVITY_M_S2, accel_e / GRAVITY_M_S2)
+        mean_lean = 0.5 * (lean_n + self.lean_n), 0.5 * (lean_e + self.lean_e)
         self.throttle = throttle + (self.throttle - throttle) * self._throttle_decay
         vn, ve, vu = self.vn, self.ve, self.vu
         # The throttle is divided by the cosine of the lean (AC_AttitudeControl::get_throttle_boosted).
         lift = GRAVITY_M_S2 * self.throttle / self._limits.hover_throttle
-        an, ae, self.accel_u = self._air.acceleration(
-            (vn, ve, vu), (self.lean_n, self.lean_e), self._heading_unit, lift
-        )
+        an, ae, self.accel_u = self._air.acceleration((vn, ve, vu), mean_lean, self._heading_unit, lift)
         self.vn, self.ve, self.vu = vn + an * dt, ve + ae * dt, vu + self.accel_u * dt
         self.n += 0.5 * dt * (vn + self.vn)
         self.e += 0.5 * dt * (ve + self.ve)
@@ -146,11 +146,14 @@ class Airframe(SnapshotPart):
         dt = self.dt
         self._target_rate_n = self._next_lean_rate(lean_n - self._target_n, self._target_rate_n)
         self._target_rate_e = self._next_lean_rate(lean_e - self._target_e, self._target_rate_e)
+        # The lean follows a target that moves on evenly, so that its lag is the same in steps of any length.
+        decay = self._lean_decay
+        late_n, late_e = self._target_rate_n * _LEAN_LAG_S, self._target_rate_e * _LEAN_LAG_S
+        behind_n, behind_e = self._target_n - late_n - self.lean_n, self._target_e - late_e - self.lean_e
         self._target_n += self._target_rate_n * dt
         self._target_e += self._target_rate_e * dt
-        decay = self._lean_decay
-        self.lean_n = self._target_n + (self.lean_n - self._target_n) * decay
-        self.lean_e = self._target_e + (self.lean_e - self._target_e) * decay
+        self.lean_n = self._target_n - late_n - behind_n * decay
+        self.lean_e = self._target_e - late_e - behind_e * decay
 
     def _next_lean_rate(self, error: float, rate: float) -> float:
         """Next rate, rad/s, that removes a lean error; limits of 0 are none (input_shaping_angle)."""

@@ -144,18 +144,28 @@ class PositionControl(PositionTarget):
         Call it before the target moves on: target and airframe are then of the same time, whatever
         the step.
         """
+        self.limit_position_error()
         accel_n, accel_e = self._accel_wanted()
         self.throttle = self._throttle_wanted()
         self._airframe.step(accel_n, accel_e, self.throttle)
+
+    def limit_position_error(self) -> None:
+        """Bring the target to where its error is corrected fastest (AC_P_2D and AC_P_1D::update_all)."""
+        airframe, error_max = self._airframe, self._error_max
+        dn, de = self.n - airframe.n, self.e - airframe.e
+        square = dn * dn + de * de
+        if square > error_max * error_max:
+            share = error_max / sqrt(square)
+            self.n, self.e = airframe.n + dn * share, airframe.e + de * share
+        error = self.u - airframe.u
+        if not -self._error_down <= error <= self._error_up:
+            self.u = airframe.u + clamp(error, -self._error_down, self._error_up)
 
     def _accel_wanted(self) -> tuple[float, float]:
         """Horizontal acceleration for the airframe (update_xy_controller)."""
         limits, airframe = self._limits, self._airframe
         dn, de = self.n - airframe.n, self.e - airframe.e
         size = sqrt(dn * dn + de * de)
-        if size > self._error_max:
-            dn, de = dn * self._error_max / size, de * self._error_max / size
-            self.n, self.e, size = airframe.n + dn, airframe.e + de, self._error_max
         gain = sqrt_controller(size, limits.position_p, self.accel_max, 0.0) / size if size > 0 else 0.0
         error = dn * gain + self.vn - airframe.vn, de * gain + self.ve - airframe.ve
         n, e = self._pid.advance(limits, error)
@@ -170,9 +180,6 @@ class PositionControl(PositionTarget):
         """Throttle for the airframe, 0 to 1 (update_z_controller)."""
         limits, airframe = self._limits, self._airframe
         error = self.u - airframe.u
-        if not -self._error_down <= error <= self._error_up:
-            error = clamp(error, -self._error_down, self._error_up)
-            self.u = airframe.u + error
         wanted = sqrt_controller(error, limits.position_z_p, self.accel_z_max, 0.0) + self.vu - airframe.vu
         self._velocity_error_u += (wanted - self._velocity_error_u) * self._alpha
         error = self._velocity_error_u * limits.velocity_z_p + self.accel_u - airframe.accel_u

@@ -68,7 +68,10 @@ class TrackScaler(SnapshotPart):
         self._drift = _EstimateDrift()
 
     def advance(self, limits: Limits, control: PositionControl, airframe: Airframe) -> float:
-        """Seconds that the target moves on in the next step; target and airframe must be of the same time."""
+        """Seconds that the target moves on in the next step.
+
+        Target and airframe must be of the same time, and no farther apart than is corrected.
+        """
         vn, ve, vu = control.vn, control.ve, control.vu
         speed = sqrt(vn * vn + ve * ve + vu * vu)
         wanted = self._rest_scale

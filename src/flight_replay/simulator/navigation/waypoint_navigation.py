@@ -156,6 +156,7 @@ class WaypointNavigation(SnapshotPart):
     def advance(self) -> None:
         """Fly the airframe one step towards the target, and move the target on (update_wpnav)."""
         control = self._control
+        control.limit_position_error()
         dt = self.track_scaler.advance(self._limits, control, self._airframe) + self._unused_s
         control.update()
         accel = _ZERO
