@@ -11,6 +11,7 @@ from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.navigation.track_scaler import TrackScaler, mean_clamped
+from flight_replay.simulator.navigation.waypoint_navigation import WaypointNavigation
 
 
 def scale_after(seconds: float, *, behind_m: float, made_good_m_s: float) -> float:
@@ -40,6 +41,21 @@ def test_five_percent_of_lag_is_allowed() -> None:
 def test_distance_counts_as_lag_and_stops_the_target() -> None:
     """Far behind, the target waits."""
     assert scale_after(30.0, behind_m=6.0, made_good_m_s=0.0) == pytest.approx(0.0, abs=0.001)
+
+
+def test_only_the_distance_that_is_corrected_counts() -> None:
+    """3 m behind a target of 0.5 m/s, but on the way to it at 1.6: as seen from half a metre, it keeps up."""
+    limits = Limits()
+    airframe = Airframe(limits, (0.0, 0.0, 20.0), 0.0, Air(), 0.0025)
+    navigation = WaypointNavigation(limits, airframe, PositionControl(limits, airframe))
+    navigation.set_speed(0.5)
+    navigation.set_wp_destination((50.0, 0.0, 20.0))
+    for _ in range(4000):
+        navigation.advance()
+    airframe.n, airframe.vn = airframe.n - 3.0, 1.6
+    before = navigation.track_scaler.scale
+    navigation.advance()
+    assert navigation.track_scaler.scale >= before
 
 
 def scale_after_stop(rest_s: float, start_n: float) -> float:
