@@ -8,7 +8,6 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.movement import Movement
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import Home, Mission
-from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.altitude import home_of
 from flight_replay.planning.prediction import SAMPLE_S, step_for_s
 from flight_replay.planning.route import Route
@@ -33,9 +32,8 @@ def fly_in_model(route: Route, *, duration_s: float | None, takeoff_m: float) ->
     if route.reference is not None:
         return _followed(route, duration_s)
     limits = route.limits.limits
-    start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
     step_s = step_for_s(route)
-    flight = simulate(route.mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=step_s)
+    flight = simulate(route.mission, limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
     begin_s, end_s, ended = _planned_end(route.mission, flight, duration_s)
     reached = sorted(((seq, at_s) for seq, at_s in flight.reached_s.items() if at_s <= end_s), key=_time_s)
     waypoints = {seq for seq, _ in route.mission.waypoints}

@@ -8,7 +8,6 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Command
-from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -52,8 +51,7 @@ def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Mo
     from flight_replay.simulator.flight.trajectory import home_frame, simulate
 
     step_s = step_for_s(route)
-    start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
-    flight = simulate(route.mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=step_s)
+    flight = simulate(route.mission, limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
     seqs = [seq for seq, _ in route.mission.waypoints]
     first_s, last_s = flight.reached_s[seqs[0]], flight.reached_s[seqs[-1]]
     ground_m = route.frame.to_metres(*home_frame(route.mission).to_degrees(flight.north_east_m))

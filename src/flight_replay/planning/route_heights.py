@@ -9,7 +9,6 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.mission.items import FIRST_SEQ, Mission
-from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.heights import HeightChange, RouteHeights
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
@@ -67,12 +66,10 @@ def _climb_s(mission: Mission, takeoff_m: float, limits: Limits) -> float:
     from flight_replay.simulator.flight.trajectory import simulate
 
     beside = replace(first, lat_deg=first.lat_deg - copysign(_BESIDE_DEG, first.lat_deg))
-    start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
     flight = simulate(
         Mission((first, beside), mission.home),
         limits,
-        start_m=start_m,
-        velocity_m_s=velocity_m_s,
+        start_m=(0.0, 0.0, takeoff_m),
         step_s=_STEP_S,
     )
     return flight.reached_s[FIRST_SEQ]

@@ -2,6 +2,7 @@
 
 import tracemalloc
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -133,6 +134,25 @@ def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
     longest = max(item.hold_s for _, item in result.mission.waypoints)
     assert longest == pytest.approx(30, abs=6)
     assert longest == round(longest)
+
+
+@pytest.mark.usefixtures("brief_search")
+def test_stops_are_left_straight_with_high_limits() -> None:
+    """A pause of 8 s on a circle: what a spline would do from there cannot be foreseen at 10 m/s²."""
+    lap = circle().north_east_m(FRAME)
+    north_east = np.concatenate([lap, np.tile(lap[-1], (32, 1)), lap])
+    track = track_through(north_east, np.arange(len(north_east)) / 4.0)
+    after_stop = {}
+    for accel_m_s2 in (2.5, 10.0):
+        limits = Limits(wp_accel_m_s2=accel_m_s2, wp_jerk_m_s3=accel_m_s2)
+        waypoints = [
+            item
+            for _, item in fit(track, max_points=14, speed_m_s="recorded", limits=limits).mission.waypoints
+        ]
+        after_stop[accel_m_s2] = [item.is_spline for before, item in pairwise(waypoints) if before.hold_s > 0]
+    assert any(after_stop[2.5])
+    assert len(after_stop[10.0]) > 1
+    assert not any(after_stop[10.0])
 
 
 @pytest.mark.usefixtures("brief_search")

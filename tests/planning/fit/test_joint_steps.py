@@ -17,7 +17,7 @@ from tests.helpers.fit_tracks import wander
 
 
 def problem_and_start() -> tuple[FitProblem, JointState]:
-    problem = problem_for(local_track(wander(2), 20.0), 20, Limits(), timed=True)
+    problem = problem_for(local_track(wander(4), 20.0), 20, Limits(), timed=True)
     draft = first_draft(problem.recording, 20, [], timed=True)
     start = timed(problem.exact, draft, {}, budget())
     return problem, JointState(start, FIRST_DAMPING)

@@ -81,13 +81,15 @@ class Draft:
         )
 
 
-def flown_through(hold_s: Floats, *, timed: bool = True) -> Flags:
+def flown_through(hold_s: Floats, *, timed: bool = True, straight_starts: bool = False) -> Flags:
     """To which places (n,) splines lead at first: where the time counts, to those that are flown through.
 
     A stop is reached straight then: what a spline's rounded numbers leave of its motion at a stop may
-    hold the next leg up for seconds.
+    hold the next leg up for seconds. With ``straight_starts`` it is left straight, too.
     """
     through = np.asarray((hold_s == 0) | (not timed))
+    if straight_starts:
+        through[1:] &= hold_s[:-1] == 0
     through[0] = False
     return through
 

@@ -18,7 +18,7 @@ from flight_replay.geometry.distances import (
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
-from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.knot_selection import select_waypoints
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
@@ -112,6 +112,7 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
         return [FirstDraft(straight_draft(recording, np.array([last])), {})]
     selected = select_waypoints(problem, max_points)
     even = first_draft(problem.recording, len(selected.draft), problem.hovers, timed=problem.timed)
+    even = replace(even, spline=flown_through(even.hold_s, straight_starts=problem.straight_starts))
     waits = np.flatnonzero(even.hold_s[1:] > 0) + 1
     line = np.column_stack([recording.north_east_m, recording.up_m])
     curved = [selected, FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0)))]

@@ -50,7 +50,8 @@ def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:
     for place, hover in hovers.items():
         hold_s[place] = max(1.0, round(hover.seconds))
     places_m = np.column_stack([knots.place_m[kept], up_m])
-    draft = Draft(places_m, flown_through(hold_s, timed=problem.timed), hold_s, np.full(len(kept), np.nan))
+    through = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)
+    draft = Draft(places_m, through, hold_s, np.full(len(kept), np.nan))
     return FirstDraft(_moved_on_paper(draft, problem.recording), hovers)
 
 

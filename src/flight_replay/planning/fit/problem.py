@@ -22,6 +22,10 @@ _simulated = lru_cache(maxsize=4)(simulate_draft)
 _EXACT_STEPS_S = ((1000.0, 3000.0), (0.02, 0.1))
 
 
+_LEAPING_M_S2 = 5.0
+"""With more acceleration than twice ArduCopter's default a spline from a stop may leap ahead."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FitProblem:
     """What to fit: the recording, its hovers, and what the vehicle may do.
@@ -65,6 +69,16 @@ class FitProblem:
         times = self.recording.time_s - np.interp(self.recording.time_s, exact_s, ahead_s)
         times = np.maximum.accumulate(times - times[0])
         return replace(self, recording=replace(self.recording, time_s=times))
+
+    @property
+    def straight_starts(self) -> bool:
+        """Whether stops are left straight.
+
+        What rounding leaves of a straight leg's speed, 0.1 micrometre a second or so, decides how far the
+        first steps of a spline go (SplineCurve::advance_target_along_track): at default limits that is worth
+        hundredths of a second, at four times their acceleration a second.
+        """
+        return self.timed and self.limits.wp_accel_m_s2 > _LEAPING_M_S2
 
     def evaluate(self, draft: Draft) -> Evaluation:
         """How a draft is flown, against the recording."""

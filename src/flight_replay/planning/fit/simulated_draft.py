@@ -11,7 +11,6 @@ import numpy as np
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.mission.items import FIRST_SEQ, Command
-from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
@@ -75,15 +74,9 @@ def _positions_m(copter: Copter, run: MissionRun) -> list[Vector]:
 
 
 def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> Copter:
-    """A copter as AUTO finds it: at the end of its climb to the first place."""
-    north, east, up = draft.places_m[0].tolist()
-    (_, _, begin_up_m), velocity_m_s = after_takeoff(up, limits)
+    """A copter as AUTO finds it: above the first place, the climb of its take-off over."""
     return Copter(
-        limits,
-        position_m=(north, east, begin_up_m),
-        velocity_m_s=velocity_m_s,
-        step_s=step_s,
-        home_amsl_m=home_amsl_m,
+        limits, position_m=tuple(draft.places_m[0].tolist()), step_s=step_s, home_amsl_m=home_amsl_m
     )
 
 

@@ -12,7 +12,6 @@ from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import lengths_along_m
 from flight_replay.mission.items import Mission
-from flight_replay.planning.after_takeoff import after_takeoff
 from flight_replay.planning.prediction import step_for_s
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
@@ -72,9 +71,8 @@ class PredictedFlight:
         Raises:
             MissionError: the model cannot fly it.
         """
-        start_m, velocity_m_s = after_takeoff(takeoff_m, limits)
         mission, step_s = route.mission, step_for_s(route)
-        flight = simulate(mission, limits, start_m=start_m, velocity_m_s=velocity_m_s, step_s=step_s)
+        flight = simulate(mission, limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
         begin_s = np.array(list(_begins_s(mission, flight)))
         sample_s = np.arange(begin_s[0], begin_s[-1] + SAMPLE_S, SAMPLE_S)
         columns = flight.north_m, flight.east_m, np.unwrap(flight.heading_deg, period=360.0)

@@ -22,7 +22,7 @@ _NO_NOISE = 0.02
 # A square below 1.2e-7 cm²/s² is none (is_positive in AP_Math.h).
 _NO_SPEED_M_S = 3.45e-6
 # After a climb or descent the target keeps a speed so small that the estimate's noise decides between 0
-# and 1. Seven flights' first legs, after 1 s at rest, began with a scale of 0.75 to 0.86: 0.3 to 0.5 s late.
+# and 1. Seven flights that began in a climb had a scale of 0.75 to 0.86 after 1 s at rest: 0.3 to 0.5 s late.
 _AFTER_CLIMB_SCALE = 0.5
 _SQRT_HALF, _DENSITY = sqrt(0.5), 1.0 / sqrt(2.0 * pi)
 # After a stop the estimated speed is off to the left of the track, it seems because SITL's EKF3 takes

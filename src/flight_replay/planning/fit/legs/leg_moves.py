@@ -80,7 +80,7 @@ class _Sweep:
         share: float,
     ) -> None:
         self._flights, self._hovers, self._timed = flights, hovers, problem.timed
-        self._start = start
+        self._start, self._straight_starts = start, problem.straight_starts
         self._usual_m = share * start.objective_m / len(start.draft)
         self._cost = LocalCost.of(start, problem.recording, timed=problem.timed)
         self._lateness = _lateness(problem, start, hovers) if problem.timed else None
@@ -91,7 +91,7 @@ class _Sweep:
         first = max(1, place - _LEGS_BEFORE)
         draft = self._flights.draft
         changes: list[tuple[int, Iterator[Sequence[Draft]]]] = [
-            (first, _kind_changes(draft, place, self._hovers))
+            (first, _kind_changes(draft, place, self._hovers, straight_starts=self._straight_starts))
         ]
         if self._timed:
             changes.insert(0, (place, _speed_changes(draft, place, self._factor_to_be_on_time(place))))
@@ -164,18 +164,23 @@ def _at_speed(draft: Draft, place: int, speed_m_s: float) -> Draft:
     return replace(draft, speed_m_s=speeds)
 
 
-def _kind_changes(draft: Draft, place: int, hovers: dict[int, Hover]) -> Iterator[Sequence[Draft]]:
+def _kind_changes(
+    draft: Draft, place: int, hovers: dict[int, Hover], *, straight_starts: bool
+) -> Iterator[Sequence[Draft]]:
     """The drafts that differ in how a place is flown to, and whether it is stopped at, each by itself."""
+    after_stop = straight_starts and draft.hold_s[place - 1] > 0
     if place in hovers:
         return
     if place == len(draft) - 1:
-        yield [_flipped(draft, place)]
+        if not after_stop:
+            yield [_flipped(draft, place)]
         return
     if draft.hold_s[place] > 0:
-        yield [_through(draft, place)]
+        yield [_through(draft, place, spline=not after_stop)]
         return
-    yield [_flipped(draft, place)]
-    yield [_stopped(draft, place)]
+    if not after_stop:
+        yield [_flipped(draft, place)]
+    yield [_stopped(draft, place, straight_start=straight_starts)]
     if draft.spline[place + 1]:
         yield [_flipped(_flipped(draft, place) if draft.spline[place] else draft, place + 1)]
 
@@ -186,15 +191,15 @@ def _flipped(draft: Draft, place: int) -> Draft:
     return replace(draft, spline=spline)
 
 
-def _stopped(draft: Draft, place: int) -> Draft:
-    """Straight to a stop."""
+def _stopped(draft: Draft, place: int, *, straight_start: bool) -> Draft:
+    """Straight to a stop, and on from it as before, or straight."""
     spline, hold_s = draft.spline.copy(), draft.hold_s.copy()
-    spline[place], hold_s[place] = False, STOP_S
+    spline[place : place + 1 + straight_start], hold_s[place] = False, STOP_S
     return replace(draft, spline=spline, hold_s=hold_s)
 
 
-def _through(draft: Draft, place: int) -> Draft:
-    """Through without a stop, on a curve."""
-    spline, hold_s = draft.spline.copy(), draft.hold_s.copy()
-    spline[place], hold_s[place] = True, 0.0
-    return replace(draft, spline=spline, hold_s=hold_s)
+def _through(draft: Draft, place: int, *, spline: bool) -> Draft:
+    """Through without a stop, on a curve or straight."""
+    is_spline, hold_s = draft.spline.copy(), draft.hold_s.copy()
+    is_spline[place], hold_s[place] = spline, 0.0
+    return replace(draft, spline=is_spline, hold_s=hold_s)
