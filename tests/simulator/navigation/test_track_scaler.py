@@ -106,3 +106,8 @@ def test_a_leg_after_a_climb_begins_slower_than_one_after_a_stop() -> None:
     """A second after the climb from the take-off to the first waypoint, flights of 4.6 began with 0.8."""
     assert scale_after_rest(0.2, 0.0, 1.0) == pytest.approx(0.84, abs=0.05)
     assert scale_after_rest(0.0, 2.0, 1.0) == 1.0
+
+
+def test_a_climb_of_centimetres_is_none() -> None:
+    """Flights of 4.6 that began after the climb of their take-off started as from rest."""
+    assert scale_after_rest(0.1, 0.0, 1.0) > 0.99

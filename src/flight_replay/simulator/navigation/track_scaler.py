@@ -22,8 +22,9 @@ _NO_NOISE = 0.02
 # A square below 1.2e-7 cm²/s² is none (is_positive in AP_Math.h).
 _NO_SPEED_M_S = 3.45e-6
 # After a climb or descent the target keeps a speed so small that the estimate's noise decides between 0
-# and 1. Seven flights that began in a climb had a scale of 0.75 to 0.86 after 1 s at rest: 0.3 to 0.5 s late.
-_AFTER_CLIMB_SCALE = 0.5
+# and 1. Seven flights that began in a climb had a scale of 0.75 to 0.86 after 1 s at rest: 0.3 to 0.5 s late;
+# fifteen that began after it, with centimetres to climb, one of 0.95 or so.
+_AFTER_CLIMB_SCALE, _CLIMBING_M_S = 0.5, 0.15
 _SQRT_HALF, _DENSITY = sqrt(0.5), 1.0 / sqrt(2.0 * pi)
 # After a stop the estimated speed is off to the left of the track, it seems because SITL's EKF3 takes
 # the heading to be half a degree too large, and so the braking to be oblique. In over 100 stops at six
@@ -80,8 +81,9 @@ class TrackScaler(SnapshotPart):
             drift.set_velocity(vn, ve)
         elif speed < _RESTING_M_S or drift.rested_s > 0:
             drift.rested_s += airframe.dt
-        if speed > _NO_SPEED_M_S:
+        if speed > _CLIMBING_M_S:
             self._rest_scale = 1.0 if hypot(vn, ve) > abs(vu) else _AFTER_CLIMB_SCALE
+        if speed > _NO_SPEED_M_S:
             behind = (
                 (control.n - airframe.n) * vn + (control.e - airframe.e) * ve + (control.u - airframe.u) * vu
             )
