@@ -62,10 +62,11 @@ class _EstimateDrift(SnapshotPart):
 class TrackScaler(SnapshotPart):
     """``scale`` is how much of each step's time the target moves on, 0 to 1 (_track_scalar_dt)."""
 
-    __slots__ = ("_drift", "_rest_scale", "scale")
+    __slots__ = ("_drift", "_moved", "_rest_scale", "scale")
 
     def __init__(self) -> None:
         self.scale = self._rest_scale = 1.0
+        self._moved = False
         self._drift = _EstimateDrift()
 
     def advance(self, limits: Limits, control: PositionControl, airframe: Airframe) -> float:
@@ -81,9 +82,10 @@ class TrackScaler(SnapshotPart):
             drift.set_velocity(vn, ve)
         elif speed < _RESTING_M_S or drift.rested_s > 0:
             drift.rested_s += airframe.dt
-        if speed > _CLIMBING_M_S:
-            self._rest_scale = 1.0 if hypot(vn, ve) > abs(vu) else _AFTER_CLIMB_SCALE
+        self._moved = speed > _CLIMBING_M_S or (self._moved and speed > _NO_SPEED_M_S)
         if speed > _NO_SPEED_M_S:
+            climbed = self._moved and hypot(vn, ve) <= abs(vu)
+            self._rest_scale = _AFTER_CLIMB_SCALE if climbed else 1.0
             behind = (
                 (control.n - airframe.n) * vn + (control.e - airframe.e) * ve + (control.u - airframe.u) * vu
             )
