@@ -105,7 +105,7 @@ def wait(duration_s: float) -> MissionItem:
     return MissionItem(Command.CONDITION_DELAY, Frame.MISSION, params, 0.0, 0.0, 0.0)
 
 
-def face(lat_deg: float, lon_deg: float, alt_m: float, frame: int = Frame.RELATIVE) -> MissionItem:
+def face(lat_deg: float, lon_deg: float, alt_m: float, frame: int) -> MissionItem:
     """DO_SET_ROI: a vehicle without a gimbal faces a position until it is told otherwise."""
     return MissionItem(Command.SET_ROI, frame, (0.0, 0.0, 0.0, 0.0), lat_deg, lon_deg, alt_m)
 

@@ -63,7 +63,7 @@ def test_the_mission_stays_within_the_memory(monkeypatch: pytest.MonkeyPatch) ->
     assert len(turned.mission.items) <= len(route.mission.items) + 3
 
 
-def test_speeds_stay_where_they_are_or_follow_a_turn() -> None:
+def test_speeds_stay_as_they_are() -> None:
     """A recording that changes its speed has the same changes, in the same order."""
     turned = with_recorded_headings(route_with(200.0), Limits(), 30.0, timed=True)
     speeds = [item for item in turned.mission.items if item.command == Command.CHANGE_SPEED]

@@ -3,10 +3,9 @@
 The first of a group starts with the navigation item after it, each further one when the one
 before is done. A heading asked for by CONDITION_YAW holds until the next navigation item starts, for
 that chooses the mode by WP_YAW_BEHAVIOR (ModeAuto::wp_start, do_spline_wp); a position of DO_SET_ROI is
-faced on. The first item of a group is
-started before and resumed at once (verify_yaw), so that its turn goes on from where the heading is;
-one behind another item starts an update later, with the heading target on the path already, and
-turns from there (AP_Mission::update, AutoYaw::set_fixed_yaw, 4.1 to 4.7).
+faced on. The first item of a group is started before and resumed at once (verify_yaw), so that its turn
+goes on from where the heading is; one behind another item starts an update later, with the heading
+target on the path already, and turns from there (AP_Mission::update, AutoYaw::set_fixed_yaw, 4.1 to 4.7).
 """
 
 from __future__ import annotations
