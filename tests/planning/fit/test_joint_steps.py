@@ -7,20 +7,20 @@ import pytest
 
 from flight_replay.planning.fit import joint_steps
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.joint_steps import FIRST_DAMPING, JointState, stepped_jointly
+from flight_replay.planning.fit.joint_steps import stepped_jointly
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import local_track
-from flight_replay.planning.fit.rounds import timed
+from flight_replay.planning.fit.rounds import State, timed
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import wander
 
 
-def problem_and_start() -> tuple[FitProblem, JointState]:
+def problem_and_start() -> tuple[FitProblem, State]:
     problem = problem_for(local_track(wander(4), 20.0), 20, Limits(), timed=True)
     draft = first_draft(problem.recording, 20, [], timed=True)
     start = timed(problem.exact, draft, {}, budget())
-    return problem, JointState(start, FIRST_DAMPING)
+    return problem, State(start, {})
 
 
 def budget() -> Budget:
@@ -31,7 +31,7 @@ def test_a_joint_step_brings_the_flight_nearer_to_the_recording() -> None:
     """In place and time: a draft with its speeds set gains a twentieth of the objective."""
     problem, start = problem_and_start()
     spent = budget()
-    found = stepped_jointly(problem, start, {}, spent)
+    found = stepped_jointly(problem, start, spent)
     assert found.best.objective_m < 0.95 * start.best.objective_m
     assert found.damping < start.damping
     assert spent.spent > 3
@@ -43,8 +43,8 @@ def test_a_joint_step_brings_the_flight_nearer_to_the_recording() -> None:
 def test_steps_that_fail_are_damped_more() -> None:
     """With next to no damping a step goes too far; what was best stays, and the next one is shorter."""
     problem, start = problem_and_start()
-    best = stepped_jointly(problem, start, {}, budget())
-    found = stepped_jointly(problem, replace(best, damping=1e-9), {}, budget())
+    best = stepped_jointly(problem, start, budget())
+    found = stepped_jointly(problem, replace(best, damping=1e-9), budget())
     assert found.best is best.best
     assert found.damping > 1e-9
 
@@ -53,4 +53,4 @@ def test_what_would_take_too_much_memory_is_left_as_it_is(monkeypatch: pytest.Mo
     """The derivatives are as many as errors times changes: too many for long flights through many places."""
     problem, start = problem_and_start()
     monkeypatch.setattr(joint_steps, "_MOST_DERIVATIVES", 50_000)
-    assert stepped_jointly(problem, start, {}, budget()) is start
+    assert stepped_jointly(problem, start, budget()) is start

@@ -1,8 +1,11 @@
 """The search among starts, and why it stops."""
 
+from dataclasses import replace
+
 import pytest
 
 import flight_replay.planning.fit.search as search_module
+from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
@@ -45,10 +48,27 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
 
     def dead_end_first(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
         searched.append(state.best.objective_m)
-        return (state.best, "a dead end") if len(searched) == 1 else untimed_search(problem, state, budget)
+        return (state.best, "a dead end") if len(searched) == 1 else search_from(problem, state, budget)
 
-    untimed_search = search_module._untimed_search
-    monkeypatch.setattr(search_module, "_untimed_search", dead_end_first)
+    search_from = search_module._searched
+    monkeypatch.setattr(search_module, "_searched", dead_end_first)
     best, stopped = search(problem, [curved, curved], Budget(150, lambda done, total: None))
     assert best.objective_m < min(searched)
     assert stopped != "a dead end"
+
+
+def test_every_start_has_its_turn_and_the_best_of_them_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the recorded speed the start that is worse after a round may end better."""
+    problem, (curved, _) = problem_and_starts(timed=True)
+    turns: list[Draft] = []
+
+    def in_place(problem: FitProblem, state: State, share: float, most: int, budget: Budget) -> State:
+        turns.append(state.best.draft)
+        better_m = 0.5 if len(turns) == 2 else 1.0
+        return replace(state, best=replace(state.best, late_m=better_m * state.best.late_m))
+
+    monkeypatch.setattr(search_module, "_turn", in_place)
+    best, _ = search(problem, [curved, curved], Budget(10_000, lambda done, total: None))
+    assert len(turns) == 3
+    assert turns[0] is not turns[1]
+    assert turns[2] is turns[1] is best.draft

@@ -37,9 +37,9 @@ WORK_FIXES = 1000
 _HOVER_SHARE = 3
 # Durations of flights, and the steps of the model that can be afforded for each.
 _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
-_WORK_STEPS, _WORK_STEPS_A_FIX = 850_000, 40
+_WORK_STEPS, _WORK_STEPS_A_FIX = 700_000, 40
 """Steps of the model that the search may take, and more for each fix."""
-_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 200
+_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 240
 
 ProgressCallback = Callable[[int, int], None]
 

@@ -7,7 +7,7 @@ late, so after the step the speeds are set anew, to leave each place when the st
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,13 +26,13 @@ from flight_replay.planning.fit.objective import (
 )
 from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
-from flight_replay.planning.fit.reference import Hover, LocalTrack
+from flight_replay.planning.fit.reference import LocalTrack
+from flight_replay.planning.fit.rounds import State
 from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, SLOWEST_M_S, Schedule, speed_caps_m_s
 from flight_replay.planning.fit.speed_search import SpeedSearch
 
 JOINT_FLIGHTS = 18
 """A step costs about as many flights, most of them for the derivatives."""
-FIRST_DAMPING = 0.03
 _MORE, _LESS = 4.0, 0.5
 _TRIES = 3
 _MOST_DERIVATIVES = 20_000_000
@@ -42,23 +42,12 @@ _MOST_CHANGE = 2 * _USUAL_CHANGE
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 
 
-@dataclass(frozen=True, slots=True)
-class JointState:
-    """The best so far, and how much the next step is damped."""
-
-    best: Evaluation
-    damping: float
-
-
-def stepped_jointly(
-    problem: FitProblem, state: JointState, hovers: dict[int, Hover], budget: Budget
-) -> JointState:
-    """The best after some steps by the same derivatives.
+def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
+    """The best after some steps by the same derivatives, and the damping of the next.
 
     Args:
         problem: what to fit.
-        state: the draft as it is flown in exact steps of the model, and the damping.
-        hovers: the recorded hovers by the place at which they are waited for.
+        state: the draft as it is flown in exact steps of the model.
         budget: is told how much was flown.
     """
     if len(state.best.draft) < 2 or _derivatives_count(state.best) > _MOST_DERIVATIVES:
@@ -76,14 +65,14 @@ def stepped_jointly(
         moved = _changed(state.best.draft, changes, caps_m_s)
         leave_s = state.best.passed_s + derivatives.passed_s @ changes
         schedule = Schedule(
-            kept_in_corridor(moved, hovers, problem.recording), np.maximum.accumulate(leave_s)
+            kept_in_corridor(moved, state.hovers, problem.recording), np.maximum.accumulate(leave_s)
         )
         trial, steps = _flown_on_time(exact, schedule, caps_m_s)
         budget.spend(steps / steps_a_flight)
         if trial.objective_m >= state.best.objective_m:
             state = replace(state, damping=_MORE * state.damping)
             continue
-        state = JointState(trial, _LESS * state.damping)
+        state = replace(state, best=trial, damping=_LESS * state.damping)
         back_m = back_m + (derivatives.errors @ changes)[-back_m.size :].reshape(back_m.shape)
     return state
 

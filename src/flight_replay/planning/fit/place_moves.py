@@ -17,7 +17,7 @@ from flight_replay.planning.fit.reference import Hover, LocalTrack
 CORRIDOR_M = 4.0
 """No waypoint is farther from the recording."""
 STOP_CORRIDOR_M = 1.0
-"""A place to wait is no farther from where the recording hovered: enough to make good an overshoot."""
+"""A place to stop at is no farther from where the recording hovered or ended: enough for an overshoot."""
 _SMOOTHING, _MIN_SMOOTHING = 0.02, 0.003
 _LEG_S = 1.4
 """Where legs are shorter than this in time, uneven places mean jerks."""
@@ -130,13 +130,14 @@ def _smoothing_weights(problem: FitProblem, evaluation: Evaluation) -> Floats:
 
 
 def kept_in_corridor(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack) -> Draft:
-    """The draft with no place farther from the recording than ``CORRIDOR_M``, none to wait than less."""
+    """The draft with no place farther from the recording than ``CORRIDOR_M``, none to stop at than less."""
     places = draft.places_m.copy()
     feet = recording.nearest_m(places[:, :2])
     farthest_m = np.full((len(places), 1), CORRIDOR_M)
     for place, hover in hovers.items():
         feet[place] = recording.north_east_m[hover.first : hover.last + 1].mean(axis=0)
         farthest_m[place] = STOP_CORRIDOR_M
+    feet[-1], farthest_m[-1] = recording.north_east_m[-1], STOP_CORRIDOR_M
     off = places[:, :2] - feet
     apart = np.linalg.norm(off, axis=1, keepdims=True)
     places[:, :2] = feet + off * np.minimum(1.0, farthest_m / np.maximum(apart, 1e-9))

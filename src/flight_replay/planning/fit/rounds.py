@@ -21,15 +21,20 @@ SWEEP_FLIGHTS = 25
 """A way through the legs costs at least about as many: each is flown with those around it."""
 ENOUGH = "so many flights are enough for a recording of this length"
 
+FIRST_DAMPING = 0.03
 _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """Where a search is: the best so far, and the hovers by the place at which they are waited for."""
+    """Where a search is: the best so far, and the hovers by the place at which they are waited for.
+
+    ``damping`` is how much the next step of all places and speeds together is damped.
+    """
 
     best: Evaluation
     hovers: dict[int, Hover]
+    damping: float = FIRST_DAMPING
 
 
 def better(*found: Evaluation) -> Evaluation:

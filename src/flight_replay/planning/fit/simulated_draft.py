@@ -16,9 +16,10 @@ from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.flight.flown_positions import positions_to_end
 from flight_replay.simulator.mission.local_items import LocalItem
 
-_LONGEST_S = 100_000.0
+LONGEST_S = 100_000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,12 +65,9 @@ def flight_of(
 
 def _positions_m(copter: Copter, run: MissionRun) -> list[Vector]:
     """Where the copter is after each step, up to the end of the mission."""
-    rows = [copter.position_m]
-    while not run.completed:
-        copter.step()
-        rows.append(copter.position_m)
-        if copter.time_s > _LONGEST_S:
-            raise MissionError("the fitted flight does not end; fit a shorter part of the log")
+    rows = [copter.position_m, *positions_to_end(copter, LONGEST_S / copter.step_s)]
+    if not run.completed:
+        raise MissionError("the fitted flight does not end; fit a shorter part of the log")
     return rows
 
 

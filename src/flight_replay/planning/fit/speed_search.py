@@ -17,6 +17,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.simulated_draft import (
+    LONGEST_S,
     SimulatedDraft,
     copter_after_takeoff,
     flight_of,
@@ -26,6 +27,7 @@ from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, wit
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.flight.flown_positions import positions_on_leg, positions_to_end
 
 _MOST_TRIALS = 5
 _PUNCTUAL_S = 0.06
@@ -96,9 +98,7 @@ class SpeedSearch:
         """The flight when the last place is reached."""
         copter, run = self._copter, self._copter.mission
         assert run is not None, "a draft is flown in AUTO"
-        while not run.completed:
-            copter.step()
-            self._rows.append(copter.position_m)
+        self._rows += positions_to_end(copter, LONGEST_S / self._step_s)
         return flight_of(with_speeds(self._plan.draft, speeds), run, self._seqs, self._rows, self._step_s)
 
     @property
@@ -164,12 +164,7 @@ class SpeedSearch:
 
     def _fly(self, copter: Copter, place: int, most_s: float) -> list[Vector]:
         """Where a copter is after each step until the leg to a place is about to end, or for so long."""
-        run, seq, last = copter.mission, self._seqs[place], copter.steps + int(most_s / self._step_s)
-        assert run is not None, "a draft is flown in AUTO"
-        rows: list[Vector] = []
-        while not (run.seq == seq and run.item_ends) and copter.steps < last:
-            copter.step()
-            rows.append(copter.position_m)
+        rows = positions_on_leg(copter, self._seqs[place], int(most_s / self._step_s))
         self.steps += len(rows)
         return rows
 

@@ -6,6 +6,7 @@ Sources: libraries/SITL/SIM_Frame.cpp and SIM_Motor.cpp, default frame "+" of 3 
 from __future__ import annotations
 
 from math import cos, pi, sqrt, tan
+from typing import Final
 
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
@@ -13,16 +14,16 @@ from flight_replay.simulator.dynamics.vector import Vector
 
 # SIM_Frame.h's default model: at the reference altitude, drag balances 45 degrees of lean at
 # 15.08 m/s. A part of it, linear in speed, is the momentum that the rotors give to their air.
-_MASS_KG = 3.0
-_DISC_AREA_M2 = 0.385
-_MOMENTUM_DRAG = 0.2
-_REFERENCE_SPEED_M_S = 15.08
-_REFERENCE_LEAN = pi / 4
-_REFERENCE_AMSL_M = 593.0
-_HOVER_FORCE_N = _MASS_KG * GRAVITY_M_S2
+_MASS_KG: Final = 3.0
+_DISC_AREA_M2: Final = 0.385
+_MOMENTUM_DRAG: Final = 0.2
+_REFERENCE_SPEED_M_S: Final = 15.08
+_REFERENCE_LEAN: Final = pi / 4
+_REFERENCE_AMSL_M: Final = 593.0
+_HOVER_FORCE_N: Final = _MASS_KG * GRAVITY_M_S2
 # Speed of the air below the rotors in hover: twice power (12.09 V, 29.3 A) over force.
-_OUTFLOW_M_S = 2.0 * 12.09 * 29.3 / _HOVER_FORCE_N
-_TROPOPAUSE_M = 11_000.0
+_OUTFLOW_M_S: Final = 2.0 * 12.09 * 29.3 / _HOVER_FORCE_N
+_TROPOPAUSE_M: Final = 11_000.0
 
 
 def air_density_kg_m3(amsl_m: float) -> float:
@@ -75,7 +76,8 @@ class Air(SnapshotPart):
         up = n * tn + e * te + u * tu
         thrust = lift / tu
         if up > 0:
-            thrust = max(0.0, thrust - GRAVITY_M_S2 * (up / _OUTFLOW_M_S) ** 2)
+            slowed = up / _OUTFLOW_M_S
+            thrust = max(0.0, thrust - GRAVITY_M_S2 * slowed * slowed)
         linear, square = self._linear * sqrt(thrust / GRAVITY_M_S2), self._square
         n, e, u = n - up * tn, e - up * te, u - up * tu
         hn, he = heading

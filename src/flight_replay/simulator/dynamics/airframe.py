@@ -9,6 +9,7 @@ positions are metres north, east and up of home.
 from __future__ import annotations
 
 from math import atan, cos, exp, pi, sin
+from typing import Final
 
 from flight_replay.simulator.dynamics.aerodynamics import Air
 from flight_replay.simulator.dynamics.heading import Heading
@@ -18,11 +19,11 @@ from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
-_THROTTLE_FILTER_S = 1.0 / (2.0 * pi * 2.0)
+_THROTTLE_FILTER_S: Final = 1.0 / (2.0 * pi * 2.0)
 # Rounds in which the lean against a wind is found: each leaves a fraction of the error.
-_WIND_ROUNDS = 8
+_WIND_ROUNDS: Final = 8
 # Time by which the airframe's lean follows the attitude controller's target, 15 to 30 ms in SITL's logs.
-_LEAN_LAG_S = 0.0175
+_LEAN_LAG_S: Final = 0.0175
 
 
 class Airframe(SnapshotPart):

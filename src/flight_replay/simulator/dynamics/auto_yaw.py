@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from enum import Enum
-from math import atan2, hypot, pi, radians
+from math import atan2, pi, radians
+from typing import Final
 
 from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.dynamics.shaping import clamp, wrap_pi
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
+from flight_replay.simulator.dynamics.vector import norm
 
 # WP_YAW_BEHAVIOR.
-_NEVER, _NEXT_WAYPOINT, _NEXT_WAYPOINT_EXCEPT_RTL, _AHEAD = 0, 1, 2, 3
+_NEVER: Final = 0
+_NEXT_WAYPOINT: Final = 1
+_NEXT_WAYPOINT_EXCEPT_RTL: Final = 2
+_AHEAD: Final = 3
 # AC_PosControl.cpp turns the target only above this share of the highest speed.
-_TURNING_SHARE = 0.05
+_TURNING_SHARE: Final = 0.05
 # autoyaw.cpp: YAW_LOOK_AHEAD_MIN_SPEED, 1 m/s.
-_LOOK_AHEAD_SPEED_M_S = 1.0
-_REACHED_RAD = radians(2.0)
+_LOOK_AHEAD_SPEED_M_S: Final = 1.0
+_REACHED_RAD: Final = radians(2.0)
 
 
 class YawMode(Enum):
@@ -163,7 +168,7 @@ class AutoYaw(SnapshotPart):
             return self._rate_rad_s
         if self.mode is YawMode.ROI:
             self.target_rad = self._bearing_rad(self._roi_m)
-        if self.mode is YawMode.LOOK_AHEAD and hypot(airframe.vn, airframe.ve) > _LOOK_AHEAD_SPEED_M_S:
+        if self.mode is YawMode.LOOK_AHEAD and norm(airframe.vn, airframe.ve) > _LOOK_AHEAD_SPEED_M_S:
             self.target_rad = atan2(airframe.ve, airframe.vn)
         return 0.0
 
@@ -175,7 +180,8 @@ class AutoYaw(SnapshotPart):
         """Where the target's velocity points; None below 5 % of the highest speed."""
         control = self._control
         vn, ve = control.vn, control.ve
-        if vn * vn + ve * ve <= (_TURNING_SHARE * control.speed_max) ** 2:
+        least = _TURNING_SHARE * control.speed_max
+        if vn * vn + ve * ve <= least * least:
             return None
         return atan2(ve, vn)
 

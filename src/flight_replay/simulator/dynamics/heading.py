@@ -9,17 +9,22 @@ yaw is weak: at 60 degrees/s the nose is 6 degrees behind the target.
 from __future__ import annotations
 
 from math import exp, pi, radians
+from typing import Final
 
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards, wrap_pi
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 
 # ATC_ANG_YAW_P, ATC_RAT_YAW_P, _I and _FLTE, and the largest yaw acceleration that an angle asks for.
-_ANGLE_P, _RATE_P, _RATE_I, _FILTER_S = 4.5, 0.3, 0.02, 1.0 / (2.0 * pi * 2.5)
-_ANGLE_ACCEL_RAD_S2 = radians(120.0)
-_RAD_S2_PER_OUTPUT, _DRAG_PER_S = 13.9, 1.95
+_ANGLE_P: Final = 4.5
+_RATE_P: Final = 0.3
+_RATE_I: Final = 0.02
+_FILTER_S: Final = 1.0 / (2.0 * pi * 2.5)
+_ANGLE_ACCEL_RAD_S2: Final = radians(120.0)
+_RAD_S2_PER_OUTPUT: Final = 13.9
+_DRAG_PER_S: Final = 1.95
 # Angle, rad, and rate, rad/s, below which a turn is over.
-_NO_TURN = 1e-5
+_NO_TURN: Final = 1e-5
 
 
 class Heading(SnapshotPart):

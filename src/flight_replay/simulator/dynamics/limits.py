@@ -10,15 +10,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import pi, sqrt
+from typing import Final
 
 from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 from flight_replay.simulator.dynamics.shaping import clamp
 
-GRAVITY_M_S2 = 9.80665
-_DEG = pi / 180.0
+GRAVITY_M_S2: Final = 9.80665
+_DEG: Final = pi / 180.0
 # AC_WPNav.cpp: WPNAV_WP_SPEED_MIN and WPNAV_WP_RADIUS_MIN.
-MIN_SPEED_M_S = 0.2
-MIN_RADIUS_M = 0.05
+MIN_SPEED_M_S: Final = 0.2
+MIN_RADIUS_M: Final = 0.05
 # Parameters.cpp: the range of ANGLE_MAX; AP_MotorsMulticopter.cpp: AP_MOTORS_THST_HOVER_MIN and _MAX.
 _LEAN_ANGLES_RAD = (10.0 * _DEG, 80.0 * _DEG)
 _HOVER_THROTTLES = (0.125, 0.6875)

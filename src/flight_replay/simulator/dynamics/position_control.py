@@ -7,7 +7,8 @@ lags only by what its attitude and the air take. Metres north, east, up of home.
 
 from __future__ import annotations
 
-from math import exp, hypot, sqrt, tan
+from math import exp, sqrt, tan
+from typing import Final
 
 from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
@@ -18,13 +19,14 @@ from flight_replay.simulator.dynamics.shaping import (
     sqrt_controller,
     stopping_distance,
 )
-from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.dynamics.vector import Vector, norm
 from flight_replay.simulator.dynamics.velocity_pid import FILTER_S, VelocityPid
 
 # AC_PosControl.h: POSCONTROL_STOPPING_DIST_UP_MAX and _DOWN_MAX.
-_STOP_UP_M, _STOP_DOWN_M = 3.0, 2.0
+_STOP_UP_M: Final = 3.0
+_STOP_DOWN_M: Final = 2.0
 # The throttle PID works in thousandths of throttle per cm/s².
-_THROTTLE_PER_M_S2 = 0.1
+_THROTTLE_PER_M_S2: Final = 0.1
 
 
 class PositionControl(PositionTarget):
@@ -88,7 +90,7 @@ class PositionControl(PositionTarget):
         self.n, self.e, self.vn, self.ve = airframe.n, airframe.e, airframe.vn, airframe.ve
         self.accel_n = self.accel_e = 0.0
         lean_n, lean_e = airframe.target_lean
-        size = hypot(lean_n, lean_e) * GRAVITY_M_S2
+        size = norm(lean_n, lean_e) * GRAVITY_M_S2
         scale = GRAVITY_M_S2 * (self._lean_max / size if size > self._lean_max else 1.0)
         self._pid.reset((lean_n * scale, lean_e * scale))
 
@@ -104,7 +106,7 @@ class PositionControl(PositionTarget):
     def stopping_point(self) -> Vector:
         """Where the airframe can come to rest (get_stopping_point_xy_cm, _z_cm)."""
         airframe, limits = self._airframe, self._limits
-        speed = hypot(airframe.vn, airframe.ve)
+        speed = norm(airframe.vn, airframe.ve)
         ahead = 0.0
         if speed > 0:
             ahead = stopping_distance(min(speed, self.speed_max), limits.position_p, self.accel_max) / speed
@@ -165,12 +167,13 @@ class PositionControl(PositionTarget):
         """Horizontal acceleration for the airframe (update_xy_controller)."""
         limits, airframe = self._limits, self._airframe
         dn, de = self.n - airframe.n, self.e - airframe.e
-        size = sqrt(dn * dn + de * de)
+        size = norm(dn, de)
         gain = sqrt_controller(size, limits.position_p, self.accel_max, 0.0) / size if size > 0 else 0.0
         error = dn * gain + self.vn - airframe.vn, de * gain + self.ve - airframe.ve
         n, e = self._pid.advance(limits, error)
-        wanted = n + self.accel_n, e + self.accel_e
-        self.load = hypot(*wanted) / self._lean_max
+        n, e = n + self.accel_n, e + self.accel_e
+        wanted = n, e
+        self.load = norm(n, e) / self._lean_max
         allowed = limit_accel_xy(wanted, (self.vn, self.ve), self._lean_max)
         self.excess = None if allowed == wanted else (wanted, (dn, de), self._pid.error)
         self._pid.set_limited((0.0, 0.0) if allowed == wanted else wanted)

@@ -7,7 +7,7 @@ home.
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from typing import Final
 
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.shaping import (
@@ -20,10 +20,10 @@ from flight_replay.simulator.dynamics.shaping import (
     step_towards_xy,
 )
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
-from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.dynamics.vector import Vector, norm
 
 # AC_PosControl.h: POSCONTROL_OVERSPEED_GAIN_Z.
-_OVERSPEED_GAIN = 2.0
+_OVERSPEED_GAIN: Final = 2.0
 
 Pair = tuple[float, float]
 
@@ -84,11 +84,11 @@ class PositionTarget(SnapshotPart):
     def aim_position(self, position: Vector) -> None:
         """Accelerate towards a position along the straight line there (input_pos_xyz)."""
         offset = position[0] - self.n, position[1] - self.e, position[2] - self.u
-        length = hypot(*offset)
+        length = norm(*offset)
         speed = kinematic_limit(offset, self.speed_max, self.speed_up, self.speed_down)
         level, rise = 0.0, 0.0
         if length > 0:
-            level, rise = speed * hypot(offset[0], offset[1]) / length, speed * abs(offset[2]) / length
+            level, rise = speed * norm(offset[0], offset[1]) / length, speed * abs(offset[2]) / length
         self._shape_towards((position[0], position[1]), level)
         gain = self._overspeed_gain()
         bounds = (-rise, rise, self.accel_z_max * gain, self._jerk_z * gain)
@@ -137,7 +137,7 @@ class PositionTarget(SnapshotPart):
     ) -> None:
         """Accelerate the horizontal target towards a place; ``speed_max`` limits the correction."""
         dn, de = place[0] - self.n, place[1] - self.e
-        size = sqrt(dn * dn + de * de)
+        size = norm(dn, de)
         wanted = 0.0
         if size > 0:
             gain = 0.5 * self._jerk / self.accel_max

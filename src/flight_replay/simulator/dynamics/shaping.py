@@ -5,7 +5,9 @@ Plain floats in any consistent units: these run at every step of the simulation.
 
 from __future__ import annotations
 
-from math import hypot, pi, sqrt
+from math import pi, sqrt
+
+from flight_replay.simulator.dynamics.vector import norm
 
 
 def clamp(value: float, low: float, high: float) -> float:
@@ -54,8 +56,8 @@ def kinematic_limit(direction: tuple[float, float, float], level: float, up: flo
         return 0.0
     if u == 0:
         return level if n or e else 0.0
-    flat = hypot(n, e)
-    length = hypot(flat, u)
+    flat = norm(n, e)
+    length = norm(n, e, u)
     rise = abs(up if u > 0 else down)
     if abs(u) * level < rise * flat:
         return level * length / flat
@@ -115,7 +117,7 @@ def shape_velocity_xy(  # noqa: PLR0913
     """
     accel_max, jerk = limits
     n, e = wanted[0] - speed[0], wanted[1] - speed[1]
-    size = sqrt(n * n + e * e)
+    size = norm(n, e)
     if size > 0:
         rate = sqrt_controller(size, jerk / accel_max, jerk, dt) / size
         n, e = _limit_correction_xy((n * rate, e * rate), wanted, accel_max)
@@ -127,7 +129,7 @@ def step_towards_xy(
 ) -> tuple[float, float]:
     """``value`` moved towards ``target`` by at most ``step`` (shape_accel_xy in control.cpp)."""
     n, e = target[0] - value[0], target[1] - value[1]
-    size = sqrt(n * n + e * e)
+    size = norm(n, e)
     keep = step / size if size > step else 1.0
     return value[0] + n * keep, value[1] + e * keep
 
@@ -140,8 +142,10 @@ def _limit_correction_xy(
     size_squared = an * an + ae * ae
     if size_squared <= accel_max * accel_max:
         return accel
-    speed = hypot(*wanted)
-    n, e = (wanted[0] / speed, wanted[1] / speed) if speed > 0 else (0.0, 0.0)
+    n, e = wanted
+    speed = norm(n, e)
+    if speed > 0:
+        n, e = n / speed, e / speed
     along, across = an * n + ae * e, ae * n - an * e
     if along * along <= across * across or speed == 0:
         scale = accel_max / sqrt(size_squared)
@@ -163,11 +167,12 @@ def limit_accel_xy(
     an, ae = accel
     if an * an + ae * ae <= accel_max * accel_max:
         return accel
-    size = hypot(*speed)
+    n, e = speed
+    size = norm(n, e)
     if size == 0:
-        scale = accel_max / hypot(an, ae)
+        scale = accel_max / norm(an, ae)
         return an * scale, ae * scale
-    n, e = speed[0] / size, speed[1] / size
+    n, e = n / size, e / size
     along, across = an * n + ae * e, ae * n - an * e
     across = clamp(across, -accel_max, accel_max)
     room = sqrt(accel_max * accel_max - across * across)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from math import exp, hypot, pi
+from math import exp, pi
+from typing import Final
 
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
+from flight_replay.simulator.dynamics.vector import norm
 
 # PSC_VELXY_FLTE, _FLTD and PSC_VELZ_FLTE: 5 Hz.
-FILTER_S = 1.0 / (2.0 * pi * 5.0)
+FILTER_S: Final = 1.0 / (2.0 * pi * 5.0)
 # PSC_VELXY_IMAX.
-_INTEGRATOR_MAX = 10.0
+_INTEGRATOR_MAX: Final = 10.0
 
 
 class VelocityPid(SnapshotPart):
     """Velocity error, m/s north and east, to acceleration, m/s²."""
 
-    __slots__ = ("_alpha", "_dt", "_error", "_integral", "_limited", "_rate")
+    __slots__ = ("_alpha", "_begins", "_dt", "_error", "_integral", "_limited", "_rate")
 
     def __init__(self, dt: float) -> None:
         self.use_step(dt)
@@ -30,14 +32,14 @@ class VelocityPid(SnapshotPart):
     def reset(self, accel: tuple[float, float]) -> None:
         """Reset to an acceleration that is flown already."""
         self._integral = accel
-        self._error: tuple[float, float] | None = None
+        self._begins, self._error = True, (0.0, 0.0)
         self._rate = (0.0, 0.0)
         self._limited = (0.0, 0.0)
 
     @property
     def error(self) -> tuple[float, float]:
         """The filtered velocity error."""
-        return self._error or (0.0, 0.0)
+        return self._error
 
     def set_limited(self, wanted: tuple[float, float]) -> None:
         """Set the acceleration that was not allowed, so that the integral does not grow that way."""
@@ -45,18 +47,18 @@ class VelocityPid(SnapshotPart):
 
     def advance(self, limits: Limits, error: tuple[float, float]) -> tuple[float, float]:
         """Acceleration against a velocity error, one step on."""
-        if self._error is None:
-            self._error = error
+        if self._begins:
+            self._begins, self._error = False, error
         else:
-            (before_n, before_e), part, dt = self._error, self._alpha, self._dt
+            part, dt = self._alpha, self._dt
+            before_n, before_e = self._error
             step_n, step_e = (error[0] - before_n) * part, (error[1] - before_e) * part
             self._error = before_n + step_n, before_e + step_e
             rate_n, rate_e = self._rate
             self._rate = rate_n + (step_n / dt - rate_n) * part, rate_e + (step_e / dt - rate_e) * part
         n, e = self._error
-        integral_n, integral_e = self._integral = self._next_integral(
-            n * limits.velocity_i, e * limits.velocity_i
-        )
+        integral_n, integral_e = self._next_integral(n * limits.velocity_i, e * limits.velocity_i)
+        self._integral = integral_n, integral_e
         p, d = limits.velocity_p, limits.velocity_d
         return n * p + integral_n + self._rate[0] * d, e * p + integral_e + self._rate[1] * d
 
@@ -65,7 +67,7 @@ class VelocityPid(SnapshotPart):
         n, e = self._integral
         most = _INTEGRATOR_MAX
         if growth_n * self._limited[0] + growth_e * self._limited[1] > 0:
-            most = hypot(n, e)
+            most = norm(n, e)
         n, e = n + growth_n * self._dt, e + growth_e * self._dt
-        size = hypot(n, e)
+        size = norm(n, e)
         return (n * most / size, e * most / size) if size > most else (n, e)

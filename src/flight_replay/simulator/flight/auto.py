@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from flight_replay.mission.items import FIRST_SEQ, Command
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto_do_commands import DoCommands
 from flight_replay.simulator.flight.auto_legs import MissionLegs
@@ -24,7 +25,7 @@ from flight_replay.simulator.mission.local_items import LocalItem
 _FIRST_CLIMB_M = 1.0
 
 
-class MissionRun:
+class MissionRun(SnapshotPart):
     """AUTO from item ``start_seq`` on; ``reached`` grows by (seq, seconds since AUTO began).
 
     DO items count as reached too; ArduCopter reports only the last item of each step.
@@ -48,6 +49,10 @@ class MissionRun:
 
     # state
 
+    def ends_item(self, seq: int) -> bool:
+        """Whether navigation item ``seq`` is flown, and the next step begins with what is after it."""
+        return self._item is not None and self._item.seq == seq and self._is_done(self._item)
+
     @property
     def time_s(self) -> float:
         """Seconds since AUTO began."""
@@ -57,11 +62,6 @@ class MissionRun:
     def seq(self) -> int | None:
         """Sequence number of the navigation item that is flown; None before the first."""
         return None if self._item is None else self._item.seq
-
-    @property
-    def item_ends(self) -> bool:
-        """Whether the next step begins with another item, or with the end of the mission."""
-        return self._item is not None and self._is_done(self._item)
 
     @property
     def loitering(self) -> bool:

@@ -14,13 +14,14 @@ from collections.abc import Iterator
 from math import hypot, radians
 
 from flight_replay.mission.items import Command
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.flight.flight_control import FlightControl
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _UP, _DOWN = 2, 3
 
 
-class DoCommands:
+class DoCommands(SnapshotPart):
     """The DO items that are running, and the speeds that they have set."""
 
     def __init__(self, flight: FlightControl) -> None:

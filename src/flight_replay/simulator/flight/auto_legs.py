@@ -6,6 +6,7 @@ Source: ArduCopter/mode_auto.cpp, whose functions are named below.
 from __future__ import annotations
 
 from flight_replay.mission.items import Command
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector, minus
 from flight_replay.simulator.flight.flight_control import FlightControl
 from flight_replay.simulator.mission.item_order import ItemOrder
@@ -15,7 +16,7 @@ _STRAIGHT_NEXT = frozenset({Command.WAYPOINT, Command.LOITER_UNLIMITED, Command.
 _LOITERS = frozenset({Command.LOITER_UNLIMITED, Command.LOITER_TIME})
 
 
-class MissionLegs:
+class MissionLegs(SnapshotPart):
     """Legs to a mission's items; the copter stops at a waypoint unless the leg after it is known."""
 
     def __init__(self, flight: FlightControl, order: ItemOrder) -> None:

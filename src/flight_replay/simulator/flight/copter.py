@@ -15,6 +15,7 @@ from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.auto_yaw import AutoYaw
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.flight_control import FlightControl
@@ -34,7 +35,7 @@ from flight_replay.simulator.navigation.waypoint_navigation import WaypointNavig
 STEP_S = 0.02
 
 
-class Copter:
+class Copter(SnapshotPart):
     """The vehicle: give a command, then ``step``; every step lasts ``step_s``."""
 
     def __init__(  # noqa: PLR0913

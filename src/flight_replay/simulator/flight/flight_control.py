@@ -8,12 +8,13 @@ from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.auto_yaw import AutoYaw
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.navigation.waypoint_navigation import WaypointNavigation
 
 
 @dataclass(slots=True)
-class FlightControl:
+class FlightControl(SnapshotPart):
     """What the submodes share: the airframe, its controllers and the limits."""
 
     limits: Limits

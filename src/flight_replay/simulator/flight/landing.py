@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.flight.flight_control import FlightControl
 
 # LAND_DETECTOR_TRIGGER_SEC.
@@ -10,7 +11,7 @@ _LAND_DETECTOR_S = 1.0
 _MIN_ALT_LOW_M = 1.0
 
 
-class Landing:
+class Landing(SnapshotPart):
     """Descend, slowly below LAND_ALT_LOW, until the land detector triggers; then spool down.
 
     It is done when the motors may stop.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import hypot
 
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.flight_control import FlightControl
 from flight_replay.simulator.flight.landing import Landing
@@ -15,7 +16,7 @@ _MIN_CONE_SLOPE = 0.5
 _ROUNDING_M = 0.002
 
 
-class ReturnToLaunch:
+class ReturnToLaunch(SnapshotPart):
     """RTL from here; done when the motors may stop, which with RTL_ALT_FINAL above 0 is never."""
 
     def __init__(self, flight: FlightControl) -> None:

@@ -6,15 +6,15 @@ the corner between them.
 
 from __future__ import annotations
 
-from math import hypot
-
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
-from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.dynamics.vector import Vector, norm
 from flight_replay.simulator.navigation.scurve import SCurve
+from flight_replay.simulator.navigation.scurve_segments import State
 
-LegMotion = tuple[Vector, float, float, float]
-"""A direction, and position m, speed m/s and acceleration m/s² along it."""
+Motion = tuple[Vector, Vector, Vector]
+"""Position m, velocity m/s and acceleration m/s²."""
+_AT_REST: Motion = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class StraightLegs(SnapshotPart):
@@ -44,23 +44,23 @@ class StraightLegs(SnapshotPart):
             Target position, velocity and acceleration, and whether the current leg is done.
         """
         leg, previous, following = self.current, self.previous, self.following
-        moves: list[LegMotion] = []
+        target: Motion = origin, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if not previous.finished:
             position, speed, accel = previous.advance(dt)
-            moves.append((previous.direction, position - previous.length, speed, accel))
+            target = _plus(target, previous.direction, (position - previous.length, speed, accel))
         self.unused_s = 0.0
         if not leg.empty:
             self.unused_s = max(0.0, leg.time + dt - leg.end_time)
-            moves.append((leg.direction, *leg.advance(dt)))
+            target = _plus(target, leg.direction, leg.advance(dt))
         finished = leg.finished
         if following.time > 0:
-            moves.append((following.direction, *following.advance(dt)))
+            target = _plus(target, following.direction, following.advance(dt))
             finished = finished or following.time >= leg.end_time - leg.time
             self.unused_s = 0.0
         elif corner is not None and can_blend(leg, following, corner):
             # The blend begins within the last step, on average in its middle.
-            moves.append((following.direction, *following.advance(0.5 * dt)))
-        return *_sum(origin, moves), finished
+            target = _plus(target, following.direction, following.advance(0.5 * dt))
+        return *target, finished
 
 
 def can_blend(leg: SCurve, following: SCurve, limits: Limits) -> bool:
@@ -71,24 +71,22 @@ def can_blend(leg: SCurve, following: SCurve, limits: Limits) -> bool:
     if leg.position * 2.0 < leg.length or 2.0 * half >= 0.5 * following.end_time:
         return False
     position, speed, accel = leg.at(leg.time + half)
-    position2, speed2, accel2 = following.at(half)
-    n, e, u = leg.direction
-    n2, e2, u2 = following.direction
-    position -= leg.length
-    up = u * position + u2 * position2
+    overlap = _plus(_AT_REST, leg.direction, (position - leg.length, speed, accel))
+    (n, e, u), (vn, ve, _), (an, ae, _) = _plus(overlap, following.direction, following.at(half))
     return (
-        hypot(n * position + n2 * position2, e * position + e2 * position2, up) < limits.wp_radius_m
-        and hypot(n * speed + n2 * speed2, e * speed + e2 * speed2) < min(leg.top_speed, following.top_speed)
-        and hypot(n * accel + n2 * accel2, e * accel + e2 * accel2) < limits.corner_accel_m_s2
+        norm(n, e, u) < limits.wp_radius_m
+        and norm(vn, ve) < min(leg.top_speed, following.top_speed)
+        and norm(an, ae) < limits.corner_accel_m_s2
     )
 
 
-def _sum(origin: Vector, moves: list[LegMotion]) -> tuple[Vector, Vector, Vector]:
-    """Position, velocity and acceleration of motions along several directions."""
-    n, e, u = origin
-    vn = ve = vu = an = ae = au = 0.0
-    for (dn, de, du), position, speed, accel in moves:
-        n, e, u = n + dn * position, e + de * position, u + du * position
-        vn, ve, vu = vn + dn * speed, ve + de * speed, vu + du * speed
-        an, ae, au = an + dn * accel, ae + de * accel, au + du * accel
-    return (n, e, u), (vn, ve, vu), (an, ae, au)
+def _plus(motion: Motion, direction: Vector, state: State) -> Motion:
+    """A motion with that along a leg added."""
+    (n, e, u), (vn, ve, vu), (an, ae, au) = motion
+    dn, de, du = direction
+    position, speed, accel = state
+    return (
+        (n + dn * position, e + de * position, u + du * position),
+        (vn + dn * speed, ve + de * speed, vu + du * speed),
+        (an + dn * accel, ae + de * accel, au + du * accel),
+    )

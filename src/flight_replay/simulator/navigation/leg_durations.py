@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Final
 
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector, minus
@@ -15,7 +16,7 @@ from flight_replay.simulator.navigation.leg_blending import can_blend
 from flight_replay.simulator.navigation.path_limits import PathLimits
 from flight_replay.simulator.navigation.scurve import SCurve
 
-_TOLERANCE_S = 0.01
+_TOLERANCE_S: Final = 0.01
 """How exactly the start of a blend is found."""
 
 

@@ -8,10 +8,10 @@ each confined to half of the leg, which is why short legs are slow. Lengths m, t
 from __future__ import annotations
 
 from bisect import bisect_right
-from math import hypot
+from typing import Final
 
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
-from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.dynamics.vector import Vector, norm
 from flight_replay.simulator.navigation.path_limits import PathLimits
 from flight_replay.simulator.navigation.scurve_ramp import Kinematics, ramp
 from flight_replay.simulator.navigation.scurve_segments import (
@@ -33,7 +33,7 @@ from flight_replay.simulator.navigation.scurve_speed_change import with_top_spee
 
 # Of 32-bit numbers: a stop counts as reached when less than this share of the leg is left. A leg ends so
 # slowly that this is 0.1 s before its end time.
-_RESOLUTION = 1.5e-7
+_RESOLUTION: Final = 1.5e-7
 
 
 class SCurve(SnapshotPart):
@@ -55,7 +55,7 @@ class SCurve(SnapshotPart):
         self.time = self.position = self.top_speed = 0.0
         self._segments: list[Segment] = []
         self._ends: list[float] = []
-        self.length = length = hypot(*track) if limits else 0.0
+        self.length = length = norm(*track) if limits else 0.0
         self._reached_m = length * (1.0 - _RESOLUTION)
         self.direction = (0.0, 0.0, 0.0)
         if limits is None or length == 0:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi, sqrt
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 
 class Kinematics(NamedTuple):
@@ -35,7 +35,7 @@ class Ramp:
 
 
 # Below 1.2e-7 cm/s a speed is none (is_zero in AP_Math.h).
-_NO_SPEED_M_S = 1.2e-9
+_NO_SPEED_M_S: Final = 1.2e-9
 NO_RAMP = Ramp(0.0, 0.0, 0.0, 0.0)
 
 

@@ -9,6 +9,7 @@ jerk(s) = j - w cos(b s), where b is pi over the duration.
 from __future__ import annotations
 
 from math import cos, pi, sin
+from typing import Final
 
 from flight_replay.simulator.navigation.scurve_ramp import Kinematics, Ramp, ramp
 
@@ -17,10 +18,17 @@ Segment = tuple[float, float, float, float, float, float, float]
 State = tuple[float, float, float]
 """Position m, speed m/s, acceleration m/s² along the leg."""
 
-GROWING, CONSTANT, FALLING = 1, 0, -1
-SEGMENTS_IN_RAMP = 7
+GROWING: Final = 1
+CONSTANT: Final = 0
+FALLING: Final = -1
+SEGMENTS_IN_RAMP: Final = 7
 
-START, ACCEL_MAX, ACCEL_END, CHANGE_END, CRUISE, END = 0, 4, 7, 14, 15, 22
+START: Final = 0
+ACCEL_MAX: Final = 4
+ACCEL_END: Final = 7
+CHANGE_END: Final = 14
+CRUISE: Final = 15
+END: Final = 22
 """Indices of the segments that end the parts of a leg."""
 
 

@@ -7,6 +7,7 @@ new speed goes into the part between, and the braking at the end is planned agai
 from __future__ import annotations
 
 from math import pi
+from typing import Final
 
 from flight_replay.simulator.navigation.scurve_ramp import Kinematics, ramp
 from flight_replay.simulator.navigation.scurve_segments import (
@@ -25,7 +26,7 @@ from flight_replay.simulator.navigation.scurve_segments import (
 )
 
 # Twelve jerk times must fit into the cruise before its speed is changed.
-_JERK_TIMES = 12.0
+_JERK_TIMES: Final = 12.0
 
 
 def with_top_speed(limits: Kinematics, now: Segment, segments: list[Segment], speed: float) -> list[Segment]:

@@ -8,40 +8,50 @@ leg's speed ahead.
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import sqrt
+from typing import Final
 
 from flight_replay.simulator.dynamics.shaping import clamp
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
-from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.dynamics.vector import Vector, norm
 from flight_replay.simulator.navigation.hermite import Coefficients, Ends, hermite
 from flight_replay.simulator.navigation.path_limits import PathLimits
 from flight_replay.simulator.navigation.spline_end import motion_at_rest
 
 # SplineCurve.cpp: LATERAL_ACCEL_SCALER and TANGENTIAL_ACCEL_SCALER.
-_LATERAL_SHARE = 0.5
-_TANGENTIAL_SHARE = 0.5
+_LATERAL_SHARE: Final = 0.5
+_TANGENTIAL_SHARE: Final = 0.5
 _ZERO = (0.0, 0.0, 0.0)
-_FOREVER_S = 1e6
+_FOREVER_S: Final = 1e6
 # Of t: a longer step is taken in smaller ones.
-_LONG_STEP, _SMALL_STEPS = 0.05, 8
+_LONG_STEP: Final = 0.05
+_SMALL_STEPS: Final = 8
 # On board, with steps of 2.5 ms, a step goes by the speed from before it, and that by where the step
 # before began: half a step late while the speed grows, one and a half while it falls. A stop comes
 # up to 0.1 s sooner for it.
-_ACCEL_DELAY_S, _DECEL_DELAY_S = 0.00125, 0.00375
+_ACCEL_DELAY_S: Final = 0.00125
+_DECEL_DELAY_S: Final = 0.00375
 # A 32-bit curve that is flown through ends some 0.01 mm off its destination.
-_REST_M_S = 0.002
+_REST_M_S: Final = 0.002
 
 
 class _CurvePoint(SnapshotPart):
-    """A point of a curve: position, unit tangent, and the speed and acceleration allowed along it.
+    """A point that moves along a curve: position, unit tangent, and the speed and acceleration allowed there.
 
     ``tangent`` is the length of the derivative by t, m, and ``tangent_growth`` how that grows with t.
     """
 
-    __slots__ = ("accel", "jerk", "position", "speed_max", "tangent", "tangent_growth", "unit")
+    __slots__ = (
+        "_coefficients", "accel", "jerk", "position", "speed_max", "tangent", "tangent_growth", "unit",
+    )  # fmt: skip
 
     def __init__(self, coefficients: Coefficients, t: float, limits: PathLimits) -> None:
-        (n0, e0, u0), (n1, e1, u1), (n2, e2, u2), (n3, e3, u3) = coefficients
+        self._coefficients = coefficients
+        self.move_to(t, limits)
+
+    def move_to(self, t: float, limits: PathLimits) -> None:
+        """Move to a parameter, 0 to 1."""
+        (n0, e0, u0), (n1, e1, u1), (n2, e2, u2), (n3, e3, u3) = self._coefficients
         self.position = (
             n0 + t * (n1 + t * (n2 + t * n3)),
             e0 + t * (e1 + t * (e2 + t * e3)),
@@ -51,19 +61,19 @@ class _CurvePoint(SnapshotPart):
         ve = e1 + t * (2.0 * e2 + 3.0 * t * e3)
         vu = u1 + t * (2.0 * u2 + 3.0 * t * u3)
         an, ae, au = 2.0 * n2 + 6.0 * t * n3, 2.0 * e2 + 6.0 * t * e3, 2.0 * u2 + 6.0 * t * u3
-        self.tangent = tangent = sqrt(vn * vn + ve * ve + vu * vu)
+        self.tangent = tangent = norm(vn, ve, vu)
         if tangent > 0:
             vn, ve, vu = vn / tangent, ve / tangent, vu / tangent
         else:
             # At rest the second derivative points the way, or where there is none, the third.
-            self.jerk = 6.0 * hypot(n3, e3, u3)
+            self.jerk = 6.0 * norm(n3, e3, u3)
             vn, ve, vu = _direction(an, ae, au) or _direction(n3, e3, u3) or _ZERO
         self.unit = (vn, ve, vu)
         self.tangent_growth = along = an * vn + ae * ve + au * vu
         self.accel = _TANGENTIAL_SHARE * limits.accel_along(self.unit)
         self.speed_max = limits.speed_along(self.unit)
         an, ae, au = an - along * vn, ae - along * ve, au - along * vu
-        across = sqrt(an * an + ae * ae + au * au)
+        across = norm(an, ae, au)
         if across > 0 and tangent > 0:
             allowed = _LATERAL_SHARE * limits.accel_along((an, ae, au))
             self.speed_max = min(self.speed_max, tangent * sqrt(allowed / across))
@@ -77,7 +87,7 @@ class _CurvePoint(SnapshotPart):
 
 def _direction(n: float, e: float, u: float) -> Vector | None:
     """Unit vector along a vector; None without one."""
-    length = hypot(n, e, u)
+    length = norm(n, e, u)
     return (n / length, e / length, u / length) if length > 0 else None
 
 
@@ -127,8 +137,8 @@ class Spline(SnapshotPart):
         """
         n, e, u = point.position
         dn, de, du = self._destination
-        distance = max(0.0, hypot(dn - n, de - e, du - u) - ahead)
-        braking = sqrt(2.0 * point.accel * distance + self.destination_speed**2)
+        distance = max(0.0, norm(dn - n, de - e, du - u) - ahead)
+        braking = sqrt(2.0 * point.accel * distance + self.destination_speed * self.destination_speed)
         return clamp(min(point.speed_max, braking), speed - point.accel * dt, speed + point.accel * dt)
 
     def _t_after(self, point: _CurvePoint, distance: float) -> float:
@@ -140,8 +150,10 @@ class Spline(SnapshotPart):
         if step < _LONG_STEP:
             return self._t + step
         t, part = self._t, distance / _SMALL_STEPS
+        ahead = _CurvePoint(self._coefficients, t, self._limits)
         for _ in range(_SMALL_STEPS):
-            t += _CurvePoint(self._coefficients, min(t, 1.0), self._limits).t_step(part)
+            ahead.move_to(min(t, 1.0), self._limits)
+            t += ahead.t_step(part)
         return t
 
     def _velocity_at_rest(self, point: _CurvePoint, dt: float) -> Vector:
@@ -174,7 +186,7 @@ class Spline(SnapshotPart):
             self.unused_s = (self._t - 1.0) * point.tangent / speed if speed > 0 else 0.0
             self._t = 1.0
             self.finished = True
-        self._point = point = _CurvePoint(self._coefficients, self._t, self._limits)
+        point.move_to(self._t, self._limits)
         self.speed = speed = self._next_speed(point, speed, dt, 0.0)
         n, e, u = point.unit if point.tangent > 0 or not self.finished else _ZERO
         return point.position, (n * speed, e * speed, u * speed)

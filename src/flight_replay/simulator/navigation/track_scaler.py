@@ -5,34 +5,40 @@ Source: AC_WPNav::advance_wp_target_along_track (track_scaler_dt).
 
 from __future__ import annotations
 
-from math import cos, erf, exp, hypot, pi, sqrt
+from math import cos, erf, exp, pi, sqrt
+from typing import Final
 
 from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.dynamics.shaping import clamp
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
+from flight_replay.simulator.dynamics.vector import norm
 
 # Speed that the target may have beyond the copter's.
-_LEAD_SHARE = 0.05
+_LEAD_SHARE: Final = 0.05
 # Noise of the speed that a position estimate shows at rest. It decides whether the target starts
 # fast or slow, by 0.2 s on a leg from rest; the model takes the mean.
-_NOISE_M_S = 0.005
-_NO_NOISE = 0.02
+_NOISE_M_S: Final = 0.005
+_NO_NOISE: Final = 0.02
 # A square below 1.2e-7 cm²/s² is none (is_positive in AP_Math.h).
-_NO_SPEED_M_S = 3.45e-6
+_NO_SPEED_M_S: Final = 3.45e-6
 # After a climb or descent the target keeps a speed so small that the estimate's noise decides between 0
 # and 1. Seven flights that began in a climb had a scale of 0.75 to 0.86 after 1 s at rest: 0.3 to 0.5 s late;
 # fifteen that began after it, with centimetres to climb, one of 0.95 or so.
-_AFTER_CLIMB_SCALE, _CLIMBING_M_S = 0.5, 0.15
-_SQRT_HALF, _DENSITY = sqrt(0.5), 1.0 / sqrt(2.0 * pi)
+_AFTER_CLIMB_SCALE: Final = 0.5
+_CLIMBING_M_S: Final = 0.15
+_SQRT_HALF: Final = sqrt(0.5)
+_DENSITY: Final = 1.0 / sqrt(2.0 * pi)
 # After a stop the estimated speed is off to the left of the track, it seems because SITL's EKF3 takes
 # the heading to be half a degree too large, and so the braking to be oblique. In over 100 stops at six
 # places on earth the error rose and fell like a bell curve, up to 8 mm/s, plus or minus 4.
-_DRIFT_M_S, _DRIFT_PEAK_S, _DRIFT_HALF_S = 0.008, 1.9, 2.6
+_DRIFT_M_S: Final = 0.008
+_DRIFT_PEAK_S: Final = 1.9
+_DRIFT_HALF_S: Final = 2.6
 # Speed above which the target's direction is one that it will have to brake from.
-_MOVING_M_S = 0.3
-_RESTING_M_S = 0.001
+_MOVING_M_S: Final = 0.3
+_RESTING_M_S: Final = 0.001
 
 
 class _EstimateDrift(SnapshotPart):
@@ -55,7 +61,7 @@ class _EstimateDrift(SnapshotPart):
         if self.rested_s == 0.0 or since_peak >= 1.0:
             return 0.0
         track_n, track_e = self._velocity
-        speed = max(hypot(track_n, track_e), _MOVING_M_S)
+        speed = max(norm(track_n, track_e), _MOVING_M_S)
         return 0.5 * _DRIFT_M_S * (1.0 + cos(pi * since_peak)) * (track_e * vn - track_n * ve) / speed
 
 
@@ -75,7 +81,7 @@ class TrackScaler(SnapshotPart):
         Target and airframe must be of the same time, and no farther apart than is corrected.
         """
         vn, ve, vu = control.vn, control.ve, control.vu
-        speed = sqrt(vn * vn + ve * ve + vu * vu)
+        speed = norm(vn, ve, vu)
         wanted = self._rest_scale
         drift = self._drift
         if speed > _MOVING_M_S:
@@ -84,7 +90,7 @@ class TrackScaler(SnapshotPart):
             drift.rested_s += airframe.dt
         self._moved = speed > _CLIMBING_M_S or (self._moved and speed > _NO_SPEED_M_S)
         if speed > _NO_SPEED_M_S:
-            climbed = self._moved and hypot(vn, ve) <= abs(vu)
+            climbed = self._moved and norm(vn, ve) <= abs(vu)
             self._rest_scale = _AFTER_CLIMB_SCALE if climbed else 1.0
             behind = (
                 (control.n - airframe.n) * vn + (control.e - airframe.e) * ve + (control.u - airframe.u) * vu

@@ -6,13 +6,11 @@ the copter is there; otherwise the copter stops. Metres north, east, up of home.
 
 from __future__ import annotations
 
-from math import hypot
-
 from flight_replay.simulator.dynamics.airframe import Airframe
 from flight_replay.simulator.dynamics.limits import MIN_SPEED_M_S, Limits
 from flight_replay.simulator.dynamics.position_control import PositionControl
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
-from flight_replay.simulator.dynamics.vector import Vector, minus
+from flight_replay.simulator.dynamics.vector import Vector, minus, norm
 from flight_replay.simulator.navigation.hermite import Ends
 from flight_replay.simulator.navigation.leg_blending import StraightLegs
 from flight_replay.simulator.navigation.path_limits import PathLimits
@@ -144,7 +142,7 @@ class WaypointNavigation(SnapshotPart):
     @property
     def _target_speed(self) -> float:
         control = self._control
-        return self._spline.speed if self._spline else hypot(control.vn, control.ve, control.vu)
+        return self._spline.speed if self._spline else norm(control.vn, control.ve, control.vu)
 
     @property
     def _origin_tangent(self) -> Vector:
@@ -159,7 +157,7 @@ class WaypointNavigation(SnapshotPart):
         control.limit_position_error()
         dt = self.track_scaler.advance(self._limits, control, self._airframe) + self._unused_s
         control.update()
-        accel = _ZERO
+        accel = (0.0, 0.0, 0.0)
         if self._spline is not None:
             position, velocity = self._spline.advance(dt)
             finished, unused_s = self._spline.finished, self._spline.unused_s
@@ -176,4 +174,4 @@ class WaypointNavigation(SnapshotPart):
     def _within_radius(self) -> bool:
         n, e, u = self.destination
         airframe = self._airframe
-        return hypot(airframe.n - n, airframe.e - e, airframe.u - u) <= self._limits.wp_radius_m
+        return norm(airframe.n - n, airframe.e - e, airframe.u - u) <= self._limits.wp_radius_m

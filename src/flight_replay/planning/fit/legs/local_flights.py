@@ -17,11 +17,12 @@ from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of
+from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.flight.flown_positions import positions_after, positions_on_leg
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _FOLLOWS_S = 1.0
-_Place = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +48,8 @@ class LocalFlight:
 class _Leg:
     """Where the copter was after each step of a leg and in the second after; when the target left."""
 
-    rows: list[_Place]
-    after: list[_Place]
+    rows: list[Vector]
+    after: list[Vector]
     left_s: float
 
 
@@ -108,7 +109,7 @@ class LocalFlights:
             return self._flown_already(first, last)
         items, _ = self._items_of(draft)
         copter = self._before[first].copy(self._shared(items))
-        rows, passed_s = [copter.position_m[:2]], []
+        rows, passed_s = [copter.position_m], []
         for place in range(first, last + 1):
             allowed_s = np.inf if latest_s is None else latest_s[place] + self._begin_s - copter.time_s
             rows += self._flown_to(copter, place, allowed_s)
@@ -124,18 +125,17 @@ class LocalFlights:
         return self._flight(first, rows, legs[-1].after, [leg.left_s for leg in legs])
 
     def _flight(
-        self, first: int, rows: list[_Place], after: list[_Place], passed_s: list[float]
+        self, first: int, rows: list[Vector], after: list[Vector], passed_s: list[float]
     ) -> LocalFlight:
         steps = np.arange(len(rows) + len(after), dtype=float)
         times_s = self.left_s(first - 1) + self._problem.step_s * steps
-        return LocalFlight(times_s, np.array(rows + after), len(rows), np.array(passed_s) - self._begin_s)
+        return LocalFlight(
+            times_s, np.array(rows + after)[:, :2], len(rows), np.array(passed_s) - self._begin_s
+        )
 
-    def _run_on(self, copter: Copter) -> list[_Place]:
+    def _run_on(self, copter: Copter) -> list[Vector]:
         """Where a copter is after each step of the time in which it follows its target."""
-        rows: list[_Place] = []
-        for _ in range(round(_FOLLOWS_S / self._problem.step_s)):
-            copter.step()
-            rows.append(copter.position_m[:2])
+        rows = positions_after(copter, round(_FOLLOWS_S / self._problem.step_s))
         self.steps += len(rows)
         return rows
 
@@ -148,18 +148,13 @@ class LocalFlights:
         left_s = copter.time_s
         self._legs.append(_Leg(rows, self._run_on(copter), left_s))
 
-    def _flown_to(self, copter: Copter, place: int, allowed_s: float = np.inf) -> list[_Place]:
+    def _flown_to(self, copter: Copter, place: int, allowed_s: float = np.inf) -> list[Vector]:
         """Where a copter is after each step until the leg to a place is about to end."""
-        mission, seq = copter.mission, self._seqs[place]
-        assert mission is not None, "a draft is flown in AUTO"
-        last = copter.steps + min(self._most_steps, allowed_s / self._problem.step_s)
-        rows: list[_Place] = []
-        while not (mission.seq == seq and mission.item_ends):
-            if copter.steps > last:
-                raise MissionError("a leg of the fitted flight does not end")
-            copter.step()
-            rows.append(copter.position_m[:2])
+        most_steps = min(self._most_steps, allowed_s / self._problem.step_s)
+        rows = positions_on_leg(copter, self._seqs[place], most_steps)
         self.steps += len(rows)
+        if len(rows) >= most_steps:
+            raise MissionError("a leg of the fitted flight does not end")
         return rows
 
     def _items_of(self, draft: Draft) -> tuple[list[LocalItem], list[int]]:
