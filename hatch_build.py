@@ -17,7 +17,9 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _ROOMS = ("dynamics", "navigation", "flight")
-_NOT_COMPILED = frozenset({"__init__.py", "hermite.py", "spline_end.py", "trajectory.py", "guided_trajectory.py"})
+_NOT_COMPILED = frozenset(
+    {"__init__.py", "hermite.py", "spline_end.py", "trajectory.py", "guided_trajectory.py"}
+)
 """What works with numpy's arrays gains nothing."""
 _LONGEST_S = 600
 _SETUP = """
