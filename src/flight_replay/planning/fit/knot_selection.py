@@ -30,7 +30,7 @@ _FREE_LOSS_M = 0.0001
 """A waypoint worth less than this of the objective is not needed."""
 _AROUND_FIXES = 2
 _WEIGHTS = curve_weights(np.linspace(0.0, 1.0, 13))
-_PAPER_STEPS, _PAPER_GAIN, _PAPER_SMOOTHING = 3, 0.8, 0.003
+_PAPER_STEPS, _PAPER_GAIN, _PAPER_SMOOTHING = 3, 0.7, 0.003
 
 
 def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:

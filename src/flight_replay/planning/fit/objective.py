@@ -34,7 +34,7 @@ from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 PLAN_SHARE, TIMED_PLAN_SHARE = 1.0, 0.3
 """Where the recorded speed is kept, the planned path has to lead the vehicle, which swings out of curves."""
 TIME_SHARE = 0.15
-CREEPING_M_S, CREEPING_SPEED_M_S = 0.02, 0.3
+CREEPING_M_S, CREEPING_SPEED_M_S = 0.05, 0.3
 CURVE_TOLERANCE_M = 0.02
 """How well curves are drawn while fitting; the planned error of the answer is measured finer."""
 _SPACING_M = 0.25
