@@ -1,6 +1,6 @@
 """Builds wheels whose flight model, the simulator's rooms without I/O, mypyc has compiled.
 
-It is ten times as fast then, and flies the same to the last bit. It stays plain Python where there is no C
+It is five times as fast then, and flies the same to the last bit. It stays plain Python where there is no C
 compiler, or no Python.h, and in editable installs.
 """
 

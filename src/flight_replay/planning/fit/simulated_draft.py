@@ -8,7 +8,6 @@ from math import isfinite
 
 import numpy as np
 
-from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.planning.fit.draft import Draft
@@ -18,8 +17,6 @@ from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import positions_to_end
 from flight_replay.simulator.mission.local_items import LocalItem
-
-LONGEST_S = 100_000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +47,8 @@ def simulate_draft(draft: Draft, limits: Limits, step_s: float, home_amsl_m: flo
     items, seqs = items_of(draft)
     copter = copter_after_takeoff(draft, limits, step_s, home_amsl_m)
     run = copter.start_auto(items)
-    return flight_of(draft, run, seqs, _positions_m(copter, run), step_s)
+    rows = [copter.position_m, *positions_to_end(copter)]
+    return flight_of(draft, run, seqs, rows, step_s)
 
 
 def flight_of(
@@ -61,14 +59,6 @@ def flight_of(
     place_m = np.array(rows[round(passed_s[0] / step_s) :])
     times_s = step_s * np.arange(len(place_m), dtype=float)
     return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0])
-
-
-def _positions_m(copter: Copter, run: MissionRun) -> list[Vector]:
-    """Where the copter is after each step, up to the end of the mission."""
-    rows = [copter.position_m, *positions_to_end(copter, LONGEST_S / copter.step_s)]
-    if not run.completed:
-        raise MissionError("the fitted flight does not end; fit a shorter part of the log")
-    return rows
 
 
 def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> Copter:

@@ -17,7 +17,6 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.simulated_draft import (
-    LONGEST_S,
     SimulatedDraft,
     copter_after_takeoff,
     flight_of,
@@ -98,7 +97,7 @@ class SpeedSearch:
         """The flight when the last place is reached."""
         copter, run = self._copter, self._copter.mission
         assert run is not None, "a draft is flown in AUTO"
-        self._rows += positions_to_end(copter, LONGEST_S / self._step_s)
+        self._rows += positions_to_end(copter)
         return flight_of(with_speeds(self._plan.draft, speeds), run, self._seqs, self._rows, self._step_s)
 
     @property

@@ -1,0 +1,51 @@
+"""Positions of a part of a mission are those after each step, and a mission that never ends is an error."""
+
+import pytest
+
+from flight_replay.exceptions import MissionError
+from flight_replay.mission.items import Command
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.flight.flown_positions import (
+    positions_after,
+    positions_on_leg,
+    positions_to_end,
+)
+from flight_replay.simulator.mission.local_items import LocalItem
+
+
+def waypoint(seq: int, north_m: float, command: int = Command.WAYPOINT) -> LocalItem:
+    return LocalItem(seq, command, (0.0, 0.0, 0.0, 0.0), (north_m, 0.0), 20.0)
+
+
+def copter_in_auto(items: list[LocalItem], step_s: float = 0.05) -> Copter:
+    copter = Copter(Limits(), position_m=(0.0, 0.0, 20.0), step_s=step_s)
+    copter.start_auto(items)
+    return copter
+
+
+def test_parts_of_a_mission_are_those_of_the_whole() -> None:
+    """The first leg, then the rest, step by step as a flight in one go has them."""
+    items = [waypoint(1, 30.0), waypoint(2, 60.0)]
+    copter, other = copter_in_auto(items), copter_in_auto(items)
+    rows = positions_on_leg(copter, 1, 10_000)
+    assert rows[-1][0] == pytest.approx(30.0, abs=3.0)
+    assert copter.mission is not None
+    assert copter.mission.ends_item(1)
+    rows += positions_to_end(copter)
+    assert copter.mission.completed
+    assert rows == positions_after(other, len(rows))
+
+
+def test_a_leg_is_flown_for_no_more_steps_than_asked_for() -> None:
+    """A trial that takes too long is cut short."""
+    copter = copter_in_auto([waypoint(1, 3000.0)])
+    assert len(positions_on_leg(copter, 1, 40)) == 40
+    assert not positions_on_leg(copter, 1, -1)
+
+
+def test_a_mission_that_does_not_end_is_an_error() -> None:
+    """A loiter without an end; in steps of 100 s it is soon found out."""
+    copter = copter_in_auto([waypoint(1, 0.0, Command.LOITER_UNLIMITED)], step_s=100.0)
+    with pytest.raises(MissionError, match="does not end"):
+        positions_to_end(copter)
