@@ -15,7 +15,7 @@ from flight_replay.logs.tlog.frames import ROW_LENGTH, STAMP_LENGTH, Candidates,
 from flight_replay.logs.tlog.message_table import GLOBAL_POSITION_INT, GPS_RAW_INT, HEARTBEAT, LONGEST_FRAME
 from flight_replay.logs.tlog.nested_frames import LOOK_BACK, Enclosures, joined, possible_enclosures
 
-SLICE_LENGTH = 1 << 20  # bytes searched at a time: these, and all that is made of them, stay in the cache
+SLICE_LENGTH = 1 << 21  # bytes searched at a time: more leave the cache, fewer cost more calls
 _MESSAGES = GLOBAL_POSITION_INT, HEARTBEAT, GPS_RAW_INT
 _LEAD = STAMP_LENGTH + LOOK_BACK  # bytes before a block that are looked at with it
 _MARGIN = LONGEST_FRAME + ROW_LENGTH  # bytes behind a block that its frames may need

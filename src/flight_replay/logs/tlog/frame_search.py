@@ -14,7 +14,7 @@ from flight_replay.logs.tlog.byte_rows import FLAGS_AT_ONCE, true_indices
 from flight_replay.logs.tlog.frames import ID_AT
 from flight_replay.logs.tlog.message_table import MAVLINK1_SHAPES, MAVLINK1_STX, MAVLINK2_STX, SIGNED
 
-_PIECE_LENGTH = 1 << 18  # bytes compared at a time: these, and the results, stay in the second cache
+_PIECE_LENGTH = 1 << 21  # bytes compared at a time: more leave the cache, fewer cost more calls
 
 
 class FrameSearch:
