@@ -12,6 +12,7 @@ from flight_replay.geometry.polyline import (
     nearest_on_line_m,
     nearest_on_segments,
     segment_lengths_m,
+    speeds_m_s,
 )
 
 COORDINATES = st.floats(-20, 20, width=32)
@@ -62,3 +63,11 @@ def test_the_nearest_points_of_a_line_are_on_its_segments_or_corners() -> None:
     points = np.array([[4.0, 3.0], [-2.0, 1.0], [12.0, -1.0], [9.0, 8.0]])
     found = nearest_on_line_m(points, line)
     assert found.tolist() == [[4.0, 0.0], [0.0, 0.0], [10.0, 0.0], [10.0, 8.0]]
+
+
+def test_speeds_are_the_mean_of_those_before_and_after() -> None:
+    """At the ends that of the only segment; one point has none, and a clock that stands makes no infinity."""
+    line = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 6.0]])
+    assert speeds_m_s(np.array([0.0, 1.0, 2.0]), line).tolist() == [2.0, 4.0, 6.0]
+    assert speeds_m_s(np.zeros(1), line[:1]).tolist() == [0.0]
+    assert np.isfinite(speeds_m_s(np.zeros(3), line)).all()

@@ -13,8 +13,8 @@ TIME_S = np.arange(0.0, 120.0, 0.5)
 LIMITS = Limits()
 
 
-def flown(wanted_m: Floats, floor_m: float = 5.0, limits: Limits = LIMITS) -> Floats:
-    return feasible_heights_m(TIME_S, wanted_m, limits, floor_m)
+def flown(wanted_m: Floats, speed_m_s: float = 0.0, limits: Limits = LIMITS) -> Floats:
+    return feasible_heights_m(TIME_S, wanted_m, np.full(len(TIME_S), speed_m_s), limits, 5.0)
 
 
 def rates_m_s(height_m: Floats) -> Floats:
@@ -52,6 +52,16 @@ def test_a_vehicle_that_climbs_faster_stays_nearer() -> None:
     assert np.abs(flown(wanted, limits=quick) - wanted).sum() < 0.5 * np.abs(flown(wanted) - wanted).sum()
 
 
+def test_who_flies_on_curves_upwards_less_than_who_stands() -> None:
+    """A bump of 2 m within 8 s holds nobody up who stands, and is flattened at 6 m/s."""
+    wanted = 20.0 + np.where(np.abs(TIME_S - 60.0) < 4.0, 1.0 + np.cos((TIME_S - 60.0) * np.pi / 4.0), 0.0)
+    standing, flying = flown(wanted), flown(wanted, speed_m_s=6.0)
+    bends = [np.abs(np.diff(rates_m_s(height)) / 0.5).max() for height in (standing, flying)]
+    assert np.abs(standing - wanted).max() < 0.1
+    assert bends[0] > 3.0 * bends[1]
+    assert bends[1] == pytest.approx(0.2, abs=0.05)
+
+
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(steps=st.lists(st.floats(-20.0, 20.0), min_size=1, max_size=12))
 def test_limits_are_kept_whatever_was_recorded(steps: list[float]) -> None:
@@ -68,11 +78,12 @@ def test_limits_are_kept_whatever_was_recorded(steps: list[float]) -> None:
 def test_a_clock_that_stands_still_changes_nothing(fixes: int) -> None:
     """Without time there is no climb rate."""
     wanted = np.linspace(5.0, 50.0, fixes)
-    assert feasible_heights_m(np.full(fixes, 7.0), wanted, LIMITS, 5.0) is wanted
+    assert feasible_heights_m(np.full(fixes, 7.0), wanted, np.zeros(fixes), LIMITS, 5.0) is wanted
 
 
 def test_long_recordings_take_coarser_steps() -> None:
     """Eleven days of fixes every ten seconds are done at once, and stay near what was recorded."""
     time_s = np.arange(0.0, 1e6, 10.0)
     wanted = 30.0 + 20.0 * np.sin(time_s / 3000.0)
-    assert np.abs(feasible_heights_m(time_s, wanted, LIMITS, 5.0) - wanted).max() < 0.5
+    found = feasible_heights_m(time_s, wanted, np.zeros(len(time_s)), LIMITS, 5.0)
+    assert np.abs(found - wanted).max() < 0.5

@@ -1,6 +1,6 @@
 """Fixes matched to a path going forwards only: dynamic programming, exact to about 1 mm per fix.
 
-Ground metres in one local frame, shapes (n, 2).
+Metres in one local frame, over the ground (n, 2) or in space (n, 3).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Matching:
 def match_in_order(
     fixes_m: ArrayLike, path_m: ArrayLike, piece_m: float | None = None, *, quick: bool = False
 ) -> Matching:
-    """Match fixes (n, 2) to the lines through a path's points (m, 2), m >= 1, never going back.
+    """Match fixes (n, d) to the lines through a path's points (m, d), m >= 1, never going back.
 
     The sum of distances is the smallest there is to about 1 mm per fix. Time and memory grow with n
     times m up to ``MAX_PAIRS_SEARCHED_WHOLE``, beyond that with n plus m: the path is then searched
@@ -67,7 +67,7 @@ def match_in_order(
     Raises:
         ValueError: the path has no point.
     """
-    fixes, path = np.asarray(fixes_m, float).reshape(-1, 2), np.asarray(path_m, float).reshape(-1, 2)
+    fixes, path = np.asarray(fixes_m, float), np.asarray(path_m, float)
     if not len(path):
         raise ValueError("a path needs at least one point")
     if not len(fixes):
@@ -87,7 +87,7 @@ def _affordable_piece_m(fixes: Floats, path: Floats) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pieces:
-    """A path cut into w short straight pieces: start and direction (w, 2), length, and where each is from.
+    """A path cut into w short straight pieces: start and direction (w, d), length, and where each is from.
 
     ``begin_m`` is the path's length up to a piece, ``segment`` the path's segment that it is part of.
     """
@@ -117,7 +117,7 @@ class _Pieces:
 
 
 def _distances(fixes_m: Floats, start_m: Floats, step_m: Floats) -> Callable[[slice, slice], Floats]:
-    """What gives the distances (rows, columns) of some of the fixes (n, 2) from some of the steps (m, 2)."""
+    """What gives the distances (rows, columns) of some of the fixes (n, d) from some of the steps (m, d)."""
     return lambda rows, columns: nearest_on_segments(fixes_m[rows, None], start_m[columns], step_m[columns])[
         1
     ]

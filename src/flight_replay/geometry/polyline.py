@@ -9,6 +9,8 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 
+_LEAST_STEP_S = 1e-3
+
 
 def segment_lengths_m(line_m: Floats) -> Floats:
     """Lengths (m - 1,) of the segments of a line (m, d)."""
@@ -18,6 +20,14 @@ def segment_lengths_m(line_m: Floats) -> Floats:
 def lengths_along_m(line_m: Floats) -> Floats:
     """Length (m,) of a line (m, d), m >= 1, from its first point up to each of its points."""
     return np.append(0.0, np.cumsum(segment_lengths_m(line_m)))
+
+
+def speeds_m_s(time_s: Floats, line_m: Floats) -> Floats:
+    """Speed (m,) at each point of a line (m, d) that is passed at times (m,): the mean of those around it."""
+    if len(line_m) < 2:
+        return np.zeros(len(line_m))
+    speed = segment_lengths_m(line_m) / np.maximum(np.diff(time_s), _LEAST_STEP_S)
+    return np.asarray((np.append(speed[0], speed) + np.append(speed, speed[-1])) / 2)
 
 
 def nearest_on_segments(point_m: Floats, start_m: Floats, step_m: Floats) -> tuple[Floats, Floats]:

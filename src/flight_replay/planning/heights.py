@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.polyline import speeds_m_s
 from flight_replay.logs.track import Track
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, altitudes_m
 from flight_replay.planning.climbs import feasible_heights_m
@@ -74,4 +75,5 @@ def heights_of(
     if timed_limits is None or altitude_m != RECORDED or not len(track):
         return Heights(wanted_m, wanted_m)
     time_s = np.maximum.accumulate(track.time_s)
-    return Heights(wanted_m, feasible_heights_m(time_s, wanted_m, timed_limits, floor_m))
+    speed_m_s = speeds_m_s(time_s, track.north_east_m(track.frame))
+    return Heights(wanted_m, feasible_heights_m(time_s, wanted_m, speed_m_s, timed_limits, floor_m))

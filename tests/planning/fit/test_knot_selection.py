@@ -1,6 +1,7 @@
 """Which fixes become waypoints."""
 
 import numpy as np
+import pytest
 
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.knot_selection import select_waypoints
@@ -40,3 +41,17 @@ def test_a_hover_is_a_place_to_wait() -> None:
     (place,) = start.hovers
     assert abs(start.draft.hold_s[place] - 30) <= 1
     assert np.linalg.norm(start.draft.places_m[place, :2] - [60.0, 0.0]) <= 1.0
+
+
+def test_a_descent_on_the_spot_begins_and_ends_at_places() -> None:
+    """Above one point of the ground the way turns from level to straight down: no leg cuts that corner."""
+    out = np.column_stack([np.linspace(0.0, 60.0, 61), np.zeros(61)])
+    way = np.vstack([out, np.tile(out[-1], (12, 1))])
+    up_m = np.append(np.full(61, 20.0), 20.0 - np.arange(1.0, 13.0))
+    recording = local_track(track_through(way, np.arange(73.0) / 2, up_m), up_m)
+    problem = problem_for(recording, 20, Limits(), timed=True)
+    places_m = select_waypoints(problem, 20).draft.places_m
+    corner = np.linalg.norm(places_m - [60.0, 0.0, 20.0], axis=1).argmin()
+    assert places_m[corner] == pytest.approx([60.0, 0.0, 20.0], abs=1.5)
+    assert corner < len(places_m) - 1
+    assert places_m[: corner + 1, 2].min() > 18.0

@@ -16,9 +16,10 @@ from flight_replay.planning.fit.objective import (
     evaluate,
     match_to_plan,
     objective_lower_bound_m,
+    position_offsets_m,
 )
 from flight_replay.planning.fit.reference import LocalTrack, local_track
-from flight_replay.planning.fit.simulated_draft import simulate_draft
+from flight_replay.planning.fit.simulated_draft import SimulatedDraft, simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import MIXED, along
 
@@ -103,6 +104,30 @@ def test_fixes_are_matched_to_their_legs() -> None:
     assert (np.abs(there.leg - path.seq[keep]) <= 1).all()
     assert np.allclose(np.linalg.norm(directions(MIXED, there)[3:], axis=1), 1.0)
     assert back.apart_m.max() < 0.5
+
+
+def test_a_climb_on_the_spot_is_matched_by_height() -> None:
+    """Over one place, fixes belong to the leg that is at their height; half way up is half of the leg."""
+    up_m = np.concatenate([np.full(5, 10.0), np.linspace(10.0, 30.0, 21), np.full(5, 30.0)])
+    recording = LocalTrack(np.arange(31.0), np.zeros((31, 2)), up_m)
+    draft = straight_draft(recording, np.array([0, 4, 25, 30]))
+    there, _ = match_to_plan(draft, recording)
+    assert there.leg[15] == 2
+    assert there.part[15] == pytest.approx(0.5, abs=0.01)
+    assert there.apart_m.max() == 0.0
+
+
+def test_being_at_another_height_at_a_time_counts() -> None:
+    """A vehicle that stays below while the recorded one climbs is as far off as it is below."""
+    recording = LocalTrack(np.arange(3.0), np.zeros((3, 2)), np.array([10.0, 12.0, 10.0]))
+    low = SimulatedDraft(
+        straight_draft(recording, np.array([0, 2])),
+        np.arange(3.0),
+        np.full((3, 3), [0.0, 0.0, 10.0]),
+        np.zeros(2),
+    )
+    assert position_offsets_m(low, recording).tolist() == [[0, 0, 0], [0, 0, -2], [0, 0, 0]]
+    assert evaluate(low, recording, timed=True).late_m.tolist() == [0.0, 2.0, 0.0]
 
 
 def test_an_overshoot_counts_though_no_fix_is_far_from_the_path() -> None:

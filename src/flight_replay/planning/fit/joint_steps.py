@@ -84,7 +84,7 @@ def _derivatives_count(evaluation: Evaluation) -> int:
 
 
 def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> ErrorVectors:
-    position_m = position_offsets_m(evaluation.flight, recording)
+    position_m = position_offsets_m(evaluation.flight, recording)[:, :2]
     return ErrorVectors(position_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, back_m)
 
 

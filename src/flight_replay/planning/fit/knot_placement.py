@@ -38,7 +38,7 @@ class _Progress:
 
     @classmethod
     def of(cls, recording: LocalTrack, hovers: list[Hover]) -> _Progress:
-        steps = segment_lengths_m(recording.north_east_m)
+        steps = segment_lengths_m(recording.places_m)
         waits = np.diff(recording.time_s)
         for hover in hovers:
             steps[hover.first : hover.last] = waits[hover.first : hover.last] = 0.0

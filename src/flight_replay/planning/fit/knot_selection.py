@@ -44,12 +44,12 @@ def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:
     knots.thin_out(most)
     kept = np.flatnonzero(knots.alive).tolist()
     hovers = {place: hover for place, knot in enumerate(kept) if (hover := knots.hover[knot]) and place > 0}
-    up_m = [problem.recording.up_m[knots.first[knot] : knots.last[knot] + 1].mean() for knot in kept]
     hold_s = np.zeros(len(kept))
     hold_s[0] = SETTLE_HOLD_S
     for place, hover in hovers.items():
         hold_s[place] = max(1.0, round(hover.seconds))
-    places_m = np.column_stack([knots.place_m[kept], up_m])
+    level = np.full((len(kept), 3), problem.recording.up_m[0])
+    places_m = np.column_stack([knots.place_m[kept], level])[:, :3]
     through = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)
     draft = Draft(places_m, through, hold_s, np.full(len(kept), np.nan))
     return FirstDraft(_moved_on_paper(draft, problem.recording), hovers)
@@ -67,7 +67,7 @@ class _Knots:
     """Waypoints in order, each standing for the fixes ``first`` to ``last``; some are taken away."""
 
     def __init__(self, recording: LocalTrack, hovers: list[Hover], count: int, *, timed: bool) -> None:
-        self._fixes_m, self._time_s, self._timed = recording.north_east_m, recording.time_s, timed
+        self._fixes_m, self._time_s, self._timed = recording.places_m, recording.time_s, timed
         self._along_m = lengths_along_m(self._fixes_m)
         found = _candidates(recording, hovers, count)
         self.first, self.last, self.hover = (list(column) for column in zip(*found, strict=True))
@@ -134,9 +134,9 @@ class _Knots:
         return float(cost / (8 * _USUAL_ERROR_M**3)) + self._uneven_m(begin, end)
 
     def _curve_m(self, before: int, a: int, b: int, after: int) -> Floats:
-        """The leg's curve (13, 2); see ``mission.path`` for its tangents."""
+        """The leg's curve (13, axes); see ``mission.path`` for its tangents."""
         place, chord = self.place_m, self.place_m[b] - self.place_m[a]
-        none = np.zeros(2)
+        none = np.zeros_like(chord)
         if self._straight[b]:
             return np.asarray(place[a] + np.linspace(0.0, 1.0, len(_WEIGHTS))[:, None] * chord)
         leaving = none if self._stops[a] else place[b] - place[before]
@@ -160,7 +160,7 @@ def _candidates(
     recording: LocalTrack, hovers: list[Hover], count: int
 ) -> list[tuple[int, int, Hover | None]]:
     """(first fix, last fix, hover) of the first waypoints: even in length and time, and the hovers."""
-    steps, waits = segment_lengths_m(recording.north_east_m), np.diff(recording.time_s)
+    steps, waits = segment_lengths_m(recording.places_m), np.diff(recording.time_s)
     for hover in hovers:
         steps[hover.first : hover.last] = waits[hover.first : hover.last] = 0.0
     share = steps / max(steps.sum(), 1e-9) + waits / max(waits.sum(), 1e-9)

@@ -14,7 +14,8 @@ those distances with exponent 4, so that nothing is left far off: one point at 2
 sixteen at 1 m. The planned part keeps the route true for vehicles that fly with other gains or in
 wind. ``TIME_SHARE`` is the trade between space and time: seven metres behind the recorded vehicle
 cost as much as one metre beside the track. Where the recorded speed is not asked for, only being
-late counts.
+late counts. Where heights are as recorded, a position error is one in space, and fixes are matched in
+space: the path error stays that over the ground.
 """
 
 from __future__ import annotations
@@ -120,7 +121,7 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     """
     planned = match_to_plan(flight.draft, recording)
     flown_s, flown = _match_to_flight(flight, recording, planned[0])
-    late_m = np.asarray(np.hypot(*position_offsets_m(flight, recording).T))
+    late_m = np.asarray(np.hypot.reduce(position_offsets_m(flight, recording), axis=1))
     if not timed:
         late_m = np.where(flown_s > recording.time_s, late_m, 0.0)
     slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else 0.0
@@ -150,8 +151,8 @@ def _plan_share(*, timed: bool) -> float:
 def match_to_plan(draft: Draft, recording: LocalTrack) -> tuple[Offsets, Offsets]:
     """The offsets of the fixes from the planned path, and those of the planned path from the fixes' line."""
     path = draft.path(CURVE_TOLERANCE_M)
-    line = path.north_east_m
-    foot, piece, share = _matched_points(recording.north_east_m, line)
+    line = np.column_stack([path.north_east_m, path.up_m])[:, : recording.axes]
+    foot, piece, share = _matched_points(recording.places_m, line)
     counts = np.bincount(path.seq, minlength=len(draft))
     begins = np.cumsum(counts) - counts
     # Point p of the path is the end of step p - begins of its leg.
@@ -162,9 +163,9 @@ def match_to_plan(draft: Draft, recording: LocalTrack) -> tuple[Offsets, Offsets
     marks, at = points_along(line, _BACK_SPACING_M)
     order = np.maximum.accumulate(here)
     mark_progress = np.interp(at, np.arange(len(line)), progress)
-    back = _offsets_back(marks, np.searchsorted(order, mark_progress), recording)
+    back = _offsets_back(marks[:, :2], np.searchsorted(order, mark_progress), recording)
     return (
-        Offsets(*_leg_and_part(here, len(draft)), recording.north_east_m - foot),
+        Offsets(*_leg_and_part(here, len(draft)), recording.north_east_m - foot[:, :2]),
         Offsets(*_leg_and_part(mark_progress, len(draft)), back),
     )
 
@@ -184,13 +185,13 @@ def _leg_and_part(progress: Floats, legs: int) -> tuple[Indices, Floats]:
 
 
 def position_offsets_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
-    """Vectors (n, 2) from every fix to where the vehicle is at that time; it stays where its flight ended."""
-    return places_at(flown.time_s, flown.place_m[:, :2], recording.time_s) - recording.north_east_m
+    """Vectors (n, axes) from every fix to where the vehicle is at that time; in the end it stays there."""
+    return places_at(flown.time_s, flown.place_m[:, : recording.axes], recording.time_s) - recording.places_m
 
 
-def places_at(time_s: Floats, north_east_m: Floats, at_s: Floats) -> Floats:
-    """Places (m, 2) at times (m,) of what is at places (k, 2) at rising times (k,)."""
-    return np.column_stack([np.interp(at_s, time_s, column) for column in north_east_m.T])
+def places_at(time_s: Floats, place_m: Floats, at_s: Floats) -> Floats:
+    """Places (m, d) at times (m,) of what is at places (k, d) at rising times (k,)."""
+    return np.column_stack([np.interp(at_s, time_s, column) for column in place_m.T])
 
 
 def _match_to_flight(
@@ -200,34 +201,34 @@ def _match_to_flight(
 
     A point of the flight belongs to where the plan has the fixes that the vehicle flies by there.
     """
-    line, times = _drawn(flight)
-    foot, piece, share = _matched_points(recording.north_east_m, line)
+    line, times = _drawn(flight, recording.axes)
+    foot, piece, share = _matched_points(recording.places_m, line)
     ends = np.minimum(piece + 1, len(times) - 1)
     flown_s = times[piece] + share * (times[ends] - times[piece])
     marks, marks_s = line[::_EVERY], times[::_EVERY]
     order = np.maximum.accumulate(flown_s)
-    back = _offsets_back(marks, np.searchsorted(order, marks_s), recording)
+    back = _offsets_back(marks[:, :2], np.searchsorted(order, marks_s), recording)
     progress = np.maximum.accumulate(planned.leg + planned.part)
     rising_s = order + 1e-6 * np.arange(len(order))
     where = _leg_and_part(np.interp(marks_s, rising_s, progress), len(flight.draft))
-    there = Offsets(planned.leg, planned.part, recording.north_east_m - foot)
+    there = Offsets(planned.leg, planned.part, recording.north_east_m - foot[:, :2])
     return flown_s, (there, Offsets(*where, back))
 
 
-def marks_along(flight: SimulatedDraft) -> tuple[Floats, Floats]:
+def marks_along(flight: SimulatedDraft, axes: int) -> tuple[Floats, Floats]:
     """The points (k, 2) of a flight that are compared with the recorded line, and when it is there (k,)."""
-    line, times = _drawn(flight)
-    return line[::_EVERY], times[::_EVERY]
+    line, times = _drawn(flight, axes)
+    return line[::_EVERY, :2], times[::_EVERY]
 
 
-def _drawn(flight: SimulatedDraft) -> tuple[Floats, Floats]:
-    """Points (k, 2) evenly along a flight, and their times (k,)."""
-    line, at = points_along(flight.place_m[:, :2], _SPACING_M)
+def _drawn(flight: SimulatedDraft, axes: int) -> tuple[Floats, Floats]:
+    """Points (k, axes) evenly along a flight, and their times (k,)."""
+    line, at = points_along(flight.place_m[:, :axes], _SPACING_M)
     return line, np.interp(at, np.arange(len(flight.time_s)), flight.time_s)
 
 
 def points_along(line_m: Floats, spacing_m: float) -> tuple[Floats, Floats]:
-    """Points (k, 2) evenly along a line (m, 2), and the index of each in the line, with its fraction."""
+    """Points (k, d) evenly along a line (m, d), and the index of each in the line, with its fraction."""
     along = lengths_along_m(line_m)
     marks = np.linspace(0.0, along[-1], max(2, int(along[-1] / spacing_m) + 1))
     at = np.interp(marks, along, np.arange(len(along)))
@@ -249,7 +250,7 @@ def _offsets_back(points_m: Floats, following: Indices, recording: LocalTrack) -
 
 
 def _matched_points(fixes_m: Floats, line_m: Floats) -> tuple[Floats, Indices, Floats]:
-    """Matched places (n, 2) on a line, the piece of each, and how far along the piece, 0 to 1."""
+    """Matched places (n, d) on a line (m, d), the piece of each, and how far along the piece, 0 to 1."""
     match = match_in_order(fixes_m, line_m, _PIECE_M, quick=True)
     lengths = segment_lengths_m(line_m)
     if not len(lengths):

@@ -8,7 +8,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
-from flight_replay.geometry.polyline import nearest_on_line_m, segment_lengths_m
+from flight_replay.geometry.polyline import nearest_on_line_m, speeds_m_s
 from flight_replay.logs.track import Track
 from flight_replay.planning.altitude import home_of
 
@@ -49,13 +49,19 @@ class LocalTrack:
         return np.vstack([nearest_on_line_m(place[None], corners) for place in places_m])
 
     @property
+    def axes(self) -> int:
+        """In how many axes of space fixes are told apart: two where all are at one height, else three."""
+        return 3 if np.ptp(self.up_m) > 0 else 2
+
+    @property
+    def places_m(self) -> Floats:
+        """The fixes (n, axes): north, east, and up where that changes."""
+        return np.column_stack([self.north_east_m, self.up_m])[:, : self.axes]
+
+    @property
     def speed_m_s(self) -> Floats:
         """Ground speed at every fix, from the places alone."""
-        if len(self) < 2:
-            return np.zeros(len(self))
-        step_s = np.maximum(np.diff(self.time_s), 1e-3)
-        speed = segment_lengths_m(self.north_east_m) / step_s
-        return np.asarray((np.append(speed[0], speed) + np.append(speed, speed[-1])) / 2)
+        return speeds_m_s(self.time_s, self.north_east_m)
 
 
 @dataclass(frozen=True, slots=True)

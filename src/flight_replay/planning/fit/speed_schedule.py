@@ -72,9 +72,9 @@ def recorded_passing_s(draft: Draft, hovers: dict[int, Hover], recording: LocalT
 
 
 def leg_lengths_m(draft: Draft) -> Floats:
-    """Planned lengths (n,) of the legs to a draft's places, over the ground."""
+    """Planned lengths (n,) of the legs to a draft's places."""
     path = draft.path(CURVE_TOLERANCE_M)
-    steps = np.append(0.0, segment_lengths_m(path.north_east_m))
+    steps = np.append(0.0, segment_lengths_m(np.column_stack([path.north_east_m, path.up_m])))
     return np.bincount(path.seq, steps, minlength=len(draft)).astype(float)
 
 

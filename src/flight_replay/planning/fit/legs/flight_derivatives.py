@@ -82,7 +82,7 @@ class _ChangedLegs:
         self._whole = self._flights.fly(self._flights.draft, 1, self._last)
         self._passed_s = np.append(self._flights.left_s(0), self._whole.passed_s)
         self._passing_leg = np.maximum.accumulate(base.planned[0].leg)
-        self._marks_m, self._marks_s = marks_along(base.flight)
+        self._marks_m, self._marks_s = marks_along(base.flight, problem.recording.axes)
 
     @property
     def steps(self) -> int:

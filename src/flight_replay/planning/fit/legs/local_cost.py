@@ -18,6 +18,7 @@ from flight_replay.planning.fit.objective import (
     Offsets,
     creeping_s,
     path_error_m,
+    places_at,
     points_along,
 )
 from flight_replay.planning.fit.reference import LocalTrack
@@ -80,10 +81,9 @@ class LocalCost:
 
     def _late_m(self, flight: LocalFlight, begin: int, end: int) -> float:
         """What being late or early adds on these legs."""
-        fixes, times = self.recording.north_east_m[begin:end], self.recording.time_s[begin:end]
-        there = np.column_stack([np.interp(times, flight.time_s, axis) for axis in flight.north_east_m.T])
-        off_m = np.hypot(*(there - fixes).T)
-        return TIME_SHARE * float(off_m.sum()) / len(self.recording)
+        fixes, times = self.recording.places_m[begin:end], self.recording.time_s[begin:end]
+        off_m = places_at(flight.time_s, flight.place_m[:, : self.recording.axes], times) - fixes
+        return TIME_SHARE * float(np.hypot.reduce(off_m, axis=1).sum()) / len(self.recording)
 
 
 def _nearest_m(points_m: Floats, line_m: Floats) -> Floats:

@@ -27,16 +27,21 @@ _FOLLOWS_S = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalFlight:
-    """Where the vehicle was on some legs: times (k,) from reaching the first place, and places (k, 2).
+    """Where the vehicle was on some legs: times (k,) from reaching the first place, and places (k, 3).
 
     The first ``ended`` of them are on those legs. The rest are the second after, in which the vehicle comes
     to where its target has been. ``passed_s`` is when the target left the place of each leg.
     """
 
     time_s: Floats
-    north_east_m: Floats
+    place_m: Floats
     ended: int
     passed_s: Floats
+
+    @property
+    def north_east_m(self) -> Floats:
+        """The places over the ground (k, 2)."""
+        return self.place_m[:, :2]
 
     @property
     def left_s(self) -> float:
@@ -129,9 +134,7 @@ class LocalFlights:
     ) -> LocalFlight:
         steps = np.arange(len(rows) + len(after), dtype=float)
         times_s = self.left_s(first - 1) + self._problem.step_s * steps
-        return LocalFlight(
-            times_s, np.array(rows + after)[:, :2], len(rows), np.array(passed_s) - self._begin_s
-        )
+        return LocalFlight(times_s, np.array(rows + after), len(rows), np.array(passed_s) - self._begin_s)
 
     def _run_on(self, copter: Copter) -> list[Vector]:
         """Where a copter is after each step of the time in which it follows its target."""
