@@ -72,3 +72,23 @@ def test_every_start_has_its_turn_and_the_best_of_them_goes_on(monkeypatch: pyte
     assert len(turns) == 3
     assert turns[0] is not turns[1]
     assert turns[2] is turns[1] is best.draft
+
+
+def test_a_third_start_is_searched_if_it_is_the_best_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two have a turn, there is time for; another has one of these if it begins better than both."""
+    problem, (curved, straight) = problem_and_starts(timed=True)
+    turned = []
+
+    def turn(problem: FitProblem, state: State, share: float, most: int, budget: Budget) -> State:
+        turned.append(len(state.best.draft))
+        budget.spend(80)
+        return state
+
+    monkeypatch.setattr(search_module, "_turn", turn)
+    few = replace(curved, draft=curved.draft.part(0, 19))
+    search(problem, [straight, straight, few], Budget(200, lambda done, total: None))
+    assert turned[:2] == [19, 20]
+    turned.clear()
+    few = replace(straight, draft=straight.draft.part(0, 19))
+    search(problem, [curved, curved, few], Budget(200, lambda done, total: None))
+    assert turned[:2] == [20, 20]

@@ -21,7 +21,7 @@ from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.knot_selection import select_waypoints
-from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
+from flight_replay.planning.fit.line_simplification import corner_draft, douglas_peucker, straight_draft
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack, flat_frame, hovers, local_track
@@ -37,9 +37,9 @@ WORK_FIXES = 1000
 _HOVER_SHARE = 3
 # Durations of flights, and the steps of the model that can be afforded for each.
 _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
-_WORK_STEPS, _WORK_STEPS_A_FIX = 700_000, 40
+_WORK_STEPS, _WORK_STEPS_A_FIX = 770_000, 40
 """Steps of the model that the search may take, and more for each fix."""
-_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 240
+_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 250
 
 ProgressCallback = Callable[[int, int], None]
 
@@ -117,7 +117,7 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     line = np.column_stack([recording.north_east_m, recording.up_m])
     curved = [selected, FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0)))]
     if problem.timed:
-        return curved
+        return [*curved, corner_draft(problem, max_points)]
     return [
         *curved,
         FirstDraft(straight_draft(recording, douglas_peucker(line, max_points)), {}),

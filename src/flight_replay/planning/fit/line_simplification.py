@@ -1,30 +1,41 @@
-"""Straight routes through recorded fixes, the classic way: what a fit has to beat."""
+"""Routes from corner to corner of a recording: those that a fit has to beat, and one to begin with."""
 
 from __future__ import annotations
 
 import heapq
+from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import nearest_on_segments
-from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.reference import LocalTrack
+from flight_replay.geometry.polyline import nearest_on_segments, segment_lengths_m
+from flight_replay.planning.fit.draft import Draft, flown_through
+from flight_replay.planning.fit.problem import FirstDraft, FitProblem
+from flight_replay.planning.fit.reference import Hover, LocalTrack, hovers
 
 EXACT_M = 0.02
 """A line this near to every fix has no use for more corners."""
+_SHORTEST_PAUSE_S = 2.0
+_CORNER_M = 0.3
+_LONG_M = 10.0
+"""A leg as long is straight; shorter ones between the corners of a curve are curved."""
+_SETTLE_HOLD_S = 1.0
 
 
-def douglas_peucker(points_m: Floats, most: int) -> NDArray[np.intp]:
-    """Indices of at most ``most`` of the points (n, d), ends included, after Douglas and Peucker (1973).
+def douglas_peucker(
+    points_m: Floats, most: int, near_m: float = EXACT_M, kept: Iterable[int] = ()
+) -> NDArray[np.intp]:
+    """Indices of at most ``most`` of the points (n, d), after Douglas and Peucker (1973).
 
-    The line is split where a point is farthest from it, worst first, until there are enough.
+    The line is split where a point is farthest from it, worst first, until there are enough, or it is
+    nowhere farther than ``near_m``. The ends are kept, and those in ``kept``.
     """
-    last = len(points_m) - 1
-    kept = {0, last}
-    splits = [_farthest(points_m, 0, last)]
-    while len(kept) < most and splits and -splits[0][0] > EXACT_M:
+    kept = {0, len(points_m) - 1, *kept}
+    splits = [_farthest(points_m, *part) for part in pairwise(sorted(kept))]
+    heapq.heapify(splits)
+    while len(kept) < most and splits and -splits[0][0] > near_m:
         _, begin, end, middle = heapq.heappop(splits)
         kept.add(middle)
         for part in ((begin, middle), (middle, end)):
@@ -48,3 +59,37 @@ def straight_draft(recording: LocalTrack, kept: NDArray[np.intp]) -> Draft:
     n = len(kept)
     hold = np.append(1.0, np.zeros(n - 1))
     return Draft(places, np.zeros(n, np.bool_), hold, np.full(n, np.nan))
+
+
+def corner_draft(problem: FitProblem, most: int) -> FirstDraft:
+    """A route of at most ``most`` places as missions are flown: from corner to corner, with stops at pauses.
+
+    Args:
+        problem: its recording has at least two fixes.
+        most: at least two.
+    """
+    nodes = _nodes(problem.recording, hovers(problem.recording, (most - 2) // 2, _SHORTEST_PAUSE_S))
+    places_m = np.array([place for place, _ in nodes])
+    pauses = {index: pause for index, (_, pause) in enumerate(nodes) if pause is not None}
+    kept = douglas_peucker(places_m, most, _CORNER_M, pauses).tolist()
+    waits = {place: pauses[node] for place, node in enumerate(kept) if node in pauses}
+    places_m = places_m[kept]
+    hold_s = np.zeros(len(kept))
+    hold_s[0] = _SETTLE_HOLD_S
+    for place, pause in waits.items():
+        hold_s[place] = max(1.0, round(pause.seconds))
+    curved = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)
+    curved[1:] &= segment_lengths_m(places_m) < _LONG_M
+    return FirstDraft(Draft(places_m, curved, hold_s, np.full(len(kept), np.nan)), waits)
+
+
+def _nodes(recording: LocalTrack, pauses: list[Hover]) -> list[tuple[Floats, Hover | None]]:
+    """Where corners may be: at the first fix, at fixes outside of pauses, and in the middle of pauses."""
+    places_m = np.column_stack([recording.north_east_m, recording.up_m])
+    nodes: list[tuple[Floats, Hover | None]] = [(places_m[0], None)]
+    fix = 1
+    for pause in pauses:
+        nodes += [(place, None) for place in places_m[fix : pause.first]]
+        nodes.append((places_m[pause.first : pause.last + 1].mean(axis=0), pause))
+        fix = pause.last + 1
+    return [*nodes, *((place, None) for place in places_m[fix:])]

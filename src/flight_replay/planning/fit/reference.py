@@ -73,7 +73,7 @@ class Hover:
     seconds: float
 
 
-def hovers(recording: LocalTrack, most: int) -> list[Hover]:
+def hovers(recording: LocalTrack, most: int, shortest_s: float = SHORTEST_HOVER_S) -> list[Hover]:
     """The ``most`` longest hovers, in order: stretches that fit into ``HOVER_RADIUS_M``, heights too."""
     places = np.column_stack([recording.north_east_m, recording.up_m]).tolist()
     times = recording.time_s.tolist()
@@ -81,7 +81,7 @@ def hovers(recording: LocalTrack, most: int) -> list[Hover]:
     while i < len(times):
         end = _hover_end(places, i)
         seconds = times[end - 1] - times[i]
-        if seconds >= SHORTEST_HOVER_S:
+        if seconds >= shortest_s:
             found.append(Hover(i, end - 1, seconds))
             i = end
         else:

@@ -7,6 +7,7 @@ recorded speed is to be kept.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 from flight_replay.planning.fit.joint_steps import JOINT_FLIGHTS, stepped_jointly
 from flight_replay.planning.fit.legs.leg_moves import LATER_SHARE, USUAL_SHARE
@@ -42,21 +43,37 @@ def search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tup
     for start in starts[1:]:
         best_m = min(state.best.objective_m for state in begun)
         least_m = objective_lower_bound_m(start.draft, problem.recording, timed=problem.timed)
-        if least_m < best_m and budget.affords(2 * _TURN_FLIGHTS if problem.timed else ROUND_FLIGHTS):
-            begun.append(_begun(problem, start, budget, best_m))
+        if least_m < best_m and budget.affords(ROUND_FLIGHTS):
+            most_m = _hopeless(problem, len(begun), budget) * best_m
+            begun.append(_begun(problem, start, budget, most_m))
     begun.sort(key=lambda state: state.best.objective_m)
     found = (_timed_search if problem.timed else _untimed_search)(problem, begun, budget)
     budget.finish()
     return found
 
 
-def _begun(problem: FitProblem, start: FirstDraft, budget: Budget, rival_m: float | None = None) -> State:
-    """A start with its speeds set, and after a first round unless it is hopeless beside a rival."""
+def _begun(problem: FitProblem, start: FirstDraft, budget: Budget, most_m: float = inf) -> State:
+    """A start with its speeds set, and after a first round unless it costs more than ``most_m`` before."""
     first = timed(problem, start.draft, start.hovers, budget)
     state = State(first, start.hovers)
-    if not problem.timed and rival_m is not None and first.objective_m > _HOPELESS * rival_m:
+    if first.objective_m > most_m:
         return state
     return rounded(problem, state, budget) if budget.affords(ROUND_FLIGHTS) else state
+
+
+def _hopeless(problem: FitProblem, begun: int, budget: Budget) -> float:
+    """How many times worse than the best a start may be before its first round, after so many others.
+
+    Where the recorded speed is kept, the second has a turn anyway if there is time for it.
+    """
+    if not problem.timed:
+        return _HOPELESS
+    return inf if begun == 1 and _affords_turns(budget) else 1.0
+
+
+def _affords_turns(budget: Budget) -> bool:
+    """Whether two states may have a turn each."""
+    return budget.affords(2 * _TURN_FLIGHTS)
 
 
 def _untimed_search(problem: FitProblem, begun: list[State], budget: Budget) -> tuple[Evaluation, str]:
@@ -86,15 +103,15 @@ def _searched(problem: FitProblem, state: State, budget: Budget) -> tuple[Evalua
 def _timed_search(problem: FitProblem, begun: list[State], budget: Budget) -> tuple[Evaluation, str]:
     """The best that some states come to in turns, and why it ends.
 
-    Each has its first turn while there is time: how good a state is before says little of what comes of it,
+    The first two each have a turn if there is time: which is better before says little of what comes of them,
     and another one's first turn gains more than a second. The best then has further turns.
     """
-    exact = [replace(state, best=problem.exact.evaluate(state.best.draft)) for state in begun]
-    most = _FEW_JOINT_STEPS if len(exact) > 1 else _MANY_JOINT_STEPS
-    turned: list[State] = []
-    for state in exact:
-        if budget.affords(_TURN_FLIGHTS if turned else SWEEP_FLIGHTS):
-            turned.append(_turn(problem, state, USUAL_SHARE, most, budget))
+    several = len(begun) > 1 and _affords_turns(budget)
+    exact = [replace(state, best=problem.exact.evaluate(state.best.draft)) for state in begun[: 1 + several]]
+    most = _FEW_JOINT_STEPS if several else _MANY_JOINT_STEPS
+    turned = [
+        _turn(problem, state, USUAL_SHARE, most, budget) for state in exact if budget.affords(SWEEP_FLIGHTS)
+    ]
     state = min([exact[0], *turned], key=lambda each: each.best.objective_m)
     while budget.affords(SWEEP_FLIGHTS):
         before_m = state.best.objective_m
