@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from flight_replay.planning.fit import fit
 from flight_replay.planning.heights import heights_of
@@ -52,7 +51,6 @@ def test_a_spaced_route_climbs_sooner_at_the_recorded_speed() -> None:
     assert [item.alt_m for _, item in own.mission.waypoints] == JUMP_M
 
 
-@pytest.mark.usefixtures("brief_search")
 def test_a_fit_that_climbs_sooner_is_less_late() -> None:
     """A climb of 24 m in 4 s holds the vehicle up; at heights that it can have in time it keeps up."""
     track = wander(3)
@@ -63,5 +61,5 @@ def test_a_fit_that_climbs_sooner_is_less_late() -> None:
     predicted = with_prediction(route, Limits(), 10.0).predicted
     assert predicted is not None
     assert predicted.position_m.statistics is not None
-    assert predicted.position_m.statistics.mean < 4.5
+    assert predicted.position_m.statistics.mean < 2.5
     assert np.abs(result.heights.planned_m - result.heights.wanted_m).max() > 4.0

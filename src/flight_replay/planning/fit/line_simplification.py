@@ -74,6 +74,7 @@ def corner_draft(problem: FitProblem, most: int) -> FirstDraft:
     kept = douglas_peucker(places_m, most, _CORNER_M, pauses).tolist()
     waits = {place: pauses[node] for place, node in enumerate(kept) if node in pauses}
     places_m = places_m[kept]
+    places_m[-1, :2] = problem.recording.north_east_m[-1]
     hold_s = np.zeros(len(kept))
     hold_s[0] = _SETTLE_HOLD_S
     for place, pause in waits.items():
