@@ -257,6 +257,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         floor_m=options.floor_m,
         speed_m_s=options.speed_m_s,
         limits=limits,
+        takeoff_m=options.takeoff_altitude_m,
         progress=lambda done, total: listener(Progress("fit", done, total, "simulations")),
     )
     route = route_of(

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from flight_replay.planning.fit.simulated_draft import items_of, simulate_draft
+from flight_replay.planning.fit.reference import Takeoff
+from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of, simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import draft_of
+from flight_replay.simulator.flight.trajectory import simulate
+from tests.helpers.fit_tracks import FRAME, draft_of
 
 DRAFT = draft_of([(0, 0), (30, 0), (60, 10), (90, 0)], [False, True, True, True], [1, 0, 0, 0])
 
@@ -22,3 +24,22 @@ def test_speeds_before_every_leg_change_the_numbers_of_the_places() -> None:
     """Items count from 1; with a speed for every leg but the first, places are every second one."""
     assert items_of(DRAFT)[1] == [1, 2, 3, 4]
     assert items_of(DRAFT, every_speed=True)[1] == [1, 3, 5, 7]
+
+
+@pytest.mark.parametrize("takeoff_m", [2.0, 80.0])
+def test_what_follows_a_climb_or_descent_begins_later(takeoff_m: float) -> None:
+    """From take-off at another height the first leg lasts longer, as it does after all of that way."""
+    level, after = (simulate_draft(DRAFT, Limits(), 0.02, Takeoff(0.0, up_m)) for up_m in (None, takeoff_m))
+    whole = simulate(DRAFT.mission(FRAME), Limits(), start_m=(0.0, 0.0, takeoff_m), step_s=0.02)
+    reached_s = [whole.reached_s[seq] for seq in DRAFT.seqs[:2]]
+    assert after.passed_s[1] == pytest.approx(reached_s[1] - reached_s[0], abs=0.1)
+    assert after.passed_s[1] > level.passed_s[1] + 0.2
+
+
+def test_only_the_end_of_the_way_from_take_off_is_flown() -> None:
+    """Two metres of it; where the recording begins at another height than none is known of, nothing."""
+    heights_m = [
+        copter_after_takeoff(DRAFT, Limits(), 0.02, Takeoff(0.0, up_m)).position_m[2] - DRAFT.places_m[0, 2]
+        for up_m in (None, 0.0, DRAFT.places_m[0, 2] + 0.5, 200.0)
+    ]
+    assert heights_m == [0.0, -2.0, 0.5, 2.0]

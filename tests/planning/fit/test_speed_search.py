@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from flight_replay.planning.fit.reference import AT_SEA_LEVEL
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.fit.speed_schedule import Schedule, with_speeds
 from flight_replay.planning.fit.speed_search import SpeedSearch
@@ -15,7 +16,7 @@ CAPS_M_S = np.full(5, 8.0)
 
 
 def searched(leave_s: list[float], step_s: float = 0.05) -> SpeedSearch:
-    return SpeedSearch(Schedule(DRAFT, np.array(leave_s)), CAPS_M_S, Limits(), step_s, 0.0)
+    return SpeedSearch(Schedule(DRAFT, np.array(leave_s)), CAPS_M_S, Limits(), step_s, AT_SEA_LEVEL)
 
 
 def test_places_are_left_on_time() -> None:
@@ -39,8 +40,8 @@ def test_the_flight_is_that_of_the_draft_with_its_speeds() -> None:
 def test_a_draft_that_is_on_time_is_flown_once() -> None:
     """Each leg is tried at its own speed first, and no other where that will do."""
     leave_s = np.array([0.0, 14.0, 24.0, 40.0, 56.0])
-    found = SpeedSearch(Schedule(DRAFT, leave_s), CAPS_M_S, Limits(), 0.05, 0.0).run()
-    again = SpeedSearch(Schedule(found.draft, leave_s), CAPS_M_S, Limits(), 0.05, 0.0)
+    found = SpeedSearch(Schedule(DRAFT, leave_s), CAPS_M_S, Limits(), 0.05, AT_SEA_LEVEL).run()
+    again = SpeedSearch(Schedule(found.draft, leave_s), CAPS_M_S, Limits(), 0.05, AT_SEA_LEVEL)
     assert (again.run().place_m == found.place_m).all()
     assert again.steps <= len(found.time_s) + 100
 

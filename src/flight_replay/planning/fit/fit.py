@@ -18,7 +18,7 @@ from flight_replay.geometry.distances import (
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
-from flight_replay.planning.fit.draft import Draft, flown_through
+from flight_replay.planning.fit.draft import flown_through
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.knot_selection import select_waypoints
 from flight_replay.planning.fit.line_simplification import corner_draft, douglas_peucker, straight_draft
@@ -52,6 +52,7 @@ def fit(  # noqa: PLR0913
     floor_m: float = FLOOR_M,
     speed_m_s: float | Recorded | None = None,
     limits: Limits | None = None,
+    takeoff_m: float | None = None,
     progress: ProgressCallback | None = None,
 ) -> FitResult:
     """The mission whose flown path follows the flown part of ``track`` best.
@@ -63,6 +64,7 @@ def fit(  # noqa: PLR0913
         floor_m: lower recorded heights are raised to this.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
         limits: what the vehicle may do; ArduCopter's defaults if None.
+        takeoff_m: height above home that the vehicle takes off to; None: that of the first waypoint.
         progress: told how much of the work is done, and how much there is.
 
     Raises:
@@ -73,12 +75,10 @@ def fit(  # noqa: PLR0913
     flown, notes = flown_part(track)
     timed, limits = speed_m_s == RECORDED, limits or Limits()
     heights = heights_of(flown, altitude_m, floor_m, limits if timed else None)
-    recording = local_track(flown, heights.planned_m)
+    recording = local_track(flown, heights.planned_m, takeoff_m)
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = problem_for(recording, max_points, limits, timed=timed)
-    starts = _starts(problem, recording, flown, max_points)
-    if speed_m_s is not None and speed_m_s != RECORDED:
-        starts = [replace(start, draft=_with_first_speed(start.draft, speed_m_s)) for start in starts]
+    starts = _at_speed(speed_m_s, _starts(problem, recording, flown, max_points))
     budget = _budget(problem, len(flown), progress)
     best, stopped = search(problem, starts, budget)
     lags = lag_notes(best, problem.recording) if timed else ()
@@ -101,8 +101,13 @@ def _budget(problem: FitProblem, fixes: int, progress: ProgressCallback | None) 
     return Budget(most, progress or (lambda done, total: None))
 
 
-def _with_first_speed(draft: Draft, speed_m_s: float) -> Draft:
-    return replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:]))
+def _at_speed(speed_m_s: float | Recorded | None, starts: list[FirstDraft]) -> list[FirstDraft]:
+    """The starts with a speed set at the first place, where one is given."""
+    if speed_m_s is None or speed_m_s == RECORDED:
+        return starts
+    drafts = [start.draft for start in starts]
+    set_once = [replace(draft, speed_m_s=np.append(speed_m_s, draft.speed_m_s[1:])) for draft in drafts]
+    return [replace(start, draft=draft) for start, draft in zip(starts, set_once, strict=True)]
 
 
 def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points: int) -> list[FirstDraft]:

@@ -120,7 +120,7 @@ def _path_weights(off_m: Floats, scale_m: float) -> Floats:
 def _flown_on_time(exact: FitProblem, plan: Schedule, caps_m_s: Floats) -> tuple[Evaluation, int]:
     """A draft as it is flown, its speeds set to leave each place when it is to be left; the model's steps."""
     caps_m_s = np.fmax(caps_m_s, plan.draft.speed_m_s)
-    search = SpeedSearch(plan, caps_m_s, exact.limits, exact.step_s, exact.recording.home_amsl_m)
+    search = SpeedSearch(plan, caps_m_s, exact.limits, exact.step_s, exact.recording.takeoff)
     return exact.compared(search.run()), search.steps
 
 

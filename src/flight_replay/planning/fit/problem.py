@@ -41,7 +41,7 @@ class FitProblem:
 
     def simulate(self, draft: Draft) -> SimulatedDraft:
         """A draft as the model flies it, at its own speeds."""
-        return _simulated(draft, self.limits, self.step_s, self.recording.home_amsl_m)
+        return _simulated(draft, self.limits, self.step_s, self.recording.takeoff)
 
     def least_leg_s(self, draft: Draft, caps_m_s: Floats) -> Floats:
         """What each leg of a draft (n,) takes at the highest speeds (n,), waiting not counted."""

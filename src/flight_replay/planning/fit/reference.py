@@ -20,17 +20,31 @@ SHORTEST_HOVER_S = 5.0
 _MOST_CORNERS = 4000
 
 
+@dataclass(frozen=True, slots=True)
+class Takeoff:
+    """Where the vehicle takes off: ``amsl_m`` above the sea, as thin air holds it back less, to ``up_m``.
+
+    ``up_m`` is above home; None is the height at which the recording begins.
+    """
+
+    amsl_m: float
+    up_m: float | None = None
+
+
+AT_SEA_LEVEL = Takeoff(0.0)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalTrack:
     """What is to be followed: n fixes in local metres (n, 2), heights and seconds from the first (n,).
 
-    ``home_amsl_m`` is how high above the sea the place of take-off is: thin air holds a vehicle back less.
+    ``takeoff`` is where the vehicle that follows it comes from.
     """
 
     time_s: Floats
     north_east_m: Floats
     up_m: Floats
-    home_amsl_m: float = 0.0
+    takeoff: Takeoff = AT_SEA_LEVEL
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -38,7 +52,7 @@ class LocalTrack:
     def thinned(self, most: int) -> LocalTrack:
         """At most ``most`` of the fixes, evenly spread, both ends included."""
         keep = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.intp))
-        return LocalTrack(self.time_s[keep], self.north_east_m[keep], self.up_m[keep], self.home_amsl_m)
+        return LocalTrack(self.time_s[keep], self.north_east_m[keep], self.up_m[keep], self.takeoff)
 
     def nearest_m(self, places_m: Floats) -> Floats:
         """The points (m, 2) of the line through the fixes that are nearest to places (m, 2)."""
@@ -107,7 +121,7 @@ def flat_frame(track: Track) -> FlatFrame:
     return FlatFrame(float(track.lat_deg[0]), float(track.lon_deg[0]))
 
 
-def local_track(track: Track, height_m: float | Floats) -> LocalTrack:
+def local_track(track: Track, height_m: float | Floats, takeoff_m: float | None = None) -> LocalTrack:
     """What the fit follows, in ArduPilot's own metres around the track's first fix.
 
     The vehicle navigates in those: in ground metres, up to 0.5 % different, its time would be too.
@@ -115,8 +129,9 @@ def local_track(track: Track, height_m: float | Floats) -> LocalTrack:
     Args:
         track: at least one fix.
         height_m: height above home to fly at, one for all fixes or one for each (n,).
+        takeoff_m: height above home that the vehicle takes off to; None: where it begins.
     """
     times = track.time_s - track.time_s[0]
     heights = np.broadcast_to(np.asarray(height_m, float), len(track))
     places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
-    return LocalTrack(times, places, heights, home_of(track).alt_amsl_m)
+    return LocalTrack(times, places, heights, Takeoff(home_of(track).alt_amsl_m, takeoff_m))

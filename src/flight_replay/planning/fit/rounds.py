@@ -101,7 +101,7 @@ def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: B
     recording = problem.recording
     caps = speed_caps_m_s(draft, recording)
     plan = schedule(draft, hovers, recording, problem.least_leg_s(draft, caps))
-    speeds = SpeedSearch(plan, caps, problem.limits, problem.step_s, recording.home_amsl_m)
+    speeds = SpeedSearch(plan, caps, problem.limits, problem.step_s, recording.takeoff)
     found = problem.compared(speeds.run())
     budget.spend(2 + speeds.steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))
     return found

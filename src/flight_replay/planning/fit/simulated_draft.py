@@ -11,12 +11,15 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.reference import AT_SEA_LEVEL, Takeoff
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import positions_to_end
 from flight_replay.simulator.mission.local_items import LocalItem
+
+_LAST_PART_M = 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,20 +35,22 @@ class SimulatedDraft:
     passed_s: Floats
 
 
-def simulate_draft(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> SimulatedDraft:
+def simulate_draft(
+    draft: Draft, limits: Limits, step_s: float, takeoff: Takeoff = AT_SEA_LEVEL
+) -> SimulatedDraft:
     """Fly a draft that begins above where the vehicle takes off.
 
     Args:
         draft: at least one place.
         limits: what the vehicle may do.
         step_s: duration of the model's steps.
-        home_amsl_m: the place of take-off above sea level: thin air holds the vehicle back less.
+        takeoff: where the vehicle comes from.
 
     Raises:
         MissionError: the flight does not end.
     """
     items, seqs = items_of(draft)
-    copter = copter_after_takeoff(draft, limits, step_s, home_amsl_m)
+    copter = copter_after_takeoff(draft, limits, step_s, takeoff)
     run = copter.start_auto(items)
     rows = [copter.position_m, *positions_to_end(copter)]
     return flight_of(draft, run, seqs, rows, step_s)
@@ -61,11 +66,16 @@ def flight_of(
     return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0])
 
 
-def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, home_amsl_m: float = 0.0) -> Copter:
-    """A copter as AUTO finds it: above the first place, the climb of its take-off over."""
-    return Copter(
-        limits, position_m=tuple(draft.places_m[0].tolist()), step_s=step_s, home_amsl_m=home_amsl_m
-    )
+def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, takeoff: Takeoff) -> Copter:
+    """A copter as AUTO finds it: over the first place, the climb of its take-off over.
+
+    Of a way up or down to that place only the end is flown: after it the vehicle is not quite at rest, and
+    what follows begins up to half a second later than from rest, whatever it waits.
+    """
+    north_m, east_m, up_m = draft.places_m[0].tolist()
+    if takeoff.up_m is not None:
+        up_m += min(max(takeoff.up_m - up_m, -_LAST_PART_M), _LAST_PART_M)
+    return Copter(limits, position_m=(north_m, east_m, up_m), step_s=step_s, home_amsl_m=takeoff.amsl_m)
 
 
 def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[list[LocalItem], list[int]]:

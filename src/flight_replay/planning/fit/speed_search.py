@@ -16,6 +16,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
+from flight_replay.planning.fit.reference import Takeoff
 from flight_replay.planning.fit.simulated_draft import (
     SimulatedDraft,
     copter_after_takeoff,
@@ -60,7 +61,7 @@ class SpeedSearch:
     """One pass over the legs of a draft; ``steps`` counts the model's steps that it took."""
 
     def __init__(
-        self, plan: Schedule, caps_m_s: Floats, limits: Limits, step_s: float, home_amsl_m: float
+        self, plan: Schedule, caps_m_s: Floats, limits: Limits, step_s: float, takeoff: Takeoff
     ) -> None:
         """Begin.
 
@@ -69,12 +70,12 @@ class SpeedSearch:
             caps_m_s: highest speed of each leg (n,).
             limits: what the vehicle may do.
             step_s: duration of the model's steps.
-            home_amsl_m: the place of take-off above sea level.
+            takeoff: where the vehicle comes from.
         """
         self._plan, self._caps_m_s, self._limits, self._step_s = plan, caps_m_s, limits, step_s
         self._guesses = with_every_speed(plan.draft).speed_m_s
         self._items, self._seqs = items_of(replace(plan.draft, speed_m_s=caps_m_s), every_speed=True)
-        self._copter = copter_after_takeoff(plan.draft, limits, step_s, home_amsl_m)
+        self._copter = copter_after_takeoff(plan.draft, limits, step_s, takeoff)
         self._copter.start_auto(self._items)
         self._rows = [self._copter.position_m]
         self._begin_s = 0.0

@@ -11,7 +11,7 @@ from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.legs.local_flights import LocalFlights
 from flight_replay.planning.fit.problem import Budget, FitProblem
-from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.reference import AT_SEA_LEVEL, local_track
 from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, draft_of
@@ -29,7 +29,7 @@ def problem(*, timed: bool = False) -> FitProblem:
 def test_a_copied_copter_flies_as_the_first_does() -> None:
     """Copy and original are at the same place after the same steps, to the last bit."""
     items, _ = items_of(DRAFT)
-    copter = copter_after_takeoff(DRAFT, Limits(), 0.05)
+    copter = copter_after_takeoff(DRAFT, Limits(), 0.05, AT_SEA_LEVEL)
     copter.start_auto(items)
     for _ in range(200):
         copter.step()

@@ -70,7 +70,7 @@ class LocalFlights:
         self._most_steps = most_s / problem.step_s
         self.steps = 0
         items, self._seqs = self._items_of(self._draft)
-        copter = copter_after_takeoff(draft, problem.limits, problem.step_s, problem.recording.home_amsl_m)
+        copter = copter_after_takeoff(draft, problem.limits, problem.step_s, problem.recording.takeoff)
         copter.start_auto(items)
         # How the copter is as the leg to each place is about to begin, and what it flew on each leg before.
         self._before = [self._snapshot(copter, items)]
