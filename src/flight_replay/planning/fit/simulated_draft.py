@@ -70,7 +70,7 @@ def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, takeoff: T
     """A copter as AUTO finds it: over the first place, the climb of its take-off over.
 
     Of a way up or down to that place only the end is flown: after it the vehicle is not quite at rest, and
-    what follows begins up to half a second later than from rest, whatever it waits.
+    what follows begins 0.2 s later than from rest.
     """
     north_m, east_m, up_m = draft.places_m[0].tolist()
     if takeoff.up_m is not None:

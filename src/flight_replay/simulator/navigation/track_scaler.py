@@ -23,11 +23,6 @@ _NOISE_M_S: Final = 0.005
 _NO_NOISE: Final = 0.02
 # A square below 1.2e-7 cm²/s² is none (is_positive in AP_Math.h).
 _NO_SPEED_M_S: Final = 3.45e-6
-# After a climb or descent the target keeps a speed so small that the estimate's noise decides between 0
-# and 1. Seven flights that began in a climb had a scale of 0.75 to 0.86 after 1 s at rest: 0.3 to 0.5 s late;
-# fifteen that began after it, with centimetres to climb, one of 0.95 or so.
-_AFTER_CLIMB_SCALE: Final = 0.5
-_CLIMBING_M_S: Final = 0.15
 _SQRT_HALF: Final = sqrt(0.5)
 _DENSITY: Final = 1.0 / sqrt(2.0 * pi)
 # After a stop the estimated speed is off to the left of the track, it seems because SITL's EKF3 takes
@@ -36,6 +31,11 @@ _DENSITY: Final = 1.0 / sqrt(2.0 * pi)
 _DRIFT_M_S: Final = 0.008
 _DRIFT_PEAK_S: Final = 1.9
 _DRIFT_HALF_S: Final = 2.6
+# A mission that begins in a climb, as many scripts let it, leaves the target with a speed so small that the
+# estimate's noise decides between 0 and 1: seven flights had a scale of 0.75 to 0.86 after 1 s at rest.
+# After climbs and descents of its own, eight stops of four missions, it was 1.
+_AFTER_CLIMB_SCALE: Final = 0.5
+_CLIMBING_M_S: Final = 0.15
 # Speed above which the target's direction is one that it will have to brake from.
 _MOVING_M_S: Final = 0.3
 _RESTING_M_S: Final = 0.001
@@ -68,11 +68,12 @@ class _EstimateDrift(SnapshotPart):
 class TrackScaler(SnapshotPart):
     """``scale`` is how much of each step's time the target moves on, 0 to 1 (_track_scalar_dt)."""
 
-    __slots__ = ("_drift", "_moved", "_rest_scale", "scale")
+    __slots__ = ("_drift", "_rest_scale", "scale")
 
-    def __init__(self) -> None:
-        self.scale = self._rest_scale = 1.0
-        self._moved = False
+    def __init__(self, climb_m_s: float = 0.0) -> None:
+        """Begin with a copter that climbs so fast."""
+        self.scale = 1.0
+        self._rest_scale = _AFTER_CLIMB_SCALE if climb_m_s > _CLIMBING_M_S else 1.0
         self._drift = _EstimateDrift()
 
     def advance(self, limits: Limits, control: PositionControl, airframe: Airframe) -> float:
@@ -88,10 +89,9 @@ class TrackScaler(SnapshotPart):
             drift.set_velocity(vn, ve)
         elif speed < _RESTING_M_S or drift.rested_s > 0:
             drift.rested_s += airframe.dt
-        self._moved = speed > _CLIMBING_M_S or (self._moved and speed > _NO_SPEED_M_S)
         if speed > _NO_SPEED_M_S:
-            climbed = self._moved and norm(vn, ve) <= abs(vu)
-            self._rest_scale = _AFTER_CLIMB_SCALE if climbed else 1.0
+            if norm(vn, ve) > abs(vu):
+                self._rest_scale = 1.0
             behind = (
                 (control.n - airframe.n) * vn + (control.e - airframe.e) * ve + (control.u - airframe.u) * vu
             )

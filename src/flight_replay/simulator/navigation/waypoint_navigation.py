@@ -39,7 +39,7 @@ class WaypointNavigation(SnapshotPart):
         self._spline: Spline | None = None
         self._next_spline: Spline | None = None
         self._assumed_speed = 0.0
-        self.track_scaler = TrackScaler()
+        self.track_scaler = TrackScaler(self._airframe.vu)
         self._unused_s = 0.0
         self.reached = True
         self.fast_waypoint = False
