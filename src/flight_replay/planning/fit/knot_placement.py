@@ -16,7 +16,7 @@ from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
 from flight_replay.planning.fit.objective import directions, match_to_plan
-from flight_replay.planning.fit.reference import Hover, LocalTrack
+from flight_replay.planning.fit.reference import SETTLE_HOLD_S, Hover, LocalTrack
 
 ROUNDS = 4
 FIRST_SMOOTHING = 0.001
@@ -25,7 +25,6 @@ _TIME_MIX = 0.8
 _LATE_SHARE = 0.15
 _EAGERNESS = 0.2
 _LEAST_ERROR_SHARE = 0.05
-_SETTLE_HOLD_S = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +76,7 @@ def _drafted(progress: _Progress, free: Floats, fixed: Floats) -> tuple[Draft, F
     knots = np.append(free, fixed)[order]
     waits_s = [max(1.0, round(hover.seconds)) for hover in progress.hovers]
     waits = np.append(np.zeros(len(free)), waits_s)[order]
-    waits[0] = _SETTLE_HOLD_S
+    waits[0] = SETTLE_HOLD_S
     recording, n = progress.recording, len(knots)
     columns = [*recording.north_east_m.T, recording.up_m]
     places = np.column_stack([np.interp(knots, progress.share, column) for column in columns])

@@ -18,10 +18,9 @@ from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals
 from flight_replay.planning.fit.objective import TIME_SHARE, match_to_plan
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
-from flight_replay.planning.fit.reference import Hover, LocalTrack
+from flight_replay.planning.fit.reference import Hover, LocalTrack, holds_s
 
 CANDIDATES_A_PLACE = 2
-SETTLE_HOLD_S = 1.0
 _USUAL_ERROR_M = 0.4
 """Path error about which the objective is taken to be linear in the fourth powers of distances."""
 _UNEVEN_SHARE = 0.2
@@ -44,10 +43,7 @@ def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:
     knots.thin_out(most)
     kept = np.flatnonzero(knots.alive).tolist()
     hovers = {place: hover for place, knot in enumerate(kept) if (hover := knots.hover[knot]) and place > 0}
-    hold_s = np.zeros(len(kept))
-    hold_s[0] = SETTLE_HOLD_S
-    for place, hover in hovers.items():
-        hold_s[place] = max(1.0, round(hover.seconds))
+    hold_s = holds_s(len(kept), hovers)
     level = np.full((len(kept), 3), problem.recording.up_m[0])
     places_m = np.column_stack([knots.place_m[kept], level])[:, :3]
     through = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)

@@ -13,7 +13,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import nearest_on_segments, segment_lengths_m
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
-from flight_replay.planning.fit.reference import Hover, LocalTrack, hovers
+from flight_replay.planning.fit.reference import Hover, LocalTrack, holds_s, hovers
 
 EXACT_M = 0.02
 """A line this near to every fix has no use for more corners."""
@@ -21,7 +21,6 @@ _SHORTEST_PAUSE_S = 2.0
 _CORNER_M = 0.3
 _LONG_M = 10.0
 """A leg as long is straight; shorter ones between the corners of a curve are curved."""
-_SETTLE_HOLD_S = 1.0
 
 
 def douglas_peucker(
@@ -75,10 +74,7 @@ def corner_draft(problem: FitProblem, most: int) -> FirstDraft:
     waits = {place: pauses[node] for place, node in enumerate(kept) if node in pauses}
     places_m = places_m[kept]
     places_m[-1, :2] = problem.recording.north_east_m[-1]
-    hold_s = np.zeros(len(kept))
-    hold_s[0] = _SETTLE_HOLD_S
-    for place, pause in waits.items():
-        hold_s[place] = max(1.0, round(pause.seconds))
+    hold_s = holds_s(len(kept), waits)
     curved = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)
     curved[1:] &= segment_lengths_m(places_m) < _LONG_M
     return FirstDraft(Draft(places_m, curved, hold_s, np.full(len(kept), np.nan)), waits)

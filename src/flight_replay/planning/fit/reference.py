@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ HOVER_RADIUS_M = 0.3
 """A vehicle that hovers wanders about as far in some seconds; farther, it was on its way."""
 SHORTEST_HOVER_S = 5.0
 """Shorter pauses are flown slowly: to brake, wait and start again takes ArduCopter as long."""
+SETTLE_HOLD_S = 1.0
+"""At the first place a vehicle comes to rest before what is timed begins."""
 
 _MOST_CORNERS = 4000
 
@@ -102,6 +105,15 @@ def hovers(recording: LocalTrack, most: int, shortest_s: float = SHORTEST_HOVER_
             i += 1
     longest = sorted(found, key=lambda hover: -hover.seconds)[:most]
     return sorted(longest, key=lambda hover: hover.first)
+
+
+def holds_s(places: int, hovers: Mapping[int, Hover]) -> Floats:
+    """How long to wait at each of so many places (n,), whole seconds: at the first, and where it hovers."""
+    hold_s = np.zeros(places)
+    hold_s[0] = SETTLE_HOLD_S
+    for place, hover in hovers.items():
+        hold_s[place] = max(1.0, round(hover.seconds))
+    return hold_s
 
 
 def _hover_end(places: list[list[float]], begin: int) -> int:
