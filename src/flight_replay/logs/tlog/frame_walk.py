@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from flight_replay.geometry.arrays import Bytes, Flags, Indices
+from flight_replay.logs.tlog.frames import Candidates, valid_frames
 from flight_replay.logs.tlog.nested_frames import Enclosures, enclosing_frames, possible_enclosures, walk
 
 
@@ -31,6 +32,18 @@ class Walk:
         frames = self._around(possible.of(starts) if possible else possible_enclosures(self._data, starts))
         hidden, _ = walk(frames, starts.tolist()) if frames else (set(), 0)
         return ~np.isin(starts, list(hidden)) if hidden else np.ones(len(starts), np.bool_)
+
+    def visits_valid(self, candidates: Candidates, message: int, possible: Enclosures | None = None) -> Flags:
+        """Which candidates of a message (n,) are valid frames that the walk comes to.
+
+        Args:
+            candidates: The candidates.
+            message: The message.
+            possible: As for ``visits``.
+        """
+        are_records = valid_frames(self._data, candidates, message) & (candidates.start >= self.enter)
+        are_records[are_records] = self.visits(candidates.start[are_records], possible)
+        return are_records
 
     @property
     def leave(self) -> int:

@@ -34,6 +34,10 @@ class Candidates:
         """Those of an index array."""
         return Candidates(self.start.take(index), self.rows.take(index, axis=0))
 
+    def keep(self, which: Flags) -> Candidates:
+        """Those that a mask (n,) picks."""
+        return self if which.all() else self.take(which.nonzero()[0])
+
 
 def frame_lengths(headers: Bytes) -> Indices:
     """Lengths of whole frames (n,) by their first ``HEADER_LENGTH`` bytes or more (n, ...); 0 for no frame.

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from flight_replay.geometry.arrays import Flags, Indices
 from flight_replay.logs.tlog.arming_reports import arming_reports
 from flight_replay.logs.tlog.blocks import Block
-from flight_replay.logs.tlog.columns import AnyMessage, Positions, Records
+from flight_replay.logs.tlog.columns import Positions, Records
 from flight_replay.logs.tlog.decode import decode_gps_status, decode_heartbeats, decode_positions
 from flight_replay.logs.tlog.frame_walk import Walk
-from flight_replay.logs.tlog.frames import Candidates, valid_frames
+from flight_replay.logs.tlog.frames import Candidates
 from flight_replay.logs.tlog.message_table import GLOBAL_POSITION_INT, GPS_RAW_INT, HEARTBEAT
 
 
@@ -29,12 +29,12 @@ def read_records(block: Block, enter: int) -> tuple[Records, int]:
     """
     walk = Walk(block.data, enter - block.offset, block.stop, block.end)
     positions, empty = _positions(block, walk)
-    heartbeats = decode_heartbeats(_valid(block, block.heartbeats, HEARTBEAT, walk))
+    heartbeats = decode_heartbeats(block.heartbeats)
     status = heartbeats.type.astype(np.int32) << 17 | heartbeats.autopilot.astype(np.int32) << 9
     status |= heartbeats.mode.astype(np.int32) << 1 | heartbeats.armed
-    heartbeats = _run_ends(heartbeats, status, walk)
-    gps = decode_gps_status(_valid(block, block.gps, GPS_RAW_INT, walk))
-    gps = _run_ends(gps, gps.has_3d_fix, walk)
+    heartbeats = heartbeats.select(_run_ends(block.heartbeats, HEARTBEAT, heartbeats.vehicle, status, walk))
+    gps = decode_gps_status(block.gps)
+    gps = gps.select(_run_ends(block.gps, GPS_RAW_INT, gps.vehicle, gps.has_3d_fix, walk))
     reports = arming_reports(block, walk, heartbeats)
     records = Records(
         replace(positions, offset=positions.offset + block.offset),
@@ -46,40 +46,49 @@ def read_records(block: Block, enter: int) -> tuple[Records, int]:
     return records, walk.leave + block.offset
 
 
-def _valid(block: Block, candidates: Candidates, message: int, walk: Walk) -> Candidates:
-    """The valid frames of a message from where the walk enters."""
-    valid = valid_frames(block.data, candidates, message) & (candidates.start >= walk.enter)
-    return candidates if valid.all() else candidates.take(np.flatnonzero(valid))
-
-
 def _positions(block: Block, walk: Walk) -> tuple[Positions, dict[int, int]]:
     """The positions that the walk comes to, but for the inner ones of runs of empty ones.
 
     Also counts the empty ones by vehicle.
     """
-    positions = decode_positions(_valid(block, block.positions, GLOBAL_POSITION_INT, walk))
-    positions = positions.select(walk.visits(positions.offset, block.enclosures))
+    are_records = walk.visits_valid(block.positions, GLOBAL_POSITION_INT, block.enclosures)
+    positions = decode_positions(block.positions.keep(are_records))
     is_empty = positions.is_empty
     if not is_empty.any():
         return positions, {}
     vehicle = positions.vehicle
     counts = np.bincount(vehicle[is_empty])
-    kept = _are_run_ends(vehicle, np.where(is_empty, _falls(positions.time_ms), -1))
+    _, kept = _runs(vehicle, np.where(is_empty, _falls(positions.time_ms), -1))
     empty = {key: int(counts[key]) for key in np.flatnonzero(counts).tolist()}
     return positions.select(kept | ~is_empty), empty
 
 
-def _run_ends(columns: AnyMessage, status: NDArray[Any], walk: Walk) -> AnyMessage:
-    """The first and last records of each run in which a vehicle's status (n,) stays the same.
+def _run_ends(
+    candidates: Candidates, message: int, vehicle: NDArray[np.uint16], status: NDArray[Any], walk: Walk
+) -> Indices:
+    """The first and last records of each run in which a vehicle's status stays the same: indices (m,).
 
-    Whether the walk comes to them is asked of these only: within a run it makes no difference.
+    Whether candidates are records is asked of the first and last of each run of them, as within a run it
+    makes no difference, and of whole runs only where one of these is none.
+
+    Args:
+        candidates: Candidates of a message (n,).
+        message: The message.
+        vehicle: The vehicle that sent each, if it is a record (n,).
+        status: The status that each tells of (n,).
+        walk: The walk through them.
     """
-    ends = _are_run_ends(columns.vehicle, status)
-    if not walk.visits(columns.offset[ends]).all():
-        visited = walk.visits(columns.offset)
-        columns, status = columns.select(visited), status[visited]
-        ends = _are_run_ends(columns.vehicle, status)
-    return columns.select(ends)
+    run, are_ends = _runs(vehicle, status)
+    ends = are_ends.nonzero()[0]
+    are_records = walk.visits_valid(candidates.take(ends), message)
+    if are_records.all():
+        return ends
+    is_doubtful = np.zeros(len(run) + 1, np.bool_)
+    is_doubtful[run[ends[~are_records]]] = True
+    inner = (is_doubtful[run] & ~are_ends).nonzero()[0]
+    inner_records = walk.visits_valid(candidates.take(inner), message)
+    left = np.delete(np.arange(len(run)), np.append(ends[~are_records], inner[~inner_records]))
+    return left[_runs(vehicle[left], status[left])[1]]
 
 
 def _falls(time_ms: NDArray[np.uint32]) -> Indices:
@@ -87,13 +96,16 @@ def _falls(time_ms: NDArray[np.uint32]) -> Indices:
     return np.cumsum(time_ms < np.concatenate([time_ms[:1], time_ms[:-1]]))
 
 
-def _are_run_ends(vehicle: NDArray[np.uint16], value: NDArray[Any]) -> Flags:
-    """Where a vehicle's value begins or ends a run of equal ones, shape (n,)."""
-    order = np.arange(len(vehicle))
-    if (vehicle[1:] != vehicle[:-1]).any():
-        order = np.argsort(vehicle, kind="stable")
-        vehicle, value = vehicle[order], value[order]
-    same = (vehicle[1:] == vehicle[:-1]) & (value[1:] == value[:-1])
-    ends = np.ones(len(vehicle), np.bool_)
-    ends[order[1:-1]] = ~(same[1:] & same[:-1])
-    return ends
+def _runs(vehicle: NDArray[np.uint16], value: NDArray[Any]) -> tuple[Indices, Flags]:
+    """The number of the run of equal values of a vehicle that each is in, and whether it is at an end of it.
+
+    Both of shape (n,).
+    """
+    order = np.argsort(vehicle, kind="stable")
+    vehicle, value = vehicle[order], value[order]
+    begins, are_ends = np.ones((2, len(order) + 1), np.bool_)
+    begins[1:-1] = (vehicle[1:] != vehicle[:-1]) | (value[1:] != value[:-1])
+    run = np.empty(len(order), np.intp)
+    run[order] = np.cumsum(begins[:-1])
+    are_ends[order] = begins[:-1] | begins[1:]
+    return run, are_ends[:-1]
