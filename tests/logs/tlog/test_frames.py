@@ -229,6 +229,33 @@ def test_thousands_of_positions_side_by_side_are_told_from_nested_ones() -> None
     assert_equal_to_slow(read(data, 1 << 20), data)
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_of_equal_heartbeats_in_a_row_the_first_and_last_right_ones_are_kept(seed: int) -> None:
+    """Damaged and nested ones begin, end and cut runs of the right ones, which are found all the same."""
+    chance = np.random.default_rng(seed)
+    data = b""
+    for _ in range(400):
+        status = chance.choice([0, 0, 0, 0, 1, 2], size=2)
+        beat = frame(HEARTBEAT, heartbeat_payload(status[0] == 1), 1 + seed % 2, 1 + chance.integers(2))
+        match status[1]:
+            case 1:
+                beat = beat[:-1] + bytes([beat[-1] ^ 1])
+            case 2:
+                beat = frame(ENCAPSULATED_DATA, (b"\1\1" + beat).ljust(255, b"\7"))
+        data += beat
+    runs: dict[int, list[list[int]]] = {}
+    last: dict[int, bool] = {}
+    for each in slow_reader.walk(data):
+        if each.message == HEARTBEAT:
+            armed, vehicle = each.payload[6] & 128 != 0, each.vehicle[0]
+            if last.get(vehicle) != armed:
+                runs.setdefault(vehicle, []).append([])
+            last[vehicle] = armed
+            runs[vehicle][-1].append(each.offset)
+    kept = {run[end] for its in runs.values() for run in its for end in (0, -1)}
+    assert read(data, 1 << 20).heartbeats.offset.tolist() == sorted(kept)
+
+
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.1, 1.0])
 def test_true_indices_are_those_of_flatnonzero(share: float) -> None:
     """Few or many, at the ends of words or not."""
