@@ -51,7 +51,10 @@ def modes_at(offset: NDArray[np.int64], heartbeats: Heartbeats) -> NDArray[np.in
     """
     heartbeats = _of_autopilot(heartbeats)
     modes = np.append(np.int16(-1), heartbeats.mode.astype(np.int16))
-    return np.asarray(modes[np.searchsorted(heartbeats.offset, offset)])
+    if (offset[1:] < offset[:-1]).any():
+        return np.asarray(modes[np.searchsorted(heartbeats.offset, offset)])
+    firsts = np.searchsorted(offset, heartbeats.offset, "right")  # far fewer than fixes, so this way round
+    return np.repeat(modes, np.diff(firsts, prepend=0, append=len(offset)))
 
 
 def vehicle_kind(heartbeats: Heartbeats) -> VehicleKind:

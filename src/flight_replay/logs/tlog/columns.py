@@ -30,8 +30,10 @@ class MessageColumns:
 
     def select(self: AnyMessage, keep: Flags | Indices) -> AnyMessage:
         """The records that a mask or an index array picks."""
-        if keep.dtype == np.bool_ and keep.all():
-            return self
+        if keep.dtype == np.bool_:
+            if keep.all():
+                return self
+            keep = keep.nonzero()[0]
         return type(self)(**{each.name: getattr(self, each.name)[keep] for each in fields(self)})
 
 

@@ -25,7 +25,7 @@ from flight_replay.logs.tlog.message_table import (
 )
 
 LOOK_BACK = LONGEST_FRAME  # bytes up to a place, itself included, in which a frame around it may begin
-_AT_ONCE = 2048  # places
+_AT_ONCE = 3072  # places: those of a slice of a log with one in 700 bytes
 
 
 def _shortest_payloads(overhead: int) -> Bytes:

@@ -73,8 +73,9 @@ class _Judged:
 
     def vehicles(self) -> tuple[VehicleCount, ...]:
         """All that sent positions, the one with most usable fixes first."""
-        keys, index = np.unique(self.records.positions.vehicle, return_inverse=True)
-        fixes = np.bincount(index[self.rejection == Rejection.NONE], minlength=len(keys))
+        vehicle = self.records.positions.vehicle
+        keys = np.flatnonzero(np.bincount(vehicle))
+        fixes = np.bincount(vehicle[self.rejection == Rejection.NONE], minlength=1 << 16)[keys]
         counts = [
             VehicleCount(key >> 8, key & 255, n) for key, n in zip(keys.tolist(), fixes.tolist(), strict=True)
         ]
