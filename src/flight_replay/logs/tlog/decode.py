@@ -87,9 +87,10 @@ class PayloadFields:
     def payload(self, length: int) -> Bytes:
         """The first bytes of each payload, zeros where they were left off, shape (n, length)."""
         mavlink1, mavlink2 = _PAYLOAD_AT
+        first = mavlink1 if self._is_all_mavlink1 else mavlink2
+        some: Bytes = self._rows[:, first : first + length].copy()
         if self._is_all_mavlink1:
-            return self._rows[:, mavlink1 : mavlink1 + length]
-        some: Bytes = self._rows[:, mavlink2 : mavlink2 + length].copy()
+            return some
         some[self._is_mavlink1] = self._rows[self._is_mavlink1, mavlink1 : mavlink1 + length]
         for short in np.flatnonzero(np.bincount(self._sent)[:length]).tolist():
             some[self._sent == short, short:] = 0

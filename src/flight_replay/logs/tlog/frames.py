@@ -75,12 +75,13 @@ def valid_frames(data: Bytes, candidates: Candidates, message: int) -> Flags:
     few = (counts <= _FEW).take(shape).nonzero()[0]
     valid[few] = [is_valid_frame(data, at) for at in start.take(few).tolist()]
     for common in (counts > _FEW).nonzero()[0].tolist():
-        alike = (shape == common).nonzero()[0] if counts[common] < len(start) else slice(None)
+        alike = shape == common
+        its = candidates.keep(alike)
         length = _length_to_crc(common >= 256, common % 256)
         if STAMP_LENGTH + length <= ROW_LENGTH:
-            frames = rows[alike, STAMP_LENGTH : STAMP_LENGTH + length]
+            frames = its.rows[:, STAMP_LENGTH : STAMP_LENGTH + length]
         else:
-            frames = rows_at(data, start[alike], length)
+            frames = rows_at(data, its.start, length)
         valid[alike] = are_crcs_valid(frames, extra)
     return valid
 
