@@ -127,7 +127,7 @@ def test_a_program_that_is_killed_leaves_a_file_that_the_next_one_tells_of(tmp_p
             cwd=tmp_path,
             check=True,
         )
-        told = re.search(r"GUID_TIMEOUT 0.5 instead of 3.*run: python (.*)", again.stderr)
+        told = re.search(r"GUID_TIMEOUT 0.25 instead of 3.*run: python (.*)", again.stderr)
         assert told is not None
         subprocess.run([sys.executable, *shlex.split(told[1])], cwd=tmp_path, check=True)
         assert target_timeout_s(run.link) == 3.0
