@@ -20,6 +20,7 @@ import pytest
 from flight_replay import vehicle
 from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.server import launch
+from flight_replay.vehicle.following import TARGET_TIMEOUT_S
 from tests.helpers.fault_link import FOREVER_S, FaultLink, fault_link
 from tests.helpers.fault_runs import START
 from tests.helpers.follow_runs import is_in_mode, is_target
@@ -119,7 +120,7 @@ def test_a_program_that_is_killed_leaves_a_file_that_the_next_one_tells_of(tmp_p
         run.wait_for(FOLLOWS)
         run.process.kill()
         run.process.wait()
-        assert target_timeout_s(run.link) == 0.5
+        assert target_timeout_s(run.link) == TARGET_TIMEOUT_S
         again = subprocess.run(
             command(run.link.connection, "--dry-run"),
             capture_output=True,
@@ -127,7 +128,7 @@ def test_a_program_that_is_killed_leaves_a_file_that_the_next_one_tells_of(tmp_p
             cwd=tmp_path,
             check=True,
         )
-        told = re.search(r"GUID_TIMEOUT 0.5 instead of 3.*run: python (.*)", again.stderr)
+        told = re.search(rf"GUID_TIMEOUT {TARGET_TIMEOUT_S:g} instead of 3.*run: python (.*)", again.stderr)
         assert told is not None
         subprocess.run([sys.executable, *shlex.split(told[1])], cwd=tmp_path, check=True)
         assert target_timeout_s(run.link) == 3.0

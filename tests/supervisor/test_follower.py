@@ -89,6 +89,20 @@ def test_after_a_gap_a_vehicle_at_rest_is_fetched_at_walking_speed() -> None:
     assert follower.offset_m < 0.01
 
 
+def test_after_a_gap_the_reference_runs_slowly_until_the_vehicle_has_settled() -> None:
+    follower = _follower(15.0)
+    on_path = s_curve().state(16.0)
+    follower.resume(116.0, on_path.position_m, on_path.velocity_m_s)
+    rates = []
+    for step in range(120):
+        follower.target(116.0 + 0.1 * step)
+        rates.append(follower.rate)
+    assert rates[0] == pytest.approx(1.0, abs=0.1)
+    assert rates[39] == pytest.approx(0.4, abs=0.05)
+    assert rates[-1] == 1.0
+    assert np.abs(np.diff(rates)).max() <= 0.04 + 1e-9
+
+
 def test_a_path_that_turns_back_is_rejoined_in_the_direction_of_flight() -> None:
     follower = _follower(18.0)
     forward = s_curve().state(19.0)

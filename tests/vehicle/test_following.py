@@ -24,7 +24,7 @@ def _parameters(version: str, *, simulated: bool, own: dict[str, float]) -> dict
 
 @pytest.mark.parametrize("simulated", [True, False])
 def test_a_vehicle_brakes_soon_when_targets_stop(simulated: bool) -> None:
-    assert _parameters("4.6.0", simulated=simulated, own=OWN) == {"GUID_TIMEOUT": 0.5}
+    assert _parameters("4.6.0", simulated=simulated, own=OWN) == {"GUID_TIMEOUT": 0.25}
 
 
 def test_only_simulated_vehicles_with_old_firmware_get_higher_limits() -> None:

@@ -25,8 +25,11 @@ _STOPPING_S = 1.0  # A metre per second in another direction counts as much as a
 _CAUGHT_UP, _LOST = 0.5, 2.0
 """The reference waits until the error is half of what it may be, and begins anew at twice that."""
 _REMEMBERED_S = 3.0
-LONGEST_GAP_S = 1.0
+LONGEST_GAP_S = 0.5
 """Vehicles that had no target for so long are braking."""
+_SETTLING_S, _SETTLING_RATE = 4.0, 0.4
+"""After rejoining: a vehicle that has just braked is off its velocity and acceleration, too. In a slower turn
+its lean suffices to make up for that; at full rate it flies off course by metres seconds later."""
 _LEADS_S, _SLOWEST_M2_S2 = (-0.4, 0.4), 1.0
 _DRAG_SHARES, _SMALLEST_LAG_M2 = (-0.5, 2.0), 0.02
 
@@ -114,6 +117,7 @@ class Follower:
         self._change = 0.0
         self._offset_m = np.zeros(3)
         self._rejoin_m_s = 0.0
+        self._settling_s = 0.0
         self._behind = False
         self.learned = learned or Learned.nothing(tuning)
         self._time_s: float | None = None
@@ -199,6 +203,8 @@ class Follower:
     def rejoin(self, position_m: Floats, velocity_m_s: Floats, *, back_s: float, ahead_s: float) -> None:
         """Go on from where the vehicle is: the clock where its way is nearest to how it moves, at its pace.
 
+        Then the clock runs slowly for some seconds, until the vehicle has settled.
+
         Args:
             position_m: of the vehicle (3,).
             velocity_m_s: of the vehicle (3,).
@@ -217,11 +223,13 @@ class Follower:
         self.recording_s, self.rate, self._change = float(times_s[best]), float(pace[best]), 0.0
         self._offset_m, self._rejoin_m_s = -apart_m[best], 0.0
         self.apart_m = self.offset_m
+        self._settling_s = _SETTLING_S
         self._behind = False
         self._past.clear()
 
     def _advance(self, step_s: float) -> None:
-        wanted = 0.0 if self._behind or self.offset_m > self.max_error_m else 1.0
+        wanted = self._wanted_rate()
+        self._settling_s = max(self._settling_s - step_s, 0.0)
         speed_m_s = max(float(np.linalg.norm(self._at(self.recording_s).velocity_m_s)), 1e-3)
         faster = min(_CLOCK_CHANGE_PER_S, _SPEED_UP_M_S2 / speed_m_s) * step_s
         slower = min(_CLOCK_CHANGE_PER_S, _SLOW_DOWN_M_S2 / speed_m_s) * step_s
@@ -230,6 +238,12 @@ class Follower:
         self.recording_s += (self.rate + change / 2) * step_s
         self.rate += change
         self._approach(step_s)
+
+    def _wanted_rate(self) -> float:
+        """How fast the reference's clock is to run, once it has changed gently."""
+        if self._behind or self.offset_m > self.max_error_m:
+            return 0.0
+        return _SETTLING_RATE if self._settling_s > 0.0 else 1.0
 
     def _approach(self, step_s: float) -> None:
         """Move the offset towards zero, slower near the end."""
