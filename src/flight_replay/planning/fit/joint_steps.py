@@ -90,10 +90,11 @@ def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> Er
 
 def _changes(derivatives: Floats, errors: ErrorVectors, evaluation: Evaluation, damping: float) -> Floats:
     """The changes (p,) that make the weighted squares of errors of such derivatives (m, p) small."""
-    weighted = derivatives * _weights(errors, evaluation)[:, None]
+    root = np.sqrt(_weights(errors, evaluation))
+    weighted = derivatives * root[:, None]
     usual = np.tile(_USUAL_CHANGE, len(evaluation.draft) - 1)
-    normal = derivatives.T @ weighted + np.diag(damping / usual**2)
-    found = np.linalg.solve(normal, -(weighted.T @ errors.stacked))
+    normal = weighted.T @ weighted + np.diag(damping / usual**2)
+    found = np.linalg.solve(normal, -(weighted.T @ (root * errors.stacked)))
     most = np.tile(_MOST_CHANGE, len(evaluation.draft) - 1)
     return np.asarray(np.clip(found, -most, most))
 
