@@ -35,6 +35,8 @@ JOINT_FLIGHTS = 18
 """A step costs about as many flights, most of them for the derivatives."""
 _MORE, _LESS = 4.0, 0.5
 _TRIES = 3
+_PATIENCE_S = 60.0
+"""A leg may take so much longer than the flight: the first comes after the climb of a take-off."""
 _MOST_DERIVATIVES = 20_000_000
 """More would take too much memory; two copies of these take 320 MB."""
 _USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
@@ -54,7 +56,7 @@ def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
         return state
     exact, base = problem.exact, state.best
     duration_s = float(base.flight.time_s[-1])
-    derivatives = flight_derivatives(exact, base, duration_s)
+    derivatives = flight_derivatives(exact, base, duration_s + _PATIENCE_S)
     steps_a_flight = max(duration_s / exact.step_s, 1.0)
     budget.spend(derivatives.steps / steps_a_flight)
     caps_m_s = speed_caps_m_s(base.draft, exact.recording)
