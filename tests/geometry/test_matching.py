@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 from flight_replay.geometry import matching
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.distances import path_errors_m
-from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.matching import distances_in_order_m, match_in_order
 from flight_replay.geometry.monotone_path import cheapest_monotone_path
 
 PLACES = st.floats(-20, 20, allow_nan=False, width=32)
@@ -265,3 +265,21 @@ def test_one_point_is_a_path() -> None:
     assert [len(column) for column in (empty.distance_m, empty.along_m, empty.segment)] == [0, 0, 0]
     with pytest.raises(ValueError, match="at least one point"):
         match_in_order([[0, 0]], np.zeros((0, 2)))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_distances_of_few_points_are_those_of_the_matching(seed: int) -> None:
+    """A little less, as points at one segment may be in any order; all else is in order."""
+    path = wander(seed, 80, 0.2)
+    fixes = scattered(path, 25, 0.3, seed)
+    in_order_m = float(match_in_order(fixes, path, 1.0).distance_m.sum())
+    assert 0.94 * in_order_m < distances_in_order_m(fixes, path).sum() < in_order_m + 1e-6
+
+
+def test_distances_of_few_points_do_not_borrow_from_the_way_back() -> None:
+    """A way out and back: each point is as far off as the way is when it is its turn."""
+    there_and_back = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 2.0), (0.0, 2.0)])
+    points = np.array([(2.0, 0.0), (8.0, 2.0), (7.0, 0.0), (8.0, 0.0), (2.0, 2.0)])
+    assert distances_in_order_m(points, there_and_back) == pytest.approx([0.0, 2.0, 0.0, 0.0, 0.0])
+    assert distances_in_order_m(points, there_and_back[:1]).tolist() == [0.0] * 5
+    assert distances_in_order_m(points[:0], there_and_back).tolist() == []

@@ -79,6 +79,29 @@ def match_in_order(
     return Matching(distance, pieces.begin_m[chosen] + along, pieces.segment[chosen])
 
 
+def distances_in_order_m(points_m: Floats, line_m: Floats) -> Floats:
+    """Distances (n,) of few points (n, 2) from the segments of a line (m, 2) of few, never going back.
+
+    Those with the smallest sum, as of ``match_in_order``, but that points at one segment may be in any order.
+    A tenth of its time for a hundred points; without a point or a segment they are 0.
+    """
+    if len(line_m) < 2 or not len(points_m):
+        return np.zeros(len(points_m))
+    apart = nearest_on_segments(points_m[:, None], line_m[:-1], np.diff(line_m, axis=0))[1]
+    sums, least = apart.copy(), np.empty_like(apart)
+    before = np.zeros(apart.shape[1])
+    for row, running in zip(sums, least, strict=True):
+        np.add(row, before, out=row)
+        before = np.minimum.accumulate(row, out=running)
+    # The last segment up to each at which the least sum so far was reached.
+    reached = np.maximum.accumulate(np.where(sums == least, np.arange(apart.shape[1]), 0), axis=1).tolist()
+    chosen, limit = [], -1
+    for row in reversed(reached):
+        limit = row[limit]
+        chosen.append(limit)
+    return np.asarray(apart[np.arange(len(apart)), chosen[::-1]])
+
+
 def _affordable_piece_m(fixes: Floats, path: Floats) -> float:
     """Length of pieces with which ``AFFORDABLE_PAIRS`` of fix and piece are looked at."""
     length_m = float(segment_lengths_m(path).sum())

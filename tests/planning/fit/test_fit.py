@@ -167,6 +167,12 @@ def test_recorded_heights_are_flown_but_not_into_the_ground() -> None:
 
 
 @pytest.mark.usefixtures("brief_search")
+def test_a_flight_may_be_shorter_than_the_way_down_from_the_take_off() -> None:
+    """Around a circle of 60 cm at five metres, after a take-off to 60 m."""
+    found = fit(circle(0.3, 1.0), altitude_m=5.0, speed_m_s="recorded", takeoff_m=60.0)
+    assert found.predicted_duration_s < 15.0
+
+
 def test_figures_of_eight_are_flown_in_order() -> None:
     """Four laps of an eight stay four laps: the path is as long, and no lap is borrowed."""
     track = eights(laps=4)

@@ -61,8 +61,11 @@ def test_creeping_costs_and_stopping_does_not() -> None:
     hover_m = np.column_stack([np.interp(time_s, [0, 10, 20, 30], [0, 30, 30.3, 60]), np.zeros(len(time_s))])
     assert creeping_s(draft, time_s, hover_m) == pytest.approx(10.0, abs=0.2)
     assert creeping_s(stopping, time_s, hover_m) == 0.0
-    at_end_m = np.column_stack([np.interp(time_s, [0, 10, 30], [0, 59.9, 60]), np.zeros(len(time_s))])
-    assert creeping_s(draft, time_s, at_end_m) == 0.0
+    for back_from_m in (59.9, 60.9):
+        at_end_m = np.column_stack(
+            [np.interp(time_s, [0, 10, 30], [0, back_from_m, 60]), np.zeros(len(time_s))]
+        )
+        assert creeping_s(draft, time_s, at_end_m) == 0.0
 
 
 def test_the_objective_is_a_sum_with_fixed_shares() -> None:

@@ -12,6 +12,9 @@ from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import FIRST_SEQ, Home, Mission, change_speed, waypoint
 from flight_replay.mission.path import Destination, Path, path_through
 
+_SHAPING_PLACES = 2
+"""How many places before and behind legs shape their curves."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draft:
@@ -79,6 +82,13 @@ class Draft:
             ],
             tolerance_m=tolerance_m,
         )
+
+    def legs_path(self, first: int, last: int, tolerance_m: float) -> Floats:
+        """The planned line (k, 2) of the legs to places ``first`` to ``last``, from the place before on."""
+        begin = max(first - 1 - _SHAPING_PLACES, 0)
+        path = self.part(begin, last + 1 + _SHAPING_PLACES).path(tolerance_m)
+        on_legs = (path.seq >= first - begin) & (path.seq <= last - begin)
+        return np.asarray(path.north_east_m[on_legs | np.append(on_legs[1:], False)])
 
 
 def flown_through(hold_s: Floats, *, timed: bool = True, straight_starts: bool = False) -> Flags:

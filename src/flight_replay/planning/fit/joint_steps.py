@@ -35,6 +35,8 @@ JOINT_FLIGHTS = 18
 """A step costs about as many flights, most of them for the derivatives."""
 _MORE, _LESS = 4.0, 0.5
 _TRIES = 3
+_PATIENCE_S = 60.0
+"""A leg may take so much longer than the flight: the first comes after the climb of a take-off."""
 _MOST_DERIVATIVES = 20_000_000
 """More would take too much memory; two copies of these take 320 MB."""
 _USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
@@ -54,7 +56,7 @@ def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
         return state
     exact, base = problem.exact, state.best
     duration_s = float(base.flight.time_s[-1])
-    derivatives = flight_derivatives(exact, base, duration_s)
+    derivatives = flight_derivatives(exact, base, duration_s + _PATIENCE_S)
     steps_a_flight = max(duration_s / exact.step_s, 1.0)
     budget.spend(derivatives.steps / steps_a_flight)
     caps_m_s = speed_caps_m_s(base.draft, exact.recording)
@@ -90,10 +92,11 @@ def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> Er
 
 def _changes(derivatives: Floats, errors: ErrorVectors, evaluation: Evaluation, damping: float) -> Floats:
     """The changes (p,) that make the weighted squares of errors of such derivatives (m, p) small."""
-    weighted = derivatives * _weights(errors, evaluation)[:, None]
+    root = np.sqrt(_weights(errors, evaluation))
+    weighted = derivatives * root[:, None]
     usual = np.tile(_USUAL_CHANGE, len(evaluation.draft) - 1)
-    normal = derivatives.T @ weighted + np.diag(damping / usual**2)
-    found = np.linalg.solve(normal, -(weighted.T @ errors.stacked))
+    normal = weighted.T @ weighted + np.diag(damping / usual**2)
+    found = np.linalg.solve(normal, -(weighted.T @ (root * errors.stacked)))
     most = np.tile(_MOST_CHANGE, len(evaluation.draft) - 1)
     return np.asarray(np.clip(found, -most, most))
 

@@ -43,7 +43,8 @@ _BACK_SPACING_M = 0.5
 _EVERY = round(_BACK_SPACING_M / _SPACING_M)
 _PIECE_M = 1.0
 _NUDGE = 0.01
-_AT_STOP_M = 0.5
+_AT_STOP_M = 1.0
+"""A vehicle that comes to rest shoots past its stop and comes back slowly: so near it does not creep."""
 _WINDOW_FIXES = 4
 """A point of the path that lies between two fixes in order is compared with the line so many fixes around."""
 

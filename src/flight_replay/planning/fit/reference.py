@@ -20,7 +20,8 @@ SHORTEST_HOVER_S = 5.0
 SETTLE_HOLD_S = 1.0
 """At the first place a vehicle comes to rest before what is timed begins."""
 
-_MOST_CORNERS = 4000
+_MOST_CORNERS, _PLACES_AT_ONCE = 4000, 8
+"""How many distances are found at once: more leave the cache, and would take much memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +63,8 @@ class LocalTrack:
         if len(self) == 1:
             return np.repeat(self.north_east_m, len(places_m), axis=0)
         corners = self.thinned(_MOST_CORNERS).north_east_m
-        # One by one: all distances at once would take much memory.
-        return np.vstack([nearest_on_line_m(place[None], corners) for place in places_m])
+        parts = range(0, len(places_m), _PLACES_AT_ONCE)
+        return np.vstack([nearest_on_line_m(places_m[i : i + _PLACES_AT_ONCE], corners) for i in parts])
 
     @property
     def axes(self) -> int:

@@ -78,9 +78,13 @@ def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, takeoff: T
     return Copter(limits, position_m=(north_m, east_m, up_m), step_s=step_s, home_amsl_m=takeoff.amsl_m)
 
 
-def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[list[LocalItem], list[int]]:
+class DraftItems(list[LocalItem]):
+    """The mission items of a draft, which many copies of a copter share."""
+
+
+def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[DraftItems, list[int]]:
     """Mission items with the draft's speed changes, or one before each leg, and the numbers of the places."""
-    items: list[LocalItem] = []
+    items = DraftItems()
     seqs = []
     columns = (draft.places_m, draft.speed_m_s, draft.hold_s, draft.spline)
     rows = zip(*(column.tolist() for column in columns), strict=True)

@@ -18,8 +18,8 @@ from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, match_to_plan
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
-SLOWEST_M_S = 0.25
-"""ArduCopter ignores speed changes below 0.2 m/s."""
+SLOWEST_M_S = 0.35
+"""A little more than creeping (``objective.CREEPING_SPEED_M_S``); ArduCopter ignores less than 0.2 m/s."""
 FASTEST_M_S = 30.0
 LEAST_HOLD_S = 1.0
 _LAG_S = 0.5

@@ -11,7 +11,7 @@ from flight_replay.simulator.flight.copter import Copter
 
 
 class CopterSnapshot:
-    """A copter in AUTO as it was; what is ``shared`` is not copied."""
+    """A copter in AUTO as it was; what is ``shared`` is not copied, which must not be of a built-in type."""
 
     def __init__(self, copter: Copter, shared: Sequence[object]) -> None:
         run = copter.mission
@@ -33,13 +33,21 @@ class CopterSnapshot:
         return copied
 
 
+def _shared_at(index: int) -> object:
+    """Stands in a pickle for what is shared."""
+    raise NotImplementedError("a snapshot is read by its copy()")
+
+
 class _Pickler(pickle.Pickler):
+    # Unlike persistent_id, this is not called for numbers, of which a copter mostly consists.
+
     def __init__(self, file: io.BytesIO, shared: Sequence[object]) -> None:
         super().__init__(file, pickle.HIGHEST_PROTOCOL)
         self._index = {id(each): i for i, each in enumerate(shared)}
 
-    def persistent_id(self, obj: Any) -> int | None:
-        return self._index.get(id(obj))
+    def reducer_override(self, obj: Any) -> Any:
+        index = self._index.get(id(obj))
+        return NotImplemented if index is None else (_shared_at, (index,))
 
 
 class _Unpickler(pickle.Unpickler):
@@ -47,5 +55,5 @@ class _Unpickler(pickle.Unpickler):
         super().__init__(file)
         self._shared = shared
 
-    def persistent_load(self, pid: Any) -> object:
-        return self._shared[pid]
+    def find_class(self, module: str, name: str) -> Any:
+        return self._shared.__getitem__ if name == _shared_at.__name__ else super().find_class(module, name)

@@ -149,15 +149,9 @@ class _ChangedLegs:
 
     def _add_planned(self, planned_m: Floats, changed: Draft, first: int, last: int, some: slice) -> None:
         fixes = self._recording.north_east_m[some]
-        usual, moved = (_legs_m(draft, first - 1, last) for draft in (self._flights.draft, changed))
+        drafts = self._flights.draft, changed
+        usual, moved = (draft.legs_path(first - 1, last, CURVE_TOLERANCE_M) for draft in drafts)
         planned_m[some] = _feet_m(fixes, usual) - _feet_m(fixes, moved)
-
-
-def _legs_m(draft: Draft, first: int, last: int) -> Floats:
-    """The line (k, 2) of the legs to places ``first`` to ``last``, which two places around them shape."""
-    begin = max(first - 2, 0)
-    path = draft.part(begin, last + 2).path(CURVE_TOLERANCE_M)
-    return path.north_east_m[(path.seq >= first - begin) & (path.seq <= last - begin)]
 
 
 def _feet_m(points_m: Floats, line_m: Floats) -> Floats:

@@ -6,7 +6,6 @@ Each change is flown in the model over the legs around it, and kept if they cost
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,27 +13,19 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.lateness import Lateness
+from flight_replay.planning.fit.legs.leg_changes import corner_changes, kind_changes, speed_changes
 from flight_replay.planning.fit.legs.local_cost import LocalCost
 from flight_replay.planning.fit.legs.local_flights import LocalFlights
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import Hover
-from flight_replay.planning.fit.speed_schedule import (
-    FASTEST_M_S,
-    LEAST_HOLD_S,
-    SLOWEST_M_S,
-    recorded_passing_s,
-    speed_caps_m_s,
-)
+from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, recorded_passing_s, speed_caps_m_s
 
-STOP_S = 1.0
 _LEGS_BEFORE, _LEGS_AFTER = 2, 2
 """A leg's kind shapes the leg before, whose speed the leg before that prepares for, and some after."""
 _LEAST_GAIN_M = 0.001
 _PATIENCE, _PATIENCE_S = 2.0, 60.0
 """Some legs may take so many times as long as the whole flight did before, and a minute."""
-_SPEED_FACTORS = ((0.87, 0.7), (1.15, 1.4))
-"""Slower, and more so where that gains; faster."""
 _PUNCTUAL_S, _MOST_FACTORS = 0.1, (0.5, 2.0)
 _MADE_GOOD_S = 0.5
 """On few legs not much more than this is made good."""
@@ -91,10 +82,11 @@ class _Sweep:
         first = max(1, place - _LEGS_BEFORE)
         draft = self._flights.draft
         changes: list[tuple[int, Iterator[Sequence[Draft]]]] = [
-            (first, _kind_changes(draft, place, self._hovers, straight_starts=self._straight_starts))
+            (first, kind_changes(draft, place, self._hovers, straight_starts=self._straight_starts)),
+            (first, corner_changes(draft, place, self._hovers, self._cost.fixes_m(place, place + 1))),
         ]
         if self._timed:
-            changes.insert(0, (place, _speed_changes(draft, place, self._factor_to_be_on_time(place))))
+            changes.insert(0, (place, speed_changes(draft, place, self._factor_to_be_on_time(place))))
         best: tuple[float, Draft, int] = _LEAST_GAIN_M, draft, first
         for begin, several in changes:
             before_m = self._cost_m(draft, begin, last)
@@ -150,56 +142,3 @@ def _lateness(problem: FitProblem, start: Evaluation, hovers: dict[int, Hover]) 
     wanted_s = recorded_passing_s(start.draft, hovers, problem.recording)
     least_s = problem.least_leg_s(start.draft, caps_m_s) + np.minimum(start.draft.hold_s, LEAST_HOLD_S)
     return Lateness.of(start, problem.recording, wanted_s, least_s)
-
-
-def _speed_changes(draft: Draft, place: int, factor_on_time: float) -> Iterator[Sequence[Draft]]:
-    """The drafts that differ in how fast a place is flown to, in rows of more and more."""
-    for row in (*_SPEED_FACTORS, *([(factor_on_time,)] if factor_on_time != 1.0 else [])):
-        yield [_at_speed(draft, place, factor * float(draft.speed_m_s[place])) for factor in row]
-
-
-def _at_speed(draft: Draft, place: int, speed_m_s: float) -> Draft:
-    speeds = draft.speed_m_s.copy()
-    speeds[place] = np.clip(round(speed_m_s, 2), SLOWEST_M_S, FASTEST_M_S)
-    return replace(draft, speed_m_s=speeds)
-
-
-def _kind_changes(
-    draft: Draft, place: int, hovers: dict[int, Hover], *, straight_starts: bool
-) -> Iterator[Sequence[Draft]]:
-    """The drafts that differ in how a place is flown to, and whether it is stopped at, each by itself."""
-    after_stop = straight_starts and draft.hold_s[place - 1] > 0
-    if place in hovers:
-        return
-    if place == len(draft) - 1:
-        if not after_stop:
-            yield [_flipped(draft, place)]
-        return
-    if draft.hold_s[place] > 0:
-        yield [_through(draft, place, spline=not after_stop)]
-        return
-    if not after_stop:
-        yield [_flipped(draft, place)]
-    yield [_stopped(draft, place, straight_start=straight_starts)]
-    if draft.spline[place + 1]:
-        yield [_flipped(_flipped(draft, place) if draft.spline[place] else draft, place + 1)]
-
-
-def _flipped(draft: Draft, place: int) -> Draft:
-    spline = draft.spline.copy()
-    spline[place] = not spline[place]
-    return replace(draft, spline=spline)
-
-
-def _stopped(draft: Draft, place: int, *, straight_start: bool) -> Draft:
-    """Straight to a stop, and on from it as before, or straight."""
-    spline, hold_s = draft.spline.copy(), draft.hold_s.copy()
-    spline[place : place + 1 + straight_start], hold_s[place] = False, STOP_S
-    return replace(draft, spline=spline, hold_s=hold_s)
-
-
-def _through(draft: Draft, place: int, *, spline: bool) -> Draft:
-    """Through without a stop, on a curve or straight."""
-    is_spline, hold_s = draft.spline.copy(), draft.hold_s.copy()
-    is_spline[place], hold_s[place] = spline, 0.0
-    return replace(draft, spline=is_spline, hold_s=hold_s)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.matching import distances_in_order_m
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
 from flight_replay.planning.fit.objective import (
@@ -24,7 +24,6 @@ from flight_replay.planning.fit.objective import (
 from flight_replay.planning.fit.reference import LocalTrack
 
 _SPACING_M = 1.0
-_PIECE_M = 1.0
 _AROUND_FIXES = 3
 _LEAST_SCALE_M = 0.3
 
@@ -44,6 +43,11 @@ class LocalCost:
         """About a draft as it is flown."""
         return cls(evaluation, recording, timed, np.maximum.accumulate(evaluation.planned[0].leg))
 
+    def fixes_m(self, first: int, last: int) -> Floats:
+        """The fixes (n, 2) that the draft passes on the legs to places ``first`` to ``last``."""
+        begin, end = np.searchsorted(self.passing_leg, [first, last + 1])
+        return self.recording.north_east_m[begin:end]
+
     def of_legs(self, draft: Draft, flight: LocalFlight, first: int, last: int) -> float:
         """What the legs to places ``first`` to ``last`` cost in metres of the objective.
 
@@ -54,9 +58,7 @@ class LocalCost:
             last: the last of the places.
         """
         begin, end = np.searchsorted(self.passing_leg, [first, last + 1])
-        path = draft.path(CURVE_TOLERANCE_M)
-        part = (path.seq >= first) & (path.seq <= last)
-        planned = path.north_east_m[part | np.append(part[1:], False)]
+        planned = draft.legs_path(first, last, CURVE_TOLERANCE_M)
         cost = (
             self._path_m(planned, planned, begin, end, self.evaluation.planned) * self.evaluation.plan_share
         )
@@ -73,9 +75,9 @@ class LocalCost:
         """What a line, and the part of it that is on the legs, add to a path error, both ways."""
         fixes = self.recording.north_east_m
         scale_m = max(path_error_m(both_ways), _LEAST_SCALE_M)
-        there = _nearest_m(fixes[begin:end], points_along(line_m, _SPACING_M)[0])
+        there = distances_in_order_m(fixes[begin:end], points_along(line_m, _SPACING_M)[0])
         near = fixes[max(0, begin - _AROUND_FIXES) : end + _AROUND_FIXES]
-        back = _nearest_m(points_along(on_legs_m, _SPACING_M)[0], near)
+        back = distances_in_order_m(points_along(on_legs_m, _SPACING_M)[0], near)
         share = (there**4).sum() / len(fixes) + (back**4).sum() / len(both_ways[1].leg)
         return float(share / (8 * scale_m**3))
 
@@ -84,10 +86,3 @@ class LocalCost:
         fixes, times = self.recording.places_m[begin:end], self.recording.time_s[begin:end]
         off_m = places_at(flight.time_s, flight.place_m[:, : self.recording.axes], times) - fixes
         return TIME_SHARE * float(np.hypot.reduce(off_m, axis=1).sum()) / len(self.recording)
-
-
-def _nearest_m(points_m: Floats, line_m: Floats) -> Floats:
-    """Distances (n,) of points (n, 2) from a line (k, 2), matched in order."""
-    if len(line_m) < 2 or not len(points_m):
-        return np.zeros(len(points_m))
-    return match_in_order(points_m, line_m, _PIECE_M).distance_m

@@ -16,11 +16,10 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of
+from flight_replay.planning.fit.simulated_draft import DraftItems, copter_after_takeoff, items_of
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import positions_after, positions_on_leg
-from flight_replay.simulator.mission.local_items import LocalItem
 
 _FOLLOWS_S = 1.0
 
@@ -160,11 +159,11 @@ class LocalFlights:
             raise MissionError("a leg of the fitted flight does not end")
         return rows
 
-    def _items_of(self, draft: Draft) -> tuple[list[LocalItem], list[int]]:
+    def _items_of(self, draft: Draft) -> tuple[DraftItems, list[int]]:
         return items_of(draft, every_speed=self._problem.timed)
 
-    def _shared(self, items: list[LocalItem]) -> tuple[object, ...]:
+    def _shared(self, items: DraftItems) -> tuple[object, ...]:
         return items, self._problem.limits
 
-    def _snapshot(self, copter: Copter, items: list[LocalItem]) -> CopterSnapshot:
+    def _snapshot(self, copter: Copter, items: DraftItems) -> CopterSnapshot:
         return CopterSnapshot(copter, self._shared(items))
