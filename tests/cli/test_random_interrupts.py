@@ -45,6 +45,10 @@ class Session:
         self.mark = f"FLIGHT_REPLAY_TEST={secrets.token_hex(8)}"
         name, _, value = self.mark.partition("=")
         self.master, self.slave = pty.openpty()
+        # Without NOFLSH each Ctrl-C discards what this test has not read yet, an error line for example.
+        settings = termios.tcgetattr(self.slave)
+        settings[3] |= termios.NOFLSH
+        termios.tcsetattr(self.slave, termios.TCSANOW, settings)
         self.settings = termios.tcgetattr(self.slave)
         self.output = b""
         # The new session gets its terminal by opening it.
