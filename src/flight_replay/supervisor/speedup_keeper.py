@@ -10,7 +10,7 @@ from flight_replay.events import Notice
 from flight_replay.supervisor.vehicle_clock import VehicleClock
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
-_LATE_S = 0.3  # Vehicles brake 0.25 s after the last target.
+_LATE_S = 0.3  # Vehicles brake by themselves 0.25 s after the last target, so for 0.05 s by then.
 _TWICE_WITHIN_S = 5.0
 _REAL_TIME = 1.0
 

@@ -31,7 +31,8 @@ _OF_3_3 = Tuning(
 )
 _AFTER_3_3 = (3, 4)
 TARGET_TIMEOUT_S = 0.25
-"""Of ten targets a second two may be lost; what is flown longer after the last one leads off course."""
+"""Of ten targets a second one may be lost, a second one in a row makes the vehicle brake for 0.05 s; what is
+flown longer after the last one leads off course."""
 _RAISED_WITHOUT_ACCELERATION = {"WPNAV_SPEED": 1500.0, "WPNAV_ACCEL": 500.0, "ATC_SLEW_YAW": 6000.0}
 """cm/s, cm/s² and hundredths of degrees/s."""
 
