@@ -64,6 +64,27 @@ def test_the_step_changes_next_to_nothing(kind: str) -> None:
     assert path_errors_m(fine.north_east_m[::20], coarse.north_east_m).mean() < 0.05
 
 
+def _winding_mission(seed: int) -> Mission:
+    """Splines through sharp turns, a speed of its own for each."""
+    chance = np.random.default_rng(seed)
+    course, legs_m = np.cumsum(chance.normal(0.0, 1.0, 20)), 6.0 * np.exp(chance.normal(0.0, 0.4, 20))
+    north_m, east_m = (np.cumsum(legs_m * along(course)).tolist() for along in (np.cos, np.sin))
+    places = mission_at([(n, e, 20.0) for n, e in zip(north_m, east_m, strict=True)], spline=True)
+    items = [(change_speed(round(chance.uniform(0.5, 8.0), 2)), item) for item in places.items]
+    return Mission(tuple(item for pair in items for item in pair), places.home)
+
+
+def test_long_steps_are_not_ahead_in_sharp_turns() -> None:
+    """Over many legs what steps of 20 ms lose and gain against those of the autopilot makes up for it."""
+    ahead_s = []
+    for seed in range(8):
+        fine, coarse = (
+            simulate(_winding_mission(seed), LIMITS, step_s=step).reached_s for step in (0.0025, 0.02)
+        )
+        ahead_s.append(np.mean([fine[seq] - coarse[seq] for seq in fine.keys() & coarse.keys()]))
+    assert abs(np.mean(ahead_s)) < 0.015
+
+
 def test_part_of_a_mission_may_be_flown_from_anywhere() -> None:
     """Started at item 3 with position and velocity of the whole flight there, the rest is the same."""
     mission = mission_at([(0, 30, 20), (60, 30, 20), (60, 100, 20), (0, 100, 20), (0, 150, 20)])

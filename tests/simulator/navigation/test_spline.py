@@ -107,6 +107,18 @@ def test_the_step_does_not_change_the_motion() -> None:
     assert coarse == pytest.approx(fine, abs=0.05)
 
 
+def test_a_leg_that_ends_within_a_step_does_not_accelerate_on() -> None:
+    """The time that is left is the next leg's, with its acceleration."""
+    spline = Spline(Ends(STILL, (10.0, 0.0, 0.0), (10.0, 0.0, 0.0), (10.0, 0.0, 0.0)), LIMITS)
+    spline.speed = 5.0
+    flown_s = 0.0
+    while not spline.finished:
+        spline.advance(0.3)
+        flown_s += 0.3
+    assert 0.05 < spline.unused_s < 0.25
+    assert spline.speed == pytest.approx(5.0 + 1.25 * (flown_s - spline.unused_s), abs=0.01)
+
+
 def test_a_tangent_of_centimetres_does_not_make_the_target_jump() -> None:
     """A way straight back, begun with some speed: within 0.1 m in the first step, as ArduCopter flew it."""
     spline = Spline(Ends((50.0, 0.0, 20.0), (0.0, 0.0, 20.0), (0.0, 0.0, -0.1), STILL), LIMITS)

@@ -23,7 +23,7 @@ _THROTTLE_FILTER_S: Final = 1.0 / (2.0 * pi * 2.0)
 # Rounds in which the lean against a wind is found: each leaves a fraction of the error.
 _WIND_ROUNDS: Final = 8
 # Time by which the airframe's lean follows the attitude controller's target, 15 to 30 ms in SITL's logs.
-_LEAN_LAG_S: Final = 0.0175
+_LEAN_LAG_S: Final = 0.016
 
 
 class Airframe(SnapshotPart):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, pi
+from math import pi
 from typing import Final
 
 from flight_replay.simulator.dynamics.limits import Limits
@@ -27,7 +27,7 @@ class VelocityPid(SnapshotPart):
     def use_step(self, dt: float) -> None:
         """Use steps of another duration from now on."""
         self._dt = dt
-        self._alpha = 1.0 - exp(-dt / FILTER_S)
+        self._alpha = dt / (dt + FILTER_S)
 
     def reset(self, accel: tuple[float, float]) -> None:
         """Reset to an acceleration that is flown already."""

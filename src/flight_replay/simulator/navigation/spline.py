@@ -182,11 +182,13 @@ class Spline(SnapshotPart):
         # With the track's time nearly at a standstill the delay would be the longer of both.
         distance = max(0.0, 0.5 * (speed + next_speed) * dt + (speed - next_speed) * delay_s)
         self._t = self._t_after(point, distance)
-        if self._t >= 1.0:
-            self.unused_s = (self._t - 1.0) * point.tangent / speed if speed > 0 else 0.0
+        beyond = self._t - 1.0
+        point.move_to(min(self._t, 1.0), self._limits)
+        if beyond >= 0.0:
+            self.unused_s = min(beyond * point.tangent / speed, dt) if speed > 0 else 0.0
+            dt -= self.unused_s
             self._t = 1.0
             self.finished = True
-        point.move_to(self._t, self._limits)
         self.speed = speed = self._next_speed(point, speed, dt, 0.0)
         n, e, u = point.unit if point.tangent > 0 or not self.finished else _ZERO
         return point.position, (n * speed, e * speed, u * speed)
