@@ -88,8 +88,9 @@ def draw_equal_times(axes: Axes, record: Movement, flight: Movement) -> None:
 def draw_length(axes: Axes, line: Floats, length_m: float, text: str) -> None:
     """How long an error is, beside its middle."""
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}
+    x, y = line.mean(axis=0).tolist()
     axes.annotate(
-        f"{text}{length_m:.1f} m", line.mean(axis=0), (0, 16), textcoords="offset points",
+        f"{text}{length_m:.1f} m", (x, y), (0, 16), textcoords="offset points",
         ha="center", color=ERROR, fontsize=9, bbox=box, zorder=6,
     )  # fmt: skip
 

@@ -128,7 +128,7 @@ def test_a_quick_matching_is_the_same_where_the_way_is_followed(seed: int, bands
     quick = match_in_order(fixes, path, 1.0, quick=True)
     assert len(bands.searches) == 3
     _, coarse = bands.searches[1]
-    assert (len(coarse), coarse.max()) == (400, 1000)
+    assert (len(coarse), int(coarse.max())) == (400, 1000)
     assert quick.distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=1e-9)
 
 
@@ -180,7 +180,7 @@ def test_a_long_path_is_searched_within_40_m_of_the_coarse_matching(bands: Bands
     assert match.along_m == pytest.approx(fixes[:, 0])
     assert match.distance_m == pytest.approx(np.ones(1000))
     (_, coarse), (low, high) = bands.searches
-    assert (len(coarse), coarse.max()) == (1000, 4000)
+    assert (len(coarse), int(coarse.max())) == (1000, 4000)
     inner = slice(10, -10)
     piece_m = 20_000.0 / bands.columns
     ahead_m = high[inner] * piece_m - fixes[inner, 0]

@@ -158,13 +158,14 @@ class FakeVehicle:
         if self.reports_clock:
             north = min(self.auto_s / self.item_s, self.points)
             lat_deg, lon_deg = FRAME.to_degrees(self.place_m)
+            north_m_s, east_m_s, down_m_s = self.velocity_m_s.tolist()
             self.queue.append(
                 VehicleState(
                     self.time_s,
                     float(lat_deg) + 9e-5 * north,
                     float(lon_deg),
                     self.altitude_m,
-                    tuple(self.velocity_m_s.tolist()),
+                    (north_m_s, east_m_s, down_m_s),
                     self.heading_deg,
                     self.mode,
                     self.armed,

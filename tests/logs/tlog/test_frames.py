@@ -236,7 +236,7 @@ def test_of_equal_heartbeats_in_a_row_the_first_and_last_right_ones_are_kept(see
     data = b""
     for _ in range(400):
         status = chance.choice([0, 0, 0, 0, 1, 2], size=2)
-        beat = frame(HEARTBEAT, heartbeat_payload(status[0] == 1), 1 + seed % 2, 1 + chance.integers(2))
+        beat = frame(HEARTBEAT, heartbeat_payload(status[0] == 1), 1 + seed % 2, 1 + int(chance.integers(2)))
         match status[1]:
             case 1:
                 beat = beat[:-1] + bytes([beat[-1] ^ 1])

@@ -78,6 +78,7 @@ def test_a_closed_page_does_no_harm() -> None:
         live.listener(vehicle_at(5, 7, 100.0))
         session = pull_session(url=live.url, io_loop=loop)
         assert live.is_watched
+        assert session.document is not None
         copter: Any = session.document.get_model_by_name("copter")
         assert copter.data["east"] == [pytest.approx(7, abs=1e-3)]
         session.close()

@@ -54,12 +54,14 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
     chart.toolbar.logo = None
     for name, track in series.recorded_lines:
         north_m, east_m = track.north_east_m.T
-        chart.line(east_m, north_m, color=LINE_COLOURS[name], width=5, legend_label=name)
+        chart.line(east_m, north_m, color=LINE_COLOURS[name], line_width=5, legend_label=name)
     if series.predicted_unflown is not None:
         north_m, east_m = series.predicted_unflown.north_east_m.T
-        chart.line(east_m, north_m, color=PREDICTED_COLOUR, width=3, legend_label="predicted")
+        chart.line(east_m, north_m, color=PREDICTED_COLOUR, line_width=3, legend_label="predicted")
     north_m, east_m = series.planned_m.T
-    chart.line(east_m, north_m, color=PLANNED_COLOUR, width=1.5, line_dash="dashed", legend_label="planned")
+    chart.line(
+        east_m, north_m, color=PLANNED_COLOUR, line_width=1.5, line_dash="dashed", legend_label="planned"
+    )
     if series.waypoint_seqs:
         _add_waypoints(chart, series)
     _add_home(chart, series.home_m)
@@ -176,5 +178,5 @@ def add_line(chart: figure, times_s: Sequence[float] | Floats, values: Floats, n
     """A line over time in the colour of its name, such as "recorded", "planned" or "flown"."""
     colour = LINE_COLOURS[name]
     width = _LINE_WIDTHS.get(name, 1.5)
-    line = chart.line(times_s, values, color=colour, width=width, name=name)
+    line = chart.line(times_s, values, color=colour, line_width=width, name=name)
     chart.add_tools(HoverTool(renderers=[line], tooltips=f"{name} @y{{0.00}} at @x{{0.0}} s", mode="mouse"))

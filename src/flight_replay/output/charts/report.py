@@ -110,7 +110,7 @@ def _charts(series: ReplaySeries) -> list[Model]:
     paths.name = "paths"
     if series.flown is not None:
         north_m, east_m = series.flown.north_east_m.T
-        paths.line(east_m, north_m, color=FLOWN_COLOUR, width=1.8, legend_label="flown")
+        paths.line(east_m, north_m, color=FLOWN_COLOUR, line_width=1.8, legend_label="flown")
     return [paths, column(*_time_charts(series), sizing_mode="stretch_width", name="over_time")]
 
 

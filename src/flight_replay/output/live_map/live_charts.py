@@ -98,4 +98,4 @@ class LiveCharts:
 
     def _flown_line(self, name: str) -> Any:
         source = self._errors if name in ("path", "position") else self._states
-        return self.charts[name].line("time", name, source=source, color=FLOWN_COLOUR, width=1.5)
+        return self.charts[name].line("time", name, source=source, color=FLOWN_COLOUR, line_width=1.5)

@@ -87,9 +87,9 @@ class Page:
         """Draw vehicle and target; the lines that are in the legend once they are there, by their names."""
         chart = self._map
         lines = {
-            "flown": chart.line("east", "north", source=self._trail, color=FLOWN_COLOUR, width=2),
+            "flown": chart.line("east", "north", source=self._trail, color=FLOWN_COLOUR, line_width=2),
             "flown, returning (RTL)": chart.line(
-                "east", "north", source=self._return, color=FLOWN_COLOUR, width=2, line_dash="dotted"
+                "east", "north", source=self._return, color=FLOWN_COLOUR, line_width=2, line_dash="dotted"
             ),
         }
         chart.scatter(

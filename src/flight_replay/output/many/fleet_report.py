@@ -234,5 +234,12 @@ def _histogram(name: str, values: Floats) -> UIElement:
         y_axis_label="flights",
     )
     chart.toolbar.logo = None
-    chart.quad(top=counts, bottom=0, left=edges[:-1], right=edges[1:], color=_GOOD_COLOUR, line_color="white")
+    chart.quad(
+        top=counts.astype(float),
+        bottom=0,
+        left=edges[:-1],
+        right=edges[1:],
+        color=_GOOD_COLOUR,
+        line_color="white",
+    )
     return chart
