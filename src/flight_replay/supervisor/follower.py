@@ -17,8 +17,10 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.reference_motion import MotionState, ReferenceMotion, SmoothMotion
 from flight_replay.supervisor.learned_share import LearnedShare
 
-_CLOCK_CHANGE_PER_S = 0.4  # A clock that starts or stops faster throws the vehicle off by itself.
-_SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 1.0, 2.5  # Drag helps to slow down.
+TARGET_S = 0.1
+"""Vehicle time between targets: ten a second follow as closely as fifty."""
+_CLOCK_CHANGE_PER_S = 0.3  # A clock that starts or stops faster throws the vehicle off by itself.
+_SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 0.6, 2.5  # Drag helps to slow down.
 _REJOIN_M_S, _REJOIN_M_S2 = 2.0, 1.0
 _SEARCH_STEP_S, _SEARCH_AHEAD_S = 0.05, 0.5
 _STOPPING_S = 1.0  # A metre per second in another direction counts as much as a metre.
@@ -27,7 +29,7 @@ _CAUGHT_UP, _LOST = 0.5, 2.0
 _REMEMBERED_S = 3.0
 LONGEST_GAP_S = 0.5
 """Vehicles that had no target for so long are braking."""
-_SETTLING_S, _SETTLING_RATE = 4.0, 0.4
+_SETTLING_S, _SETTLING_RATE = 4.0, 0.6
 """After rejoining: a vehicle that has just braked is off its velocity and acceleration, too. In a slower turn
 its lean suffices to make up for that; at full rate it flies off course by metres seconds later."""
 _LEADS_S, _SLOWEST_M2_S2 = (-0.4, 0.4), 1.0
@@ -54,6 +56,10 @@ class Tuning:
     """The share of ``ReferenceMotion.drag_lag`` that the leads leave for SITL's quadcopter."""
     drag_per_s: float | None = None
     """Drag of that quadcopter, if linear in speed; None for that of ArduCopter 4's SITL."""
+    braking_m_s2: float = 2.0
+    """How hard a target brakes until the next one comes: a vehicle that gets none slows down at once."""
+    braking_ahead_m: float = 1.0
+    """How far ahead it is on its way: what pulls the vehicle there makes up for the braking until then."""
 
 
 DEFAULT_TUNING = Tuning()
@@ -89,6 +95,12 @@ class Learned:
             LearnedShare(0.0, _LEADS_S, _SLOWEST_M2_S2),
             LearnedShare(tuning.drag_share, _DRAG_SHARES, _SMALLEST_LAG_M2),
         )
+
+
+def _level_direction(velocity_m_s: Floats) -> Floats:
+    """The unit vector along a velocity, without its vertical part; shorter below a metre per second."""
+    level = velocity_m_s * (1.0, 1.0, 0.0)
+    return np.asarray(level / max(float(np.linalg.norm(level)), 1.0))
 
 
 class Follower:
@@ -266,10 +278,14 @@ class Follower:
         apart_m = self.offset_m
         if apart_m > 0:
             velocity = velocity - self._offset_m * (self._rejoin_m_s / apart_m)
+        # What brakes is no part of what the vehicle can speed up with: a slow clock leaves more for that.
+        way = rate * _level_direction(rate * ahead.velocity_m_s)
         return MotionTarget(
-            at(recording_s + rate * tuning.position_s).position_m + self._offset_m,
-            velocity,
-            acceleration,
+            at(recording_s + rate * tuning.position_s).position_m
+            + self._offset_m
+            + tuning.braking_ahead_m * way,
+            velocity + tuning.braking_m_s2 * TARGET_S / 2 * way,
+            acceleration - tuning.braking_m_s2 * way,
             None if heading is None else heading[0],
             0.0 if heading is None else rate * heading[1],
         )
