@@ -56,6 +56,16 @@ def test_a_target_brakes_until_the_next_one_comes_and_is_ahead_to_make_up_for_it
     assert at_rest.position_m == pytest.approx(s_curve().state(-5.0).position_m, abs=0.01)
 
 
+def test_targets_do_not_brake_where_the_motion_stops_soon_or_the_clock_stands() -> None:
+    follower = Follower(s_curve(), 3.0, replace(NO_LEADS, braking_m_s2=2.0, braking_ahead_m=1.0))
+    for time_s in np.arange(95.0, 139.05, 0.1):
+        target = follower.target(float(time_s))
+    assert target.position_m == pytest.approx(s_curve().state(39.0).position_m, abs=0.05)
+    place_m = s_curve().state(20.0).position_m
+    follower.resume(150.0, place_m, np.zeros(3))
+    assert follower.target(150.0).position_m == pytest.approx(place_m, abs=1e-6)
+
+
 def test_waits_for_a_vehicle_that_falls_behind_and_goes_on_when_it_is_back() -> None:
     follower = _follower(20.0)
     aside_m = s_curve().state(20.0).position_m + np.array([0.0, 4.0, 0.0])

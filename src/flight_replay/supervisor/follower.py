@@ -19,6 +19,7 @@ from flight_replay.supervisor.learned_share import LearnedShare
 
 TARGET_S = 0.1
 """Vehicle time between targets: ten a second follow as closely as fifty."""
+_STOPS_SOON_S = 1.3  # A gap that is too long, and what the vehicle goes on for after it.
 _CLOCK_CHANGE_PER_S = 0.3  # A clock that starts or stops faster throws the vehicle off by itself.
 _SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 0.6, 2.5  # Drag helps to slow down.
 _REJOIN_M_S, _REJOIN_M_S2 = 2.0, 1.0
@@ -95,12 +96,6 @@ class Learned:
             LearnedShare(0.0, _LEADS_S, _SLOWEST_M2_S2),
             LearnedShare(tuning.drag_share, _DRAG_SHARES, _SMALLEST_LAG_M2),
         )
-
-
-def _level_direction(velocity_m_s: Floats) -> Floats:
-    """The unit vector along a velocity, without its vertical part; shorter below a metre per second."""
-    level = velocity_m_s * (1.0, 1.0, 0.0)
-    return np.asarray(level / max(float(np.linalg.norm(level)), 1.0))
 
 
 class Follower:
@@ -278,8 +273,7 @@ class Follower:
         apart_m = self.offset_m
         if apart_m > 0:
             velocity = velocity - self._offset_m * (self._rejoin_m_s / apart_m)
-        # What brakes is no part of what the vehicle can speed up with: a slow clock leaves more for that.
-        way = rate * _level_direction(rate * ahead.velocity_m_s)
+        way = self._braking_way(recording_s)
         return MotionTarget(
             at(recording_s + rate * tuning.position_s).position_m
             + self._offset_m
@@ -289,6 +283,20 @@ class Follower:
             None if heading is None else heading[0],
             0.0 if heading is None else rate * heading[1],
         )
+
+    def _braking_way(self, recording_s: float) -> Floats:
+        """The level direction (3,) that targets brake along.
+
+        It is shorter where the clock runs slower, because what brakes is no part of what the vehicle can
+        speed up with; and where the motion is about to stop or turn back by itself.
+        """
+        rate = self.rate
+        now_m_s, soon_m_s = (
+            rate * self._at(recording_s + rate * ahead_s).velocity_m_s * (1.0, 1.0, 0.0)
+            for ahead_s in (0.0, _STOPS_SOON_S)
+        )
+        direction = now_m_s / max(float(np.linalg.norm(now_m_s)), 1.0)
+        return np.asarray(rate * min(max(float(soon_m_s @ direction), 0.0), 1.0) * direction)
 
     def _at(self, recording_s: float) -> MotionState:
         return self.reference.state(recording_s)
