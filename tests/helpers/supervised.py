@@ -14,6 +14,7 @@ from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.mission.items import Mission
 from flight_replay.supervisor import FlightRecord, FollowPlan, Plan, fly
+from flight_replay.supervisor.follower import Tuning
 from tests.helpers.fake_vehicle import FRAME, FakeClock, FakeVehicle, route
 
 RECORDED_S = 40.0
@@ -55,8 +56,9 @@ def fake_flight(vehicle: FakeVehicle | None = None, **plan: object) -> FakeFligh
 
 
 def fake_following(vehicle: FakeVehicle | None = None, **plan: object) -> FakeFlight:
-    """A flight that follows an S of 40 m in 40 s, from 20 m beside home."""
+    """A flight that follows an S of 40 m in 40 s, from 20 m beside home; targets are where it is to be."""
     flown = vehicle or FakeVehicle(FakeClock())
+    plan = {"tuning": Tuning(braking_m_s2=0.0, braking_ahead_m=0.0)} | plan
     return FakeFlight(flown, FollowPlan(reference=s_curve(), recorded_s=RECORDED_S, **plan))  # type: ignore[arg-type]
 
 

@@ -14,10 +14,9 @@ from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.guided import GuidedTarget
-from flight_replay.supervisor.follower import LONGEST_GAP_S, Follower
+from flight_replay.supervisor.follower import LONGEST_GAP_S, TARGET_S, Follower
 from flight_replay.vehicle.following import TARGET_TIMEOUT_S
 
-TARGET_S = 0.1
 LAPS_S = 16.0
 
 
@@ -70,7 +69,7 @@ def _line_m(reference: ReferenceMotion) -> Floats:
     return reference.positions_m(np.arange(0.0, LAPS_S, 0.01))[:, :2]
 
 
-@pytest.mark.parametrize(("seconds", "most_m"), [(0.7, 1.5), (1.0, 1.8), (3.0, 4.2)])
+@pytest.mark.parametrize(("seconds", "most_m"), [(0.7, 1.1), (1.0, 1.2), (3.0, 3.6)])
 def test_a_stop_of_the_program_does_not_lead_the_vehicle_far_off(
     reference: ReferenceMotion, seconds: float, most_m: float
 ) -> None:

@@ -24,7 +24,7 @@ def _parameters(version: str, *, simulated: bool, own: dict[str, float]) -> dict
 
 @pytest.mark.parametrize("simulated", [True, False])
 def test_a_vehicle_brakes_soon_when_targets_stop(simulated: bool) -> None:
-    assert _parameters("4.6.0", simulated=simulated, own=OWN) == {"GUID_TIMEOUT": 0.25}
+    assert _parameters("4.6.0", simulated=simulated, own=OWN) == {"GUID_TIMEOUT": 0.5}
 
 
 def test_only_simulated_vehicles_with_old_firmware_get_higher_limits() -> None:
@@ -38,6 +38,7 @@ def test_tuning_is_the_firmwares() -> None:
     def of(version: str) -> Tuning:
         return tuning_of(Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=True))
 
-    assert of("4.6.0") == of("4.1.0") == Tuning()
+    assert of("4.6.0") == of("4.2.0") == Tuning()
+    assert of("4.1.0") == Tuning(braking_m_s2=0.0, braking_ahead_m=0.0)
     assert of("4.0.7") == of("3.4.0") != Tuning()
     assert of("3.3.2").feed_forward < 1.0

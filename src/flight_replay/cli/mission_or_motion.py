@@ -174,10 +174,12 @@ class AsMotion:
 
     def plan(self, identity: Identity) -> FollowPlan:
         """The motion, for so much of the recording."""
+        from flight_replay.planning.following.braking import braking_within
         from flight_replay.planning.following.followed_route import reference_for
         from flight_replay.vehicle.following import tuning_of
 
-        options, route, tuning = self._options, self._route, tuning_of(identity)
+        options, route = self._options, self._route
+        tuning = braking_within(tuning_of(identity), route.limits.limits)
         return FollowPlan(
             reference=reference_for(self._reference, route, route.limits.limits, tuning),
             recorded_s=float(route.wanted.time_s[-1]),

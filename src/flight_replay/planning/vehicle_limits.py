@@ -27,9 +27,9 @@ _FIELDS: dict[str, tuple[str, str]] = {
 """Fields of ``Limits`` that are read from the vehicle, their names and units for people."""
 PARAMETER_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _FIELDS)
 """What to read from a vehicle, in the names of all versions; each vehicle has some of them."""
-_GAINS = frozenset({"position_p", "velocity_p", "velocity_i", "velocity_d"})
+_GAINS = frozenset({"position_p", "velocity_p", "velocity_i", "velocity_d", "guided_options"})
 GAIN_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _GAINS)
-"""Those of the controllers that follow a motion."""
+"""Those of the controllers that follow a motion, and which of them GUIDED uses."""
 _GAIN_WITHOUT_D = "VEL_XY_P"  # Of 3.3, whose velocity controller has no derivative.
 _JERK_NAMES = frozenset(name for name, (limit, _) in PARAMETERS.items() if limit == "wp_jerk_m_s3")
 _NO_JERK_LIMIT_M_S3 = 17.0

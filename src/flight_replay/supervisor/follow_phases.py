@@ -17,7 +17,7 @@ from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import FollowPlan
-from flight_replay.supervisor.follower import LONGEST_GAP_S, Follower, MotionTarget
+from flight_replay.supervisor.follower import LONGEST_GAP_S, TARGET_S, Follower, MotionTarget
 from flight_replay.supervisor.speedup_keeper import SpeedupKeeper
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_clock import VehicleClock
@@ -27,7 +27,6 @@ from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 _MIN_MOVE_M = 0.5
 _AT_START_M, _AT_REST_M_S = 0.5, 0.2
 _RETRY_S = 1.0
-_TARGET_S = 0.1  # Vehicle time between targets: ten a second follow as closely as fifty.
 _STEP_WALL_S, _MIN_STEP_WALL_S = 0.05, 0.001
 _BEYOND_S = 0.3  # The vehicle's last position is a little behind the last target.
 _OFF_COURSE = 3.0  # So many times the error that the reference waits for ends the flight.
@@ -156,7 +155,7 @@ def _send_target(
     position_m = _position_m(follower.reference, state)
     velocity_m_s = np.array(state.velocity_m_s)
     gap_s = follower.gap_s(arrives_s)
-    if gap_s < _TARGET_S and follower.begun:
+    if gap_s < TARGET_S and follower.begun:
         return
     if gap_s > LONGEST_GAP_S:
         coasted_m = velocity_m_s * (arrives_s - state.time_s)
@@ -173,7 +172,7 @@ def _until_next_target_wall_s(clock: VehicleClock, follower: Follower, monitor: 
     if now_s is None or clock.rate <= 0:
         return _STEP_WALL_S
     arrives_s = now_s + min(monitor.vehicle.round_trip_s(), _LONGEST_ROUND_TRIP_S) * clock.rate
-    wait_s = (_TARGET_S - follower.gap_s(arrives_s)) / clock.rate
+    wait_s = (TARGET_S - follower.gap_s(arrives_s)) / clock.rate
     return min(max(wait_s, _MIN_STEP_WALL_S), _STEP_WALL_S)
 
 

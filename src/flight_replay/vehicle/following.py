@@ -11,13 +11,18 @@ these stamps is a tenth of a second late.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from flight_replay.supervisor.follower import Tuning
 from flight_replay.vehicle.connected_vehicle import ConnectedVehicle
 from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.protocol.motion_targets import TAKES_ACCELERATION
 
-_WITHOUT_ACCELERATION = Tuning(position_s=-0.10, velocity_s=0.30, acceleration_s=0.0, heading_s=0.35)
+_WITHOUT_BRAKING = Tuning(braking_m_s2=0.0, braking_ahead_m=0.0)
+"""Of 4.1, which pulls to a target that is ahead half as hard as those after it (control.cpp)."""
+_WITHOUT_ACCELERATION = replace(
+    _WITHOUT_BRAKING, position_s=-0.10, velocity_s=0.30, acceleration_s=0.0, heading_s=0.35
+)
 """Of 3.4 to 4.0, where it was not flown."""
 _OF_3_3 = Tuning(
     position_s=-0.15,
@@ -28,11 +33,12 @@ _OF_3_3 = Tuning(
     delay_s=0.25,
     drag_share=1.0,
     drag_per_s=9.80665 / 15.0,  # Its terminal velocity is 15 m/s (SIM_Multicopter.cpp).
+    braking_m_s2=0.0,
+    braking_ahead_m=0.0,
 )
-_AFTER_3_3 = (3, 4)
-TARGET_TIMEOUT_S = 0.25
-"""Of ten targets a second one may be lost, a second one in a row makes the vehicle brake for 0.05 s; what is
-flown longer after the last one leads off course."""
+_AFTER_3_3, _AFTER_4_1 = (3, 4), (4, 2)
+TARGET_TIMEOUT_S = 0.5
+"""Of ten targets a second four in a row may be lost before the vehicle stops."""
 _RAISED_WITHOUT_ACCELERATION = {"WPNAV_SPEED": 1500.0, "WPNAV_ACCEL": 500.0, "ATC_SLEW_YAW": 6000.0}
 """cm/s, cm/s² and hundredths of degrees/s."""
 
@@ -40,7 +46,7 @@ _RAISED_WITHOUT_ACCELERATION = {"WPNAV_SPEED": 1500.0, "WPNAV_ACCEL": 500.0, "AT
 def tuning_of(identity: Identity) -> Tuning:
     """How targets are tuned to a vehicle's firmware."""
     if identity.version_numbers >= TAKES_ACCELERATION:
-        return Tuning()
+        return Tuning() if identity.version_numbers >= _AFTER_4_1 else _WITHOUT_BRAKING
     return _WITHOUT_ACCELERATION if identity.version_numbers >= _AFTER_3_3 else _OF_3_3
 
 

@@ -10,12 +10,12 @@ from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.planning.altitude import home_of
+from flight_replay.planning.following.braking import braking_within
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.guided_trajectory import Targets, simulate_targets
-from flight_replay.supervisor.follower import Follower, MotionTarget
+from flight_replay.supervisor.follower import DEFAULT_TUNING, TARGET_S, Follower, MotionTarget, Tuning
 
-_TARGET_S = 0.1
 _ROWS_A_SAMPLE = 5  # Ten samples a second.
 
 
@@ -30,9 +30,11 @@ def with_prediction(route: Route, limits: Limits) -> Route:
 
 def predicted_following(route: Route, reference: ReferenceMotion, limits: Limits) -> Movement:
     """The flight of a vehicle that follows a route's reference, its clock the recording's."""
-    times_s = np.arange(reference.begin_s, reference.end_s, _TARGET_S)
+    times_s = np.arange(reference.begin_s, reference.end_s, TARGET_S)
     flight = simulate_targets(
-        _targets(reference, times_s), limits, home_amsl_m=home_of(route.covered).alt_amsl_m
+        _targets(reference, times_s, braking_within(DEFAULT_TUNING, limits)),
+        limits,
+        home_amsl_m=home_of(route.covered).alt_amsl_m,
     )
     kept = slice(None, None, _ROWS_A_SAMPLE)
     places_m = np.column_stack([flight.north_m, flight.east_m])[kept]
@@ -40,9 +42,9 @@ def predicted_following(route: Route, reference: ReferenceMotion, limits: Limits
     return Movement(flight.time_s[kept], ground_m, flight.up_m[kept], flight.heading_deg[kept])
 
 
-def _targets(reference: ReferenceMotion, times_s: np.ndarray) -> Targets:
+def _targets(reference: ReferenceMotion, times_s: np.ndarray, tuning: Tuning) -> Targets:
     """The targets that are sent to a vehicle that keeps up."""
-    follower = Follower(reference, max_error_m=np.inf)
+    follower = Follower(reference, np.inf, tuning)
     sent: list[MotionTarget] = [follower.target(float(time_s)) for time_s in times_s]
     headings_deg = np.array([np.nan if each.heading_deg is None else each.heading_deg for each in sent])
     return Targets(
