@@ -75,7 +75,7 @@ def gauss_newton_step(
     third = np.diff(np.eye(n), 3, axis=0)
     smooth = third.T @ (np.broadcast_to(smoothing, len(third))[:, None] * third)
     normal = np.kron(np.eye(2), smooth + _STILL * np.eye(n))
-    force = -(smooth @ draft.places_m[:, :2]).T.ravel()
+    force: Floats = -(smooth @ draft.places_m[:, :2]).T.ravel()
     for residual in residuals:
         more, pull = _normal_equations(draft, residual)
         normal += more
