@@ -27,9 +27,19 @@ _FIELDS: dict[str, tuple[str, str]] = {
 """Fields of ``Limits`` that are read from the vehicle, their names and units for people."""
 PARAMETER_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _FIELDS)
 """What to read from a vehicle, in the names of all versions; each vehicle has some of them."""
-_GAINS = frozenset({"position_p", "velocity_p", "velocity_i", "velocity_d", "guided_options"})
+_GAINS = frozenset(
+    {
+        "position_p",
+        "velocity_p",
+        "velocity_i",
+        "velocity_d",
+        "guided_options",
+        "lean_accel_rad_s2",
+        "lean_rate_rad_s",
+    }
+)
 GAIN_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _GAINS)
-"""Those of the controllers that follow a motion, and which of them GUIDED uses."""
+"""Those of the controllers that follow a motion, which of them GUIDED uses, and how fast it leans."""
 _GAIN_WITHOUT_D = "VEL_XY_P"  # Of 3.3, whose velocity controller has no derivative.
 _JERK_NAMES = frozenset(name for name, (limit, _) in PARAMETERS.items() if limit == "wp_jerk_m_s3")
 _NO_JERK_LIMIT_M_S3 = 17.0

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from flight_replay.planning.following.braking import braking_within
+from flight_replay.planning.vehicle_limits import GAIN_NAMES, limits_of
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 
@@ -42,3 +44,22 @@ def test_a_firmware_whose_targets_do_not_brake_keeps_its_tuning() -> None:
 def test_a_vehicle_that_is_not_pulled_to_targets_gets_none_that_brake(options: float) -> None:
     tuning = braking_within(DEFAULT_TUNING, replace(Limits(), guided_options=options))
     assert (tuning.braking_m_s2, tuning.braking_ahead_m) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "slow",
+    [
+        {"WPNAV_SPEED": 1000.0, "WPNAV_ACCEL": 100.0, "PSC_JERK_XY": 5.0, "ATC_ACCEL_R_MAX": 30000.0},
+        {"WP_SPD": 10.0, "WP_ACC": 1.0, "PSC_NE_JERK": 5.0, "ATC_ACC_R_MAX": 300.0},
+    ],
+)
+def test_a_vehicle_that_is_slow_to_lean_corrects_with_less_jerk(slow: dict[str, float]) -> None:
+    """As AC_PosControl::set_max_speed_accel_xy has it, in the names of 4.6 and of 4.7."""
+    assert set(slow) & set(GAIN_NAMES)
+    found = limits_of(slow, "ArduCopter")
+    assert found is not None
+    jerk_m_s3 = 0.5 * (1.0 * math.radians(300.0) * 9.80665) ** 0.5
+    assert jerk_m_s3 < 5.0
+    tuning = braking_within(DEFAULT_TUNING, found.limits)
+    assert tuning.braking_m_s2 == pytest.approx(0.8)
+    assert tuning.braking_ahead_m == pytest.approx(0.8 / (jerk_m_s3**2 / 2))
