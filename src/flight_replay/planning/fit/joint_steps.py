@@ -34,7 +34,7 @@ from flight_replay.planning.fit.speed_search import SpeedSearch
 JOINT_FLIGHTS = 11
 """A step costs about as many flights, most of them for the derivatives."""
 _COARSER = 2.0
-"""Derivatives are as good in steps so many times longer, and take half of the time."""
+"""Derivatives are as good in steps so many times longer, though never longer than those of the search."""
 _MORE, _LESS = 4.0, 0.5
 _TRIES = 3
 _PATIENCE_S = 60.0
@@ -58,7 +58,7 @@ def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
         return state
     exact, base = problem.exact, state.best
     duration_s = float(base.flight.time_s[-1])
-    coarse = replace(exact, step_s=_COARSER * exact.step_s)
+    coarse = replace(exact, step_s=min(_COARSER * exact.step_s, problem.step_s))
     coarse_base = coarse.evaluate(base.draft)
     derivatives = flight_derivatives(coarse, coarse_base, duration_s + _PATIENCE_S)
     steps_a_flight = max(duration_s / exact.step_s, 1.0)
