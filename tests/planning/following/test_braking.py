@@ -40,6 +40,11 @@ def test_a_firmware_whose_targets_do_not_brake_keeps_its_tuning() -> None:
     assert braking_within(without, Limits()) == without
 
 
+@pytest.mark.parametrize(("accel_m_s2", "jerk_m_s3"), [(2.5, 0.0), (0.0, 5.0)])
+def test_without_a_correction_there_is_no_braking(accel_m_s2: float, jerk_m_s3: float) -> None:
+    assert _braking(accel_m_s2, jerk_m_s3) == (0.0, 0.0)
+
+
 @pytest.mark.parametrize("options", [16.0, 32.0])
 def test_a_vehicle_that_is_not_pulled_to_targets_gets_none_that_brake(options: float) -> None:
     tuning = braking_within(DEFAULT_TUNING, replace(Limits(), guided_options=options))

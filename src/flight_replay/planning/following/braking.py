@@ -25,9 +25,10 @@ def braking_within(tuning: Tuning, limits: Limits) -> Tuning:
     A target pulls in proportion to its distance, by half of the square of ``gain``, up to the largest
     correction (shape_pos_vel_accel_xy and shape_vel_accel_xy of control.cpp).
     """
-    if tuning.braking_m_s2 == 0.0 or int(limits.guided_options) & _NOT_PULLED:
+    gain_per_s = limits.correction_jerk_m_s3 / limits.wp_accel_m_s2 if limits.wp_accel_m_s2 > 0 else 0.0
+    not_pulled = gain_per_s <= 0.0 or bool(int(limits.guided_options) & _NOT_PULLED)
+    if tuning.braking_m_s2 == 0.0 or not_pulled:
         return replace(tuning, braking_m_s2=0.0, braking_ahead_m=0.0)
-    gain_per_s = limits.correction_jerk_m_s3 / limits.wp_accel_m_s2
     pull_per_s2 = gain_per_s**2 / 2
     braking_m_s2 = min(_SHARE * limits.wp_accel_m_s2, pull_per_s2 * _FARTHEST_AHEAD_M)
     return replace(tuning, braking_m_s2=braking_m_s2, braking_ahead_m=braking_m_s2 / pull_per_s2)
