@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from flight_replay.mission.items import FIRST_SEQ, Command
-from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.auto_do_commands import DoCommands
 from flight_replay.simulator.flight.auto_legs import MissionLegs
@@ -25,10 +24,11 @@ from flight_replay.simulator.mission.local_items import LocalItem
 _FIRST_CLIMB_M = 1.0
 
 
-class MissionRun(SnapshotPart):
+class MissionRun(SubMode):
     """AUTO from item ``start_seq`` on; ``reached`` grows by (seq, seconds since AUTO began).
 
-    DO items count as reached too; ArduCopter reports only the last item of each step.
+    DO items count as reached too; ArduCopter reports only the last item of each step. It is ``done`` when
+    the vehicle has landed, so that its motors may stop.
     """
 
     def __init__(self, flight: FlightControl, items: Sequence[LocalItem], start_seq: int = FIRST_SEQ) -> None:
@@ -40,6 +40,7 @@ class MissionRun(SnapshotPart):
         self.completed = False
         self.steps = 0
         self._item: LocalItem | None = None
+        self._delays = False
         self._submode: SubMode | None = None
         self._next_seq = start_seq
         self._since_s: float | None = None
@@ -51,7 +52,7 @@ class MissionRun(SnapshotPart):
 
     def ends_item(self, seq: int) -> bool:
         """Whether navigation item ``seq`` is flown, and the next step begins with what is after it."""
-        return self._item is not None and self._item.seq == seq and self._is_done(self._item)
+        return self._item is not None and self._next_seq == seq + 1 and self._is_done(self._item)
 
     @property
     def time_s(self) -> float:
@@ -80,11 +81,6 @@ class MissionRun(SnapshotPart):
         submode = self._submode
         return isinstance(submode, Landing) or (isinstance(submode, ReturnToLaunch) and submode.landing)
 
-    @property
-    def done(self) -> bool:
-        """Whether the vehicle has landed, so that its motors may stop."""
-        return isinstance(self._submode, Landing | ReturnToLaunch) and self._submode.done
-
     def step(self) -> None:
         """Go on to the next item if this one is done, and fly one step."""
         if not self.completed:
@@ -96,7 +92,9 @@ class MissionRun(SnapshotPart):
             flight.navigation.advance()
             flight.auto_yaw.update()
         self.steps += 1
-        if self._item is not None and isinstance(self._submode, ReturnToLaunch) and self._submode.done:
+        submode = self._submode
+        self.done = submode is not None and isinstance(submode, Landing | ReturnToLaunch) and submode.done
+        if self.done and self._item is not None and isinstance(submode, ReturnToLaunch):
             # RTL is reached when it has landed; LAND never is (ModeAuto::verify_RTL, verify_land).
             self.reached.append((self._item.seq, self.time_s))
 
@@ -117,7 +115,8 @@ class MissionRun(SnapshotPart):
             self.completed = True
             self._loiter()
             return
-        self._item, self._next_seq = item, item.seq + 1
+        # What is asked at every step is kept here: items are not compiled.
+        self._item, self._next_seq, self._delays = item, item.seq + 1, item.command == Command.DELAY
         self._since_s = None
         self._start(item)
 
@@ -183,9 +182,9 @@ class MissionRun(SnapshotPart):
 
     def _is_done(self, item: LocalItem) -> bool:
         """Whether an item is done, so that the next may start (ModeAuto::verify_command)."""
-        if self._submode is None and not self._flight.navigation.reached and item.command != Command.DELAY:
+        if self._submode is None and not self._delays and not self._flight.navigation.reached:
             return False
-        if item.command == Command.DELAY:
+        if self._delays:
             return self._waited(item.params[0])
         if item.command == Command.LAND:
             if self._submode is None:

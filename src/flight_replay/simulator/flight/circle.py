@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 from flight_replay.simulator.dynamics.shaping import clamp, step_towards
-from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.flight_control import FlightControl
+from flight_replay.simulator.flight.submode import SubMode
 
 # AC_CIRCLE_ANGULAR_ACCEL_MIN; farther than this from the edge the copter flies there first.
 _MIN_ANGULAR_ACCEL = radians(2.0)
@@ -16,7 +16,7 @@ _NEAR_EDGE_M = 3.0
 _NEAR_CENTRE_M = 5.0
 
 
-class Circle(SnapshotPart):
+class Circle(SubMode):
     """Fly to the nearest point of a circle, then around it; ``turns`` below 0 go counterclockwise."""
 
     def __init__(self, flight: FlightControl, centre: Vector, radius_m: float, turns: float) -> None:

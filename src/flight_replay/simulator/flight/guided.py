@@ -13,6 +13,7 @@ from math import hypot
 from flight_replay.simulator.dynamics.auto_yaw import YawMode
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.flight_control import FlightControl
+from flight_replay.simulator.flight.submode import SubMode
 
 _ZERO: Vector = (0.0, 0.0, 0.0)
 # GUID_OPTIONS, and the least that GUID_TIMEOUT means (ModeGuided::get_timeout_ms).
@@ -36,10 +37,8 @@ class GuidedTarget:
     """Whether it leaves the heading to other commands, as ArduCopter 3.3 does."""
 
 
-class GuidedSubMode(ABC):
+class GuidedSubMode(SubMode, ABC):
     """A controller of GUIDED, and the target that it follows."""
-
-    done = False
 
     def __init__(self, flight: FlightControl, *, keeps_heading: bool = False) -> None:
         """Begin from the present position and velocity (pva_control_start)."""

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller
-from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.flight.flight_control import FlightControl
+from flight_replay.simulator.flight.submode import SubMode
 
 # LAND_DETECTOR_TRIGGER_SEC.
 _LAND_DETECTOR_S = 1.0
 _MIN_ALT_LOW_M = 1.0
 
 
-class Landing(SnapshotPart):
+class Landing(SubMode):
     """Descend, slowly below LAND_ALT_LOW, until the land detector triggers; then spool down.
 
     It is done when the motors may stop.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from math import hypot
 
-from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.flight_control import FlightControl
 from flight_replay.simulator.flight.landing import Landing
+from flight_replay.simulator.flight.submode import SubMode
 
 # RTL_ALT_MIN, RTL_MIN_CONE_SLOPE.
 _MIN_RETURN_M = 0.3
@@ -16,7 +16,7 @@ _MIN_CONE_SLOPE = 0.5
 _ROUNDING_M = 0.002
 
 
-class ReturnToLaunch(SnapshotPart):
+class ReturnToLaunch(SubMode):
     """RTL from here; done when the motors may stop, which with RTL_ALT_FINAL above 0 is never."""
 
     def __init__(self, flight: FlightControl) -> None:

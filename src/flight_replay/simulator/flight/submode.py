@@ -2,35 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.flight.flight_control import FlightControl
 
 
-class SubMode(Protocol):
-    """A part of a flight; ``step`` flies the airframe."""
+# Not a protocol: mypyc calls methods of a class directly, those of a protocol by their names.
+class SubMode(SnapshotPart):
+    """A part of a flight, ``done`` when it has come to its end; ``step`` flies the airframe."""
 
-    @property
-    def done(self) -> bool:
-        """Whether it has come to its end."""
+    done = False
 
     def step(self) -> None:
         """Fly one step."""
+        raise NotImplementedError
 
 
-class OnGround:
+class OnGround(SubMode):
     """On the ground; nothing moves."""
-
-    done = False
 
     def step(self) -> None:
         """Stay."""
 
 
-class Hold:
+class Hold(SubMode):
     """Come to rest and stay (as LOITER with its sticks centred, by the position controller)."""
-
-    done = False
 
     def __init__(self, flight: FlightControl) -> None:
         self._flight = flight

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.flight.flight_control import FlightControl
+from flight_replay.simulator.flight.submode import SubMode
 
 # Shares of climb speed and acceleration at which the copter counts as lifted off, and the take-off as done.
 _LIFTED_OFF_SHARE = 0.5
@@ -11,7 +11,7 @@ _SETTLED_SHARE = 0.1
 _FULL_THROTTLE = 0.9
 
 
-class TakeOff(SnapshotPart):
+class TakeOff(SubMode):
     """Spool up, raise the throttle until the copter lifts off, then climb to an altitude above home."""
 
     def __init__(self, flight: FlightControl, up_m: float) -> None:

@@ -60,7 +60,8 @@ class StraightLegs(SnapshotPart):
         elif corner is not None and can_blend(leg, following, corner):
             # The blend begins within the last step, on average in its middle.
             target = _plus(target, following.direction, following.advance(0.5 * dt))
-        return *target, finished
+        # A starred target would become a list on the way.
+        return target[0], target[1], target[2], finished
 
 
 def can_blend(leg: SCurve, following: SCurve, limits: Limits) -> bool:

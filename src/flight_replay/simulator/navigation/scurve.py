@@ -7,7 +7,6 @@ each confined to half of the leg, which is why short legs are slow. Lengths m, t
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from typing import Final
 
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
@@ -34,6 +33,7 @@ from flight_replay.simulator.navigation.scurve_speed_change import with_top_spee
 # Of 32-bit numbers: a stop counts as reached when less than this share of the leg is left. A leg ends so
 # slowly that this is 0.1 s before its end time.
 _RESOLUTION: Final = 1.5e-7
+_NO_LIMITS: Final = Kinematics(0.0, 0.0, 0.0)
 
 
 class SCurve(SnapshotPart):
@@ -57,7 +57,7 @@ class SCurve(SnapshotPart):
         self._ends: list[float] = []
         self.length = length = norm(*track) if limits else 0.0
         self._reached_m = length * (1.0 - _RESOLUTION)
-        self.direction = (0.0, 0.0, 0.0)
+        self.direction, self._limits = (0.0, 0.0, 0.0), _NO_LIMITS
         if limits is None or length == 0:
             return
         self.direction = (track[0] / length, track[1] / length, track[2] / length)
@@ -122,7 +122,7 @@ class SCurve(SnapshotPart):
     def at(self, time: float) -> State:
         """Position, speed and acceleration along the leg at a time."""
         segments = self._segments
-        i = bisect_right(self._ends, time)
+        i = _ended_at(self._ends, time)
         if i == 0:
             return _extrapolated(segments[0], time)
         if i > END:
@@ -159,8 +159,20 @@ class SCurve(SnapshotPart):
         return not self._ends or self.time >= self._ends[END] or self.position >= self._reached_m
 
 
+def _ended_at(ends: list[float], time: float) -> int:
+    """How many segments have ended at a time: ``bisect_right``, which is not compiled."""
+    low, high = 0, len(ends)
+    while low < high:
+        middle = (low + high) >> 1
+        if time < ends[middle]:
+            high = middle
+        else:
+            low = middle + 1
+    return low
+
+
 def _extrapolated(segment: Segment, time: float) -> State:
     """Extrapolated from the end of a segment with its speed and acceleration."""
-    t, accel, speed, position, _, _, _ = segment
-    s = time - t
+    accel, speed, position = segment[1], segment[2], segment[3]
+    s = time - segment[0]
     return max(0.0, position + s * (speed + 0.5 * s * accel)), speed + s * accel, accel

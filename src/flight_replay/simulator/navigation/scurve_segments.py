@@ -34,7 +34,7 @@ END: Final = 22
 
 def state_within(before: Segment, segment: Segment, s: float) -> State:
     """State ``s`` seconds into ``segment``, which follows ``before``."""
-    _, accel, speed, position, _, _, _ = before
+    accel, speed, position = before[1], before[2], before[3]
     jerk, beta, part = segment[4], segment[5], segment[6]
     grown = accel + s * jerk
     faster = speed + s * (accel + 0.5 * s * jerk)
