@@ -1,10 +1,17 @@
 """Drafts flown in the model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flight_replay.planning.fit.reference import Takeoff
-from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of, simulate_draft
+from flight_replay.planning.fit.simulated_draft import (
+    copter_after_takeoff,
+    items_changed,
+    items_of,
+    simulate_draft,
+)
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import simulate
 from tests.helpers.fit_tracks import FRAME, draft_of
@@ -24,6 +31,23 @@ def test_speeds_before_every_leg_change_the_numbers_of_the_places() -> None:
     """Items count from 1; with a speed for every leg but the first, places are every second one."""
     assert items_of(DRAFT)[1] == [1, 2, 3, 4]
     assert items_of(DRAFT, every_speed=True)[1] == [1, 3, 5, 7]
+
+
+@pytest.mark.parametrize("every_speed", [False, True])
+def test_items_of_a_changed_draft_are_made_of_those_before(every_speed: bool) -> None:
+    """They are as if made anew, whichever column differs; those that do not differ are kept."""
+    speeds, others = np.array([np.nan, 3.0, 5.0, 7.0]), np.array([np.nan, 3.0, 4.0, 7.0])
+    before = replace(DRAFT, speed_m_s=speeds)
+    items, seqs = items_of(before, every_speed=every_speed)
+    for change in (
+        {"places_m": DRAFT.places_m + np.array([0.0, 1.0, 0.0])},
+        {"spline": ~DRAFT.spline},
+        {"hold_s": DRAFT.hold_s + np.array([0.0, 0.0, 2.0, 0.0])},
+        {"speed_m_s": others},
+    ):
+        after = replace(before, **change)
+        assert items_changed(items, seqs, before, after) == items_of(after, every_speed=every_speed)[0]
+    assert items_changed(items, seqs, before, replace(before)) == items
 
 
 @pytest.mark.parametrize("takeoff_m", [2.0, 80.0])

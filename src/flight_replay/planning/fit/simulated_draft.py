@@ -78,13 +78,9 @@ def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, takeoff: T
     return Copter(limits, position_m=(north_m, east_m, up_m), step_s=step_s, home_amsl_m=takeoff.amsl_m)
 
 
-class DraftItems(list[LocalItem]):
-    """The mission items of a draft, which many copies of a copter share."""
-
-
-def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[DraftItems, list[int]]:
+def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[list[LocalItem], list[int]]:
     """Mission items with the draft's speed changes, or one before each leg, and the numbers of the places."""
-    items = DraftItems()
+    items: list[LocalItem] = []
     seqs = []
     columns = (draft.places_m, draft.speed_m_s, draft.hold_s, draft.spline)
     rows = zip(*(column.tolist() for column in columns), strict=True)
@@ -96,7 +92,30 @@ def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[DraftItems, li
     return items, seqs
 
 
-# Most items of a draft are those of the draft before.
+def items_changed(items: list[LocalItem], seqs: list[int], before: Draft, after: Draft) -> list[LocalItem]:
+    """The mission items of a draft that has as many places and speed changes as one before it.
+
+    Args:
+        items: those of the draft before.
+        seqs: the numbers of its places.
+        before: the draft before.
+        after: the draft.
+    """
+    changed = items.copy()
+    new_place = (before.places_m != after.places_m).any(axis=1) | (before.hold_s != after.hold_s)
+    for i in np.flatnonzero(new_place | (before.spline != after.spline)).tolist():
+        place, hold_s, is_spline = (
+            tuple(after.places_m[i].tolist()),
+            float(after.hold_s[i]),
+            bool(after.spline[i]),
+        )
+        changed[seqs[i] - FIRST_SEQ] = _waypoint(seqs[i], place, hold_s, is_spline)
+    for i in np.flatnonzero((before.speed_m_s != after.speed_m_s) & np.isfinite(after.speed_m_s)).tolist():
+        seq = seqs[i] - 1
+        changed[seq - FIRST_SEQ] = _speed(seq, float(after.speed_m_s[i]))
+    return changed
+
+
 @lru_cache(maxsize=4096)
 def _speed(seq: int, speed_m_s: float) -> LocalItem:
     return LocalItem(seq, Command.CHANGE_SPEED, (1.0, speed_m_s, 0.0, 0.0), None, None)

@@ -108,7 +108,7 @@ class SpeedSearch:
     def _best(self, place: int, guess_m_s: float) -> _Trial:
         """The speed that ends a leg nearest to when it ought to end; rather the guess than another."""
         low, high = SLOWEST_M_S, float(self._caps_m_s[place])
-        snapshot = CopterSnapshot(self._copter, (self._items, self._limits))
+        snapshot = CopterSnapshot(self._copter, self._items)
         speed = min(guess_m_s, high) if isfinite(guess_m_s) else high
         best: _Trial | None = None
         trials: list[_Trial] = []

@@ -9,10 +9,10 @@ if TYPE_CHECKING:
 
 
 class SnapshotPart:
-    """A part of a copter that can be pickled, also where mypyc has compiled it."""
+    """A part of a copter that can be copied, also where mypyc has compiled it."""
 
     __slots__ = ()
 
-    # Without one, that of a compiled class calls ``__init__``, which pickle does not expect.
+    # Without one, that of a compiled class calls ``__init__``, which a copy is made without.
     def __new__(cls, *args: object, **kwargs: object) -> Self:  # noqa: D102
         return super().__new__(cls)

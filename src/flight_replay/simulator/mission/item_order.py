@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 
 from flight_replay.mission.items import FIRST_SEQ
@@ -17,7 +16,7 @@ class ItemOrder:
 
     def __init__(self, items: Sequence[LocalItem]) -> None:
         self._items = items
-        self._jumped: Counter[int] = Counter()
+        self._jumped: dict[int, int] = {}
 
     def advance(self, seq: int) -> tuple[list[LocalItem], LocalItem | None]:
         """Go on from item ``seq``: items done or skipped on the way, and the next item to fly; counts jumps.
@@ -32,7 +31,7 @@ class ItemOrder:
         return self._next(seq, self._jumped.copy(), lambda item: item.is_navigation)[1]
 
     def _next(
-        self, seq: int, jumped: Counter[int], ends: Callable[[LocalItem], bool]
+        self, seq: int, jumped: dict[int, int], ends: Callable[[LocalItem], bool]
     ) -> tuple[list[LocalItem], LocalItem | None]:
         passed: list[LocalItem] = []
         complete = False
@@ -49,7 +48,7 @@ class ItemOrder:
                 passed.append(item)
             elif item.command != DO_JUMP:
                 passed += [] if complete else [item]
-            elif item.params[1] < 0 or jumped[item.seq] < item.params[1]:
-                jumped[item.seq] += 1
+            elif item.params[1] < 0 or jumped.get(item.seq, 0) < item.params[1]:
+                jumped[item.seq] = jumped.get(item.seq, 0) + 1
                 seq = int(item.params[0])
         return passed, None

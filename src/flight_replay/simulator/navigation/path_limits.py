@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flight_replay.simulator.dynamics.shaping import kinematic_limit
-from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector
 
 
-# Not frozen: pickle cannot make a compiled class again that is.
-@dataclass(slots=True)
-class PathLimits(SnapshotPart):
+@dataclass(frozen=True, slots=True)
+class PathLimits:
     """Speeds m/s, accelerations m/s², jerk m/s³ and snap m/s⁴ that legs are planned with."""
 
     speed_m_s: float

@@ -46,7 +46,7 @@ class _CurvePoint(SnapshotPart):
     )  # fmt: skip
 
     def __init__(self, coefficients: Coefficients, t: float, limits: PathLimits) -> None:
-        self._coefficients = coefficients
+        self._coefficients, self.jerk = coefficients, 0.0
         self.move_to(t, limits)
 
     def move_to(self, t: float, limits: PathLimits) -> None:
@@ -112,9 +112,9 @@ class Spline(SnapshotPart):
         self.destination_tangent = _ZERO if self.finished else ends.destination_tangent
         self.origin_speed = self.destination_speed = self.speed = 0.0
         self._point: _CurvePoint | None = None
+        self._coefficients = hermite(ends)
         if self.finished:
             return
-        self._coefficients = hermite(ends)
         self._point = _CurvePoint(self._coefficients, 0.0, limits)
         self.destination_speed = assumed_speed
         self.origin_speed = self._next_speed(self._point, 0.0, _FOREVER_S, 0.0)

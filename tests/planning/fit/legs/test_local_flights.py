@@ -33,7 +33,7 @@ def test_a_copied_copter_flies_as_the_first_does() -> None:
     copter.start_auto(items)
     for _ in range(200):
         copter.step()
-    copied = CopterSnapshot(copter, (items, copter.limits)).copy()
+    copied = CopterSnapshot(copter, items).copy()
     for _ in range(200):
         copter.step()
         copied.step()

@@ -16,10 +16,11 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.simulated_draft import DraftItems, copter_after_takeoff, items_of
+from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_changed, items_of
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import positions_after, positions_on_leg
+from flight_replay.simulator.mission.local_items import LocalItem
 
 _FOLLOWS_S = 1.0
 
@@ -68,11 +69,11 @@ class LocalFlights:
         self._problem, self._draft = problem, with_every_speed(draft) if problem.timed else draft
         self._most_steps = most_s / problem.step_s
         self.steps = 0
-        items, self._seqs = self._items_of(self._draft)
+        self._items, self._seqs = items_of(self._draft, every_speed=problem.timed)
         copter = copter_after_takeoff(draft, problem.limits, problem.step_s, problem.recording.takeoff)
-        copter.start_auto(items)
+        copter.start_auto(self._items)
         # How the copter is as the leg to each place is about to begin, and what it flew on each leg before.
-        self._before = [self._snapshot(copter, items)]
+        self._before = [CopterSnapshot(copter, self._items)]
         self._legs: list[_Leg] = []
         self._begin_s = 0.0
         self._fly_on()
@@ -85,7 +86,7 @@ class LocalFlights:
 
     def change(self, draft: Draft, first: int) -> None:
         """Fly another draft, which differs in what is flown from the leg to place ``first`` on."""
-        self._draft = draft
+        self._draft, self._items = draft, self._items_of(draft)
         del self._before[first + 1 :]
         del self._legs[first:]
 
@@ -111,8 +112,7 @@ class LocalFlights:
             self._fly_on()
         if draft is self._draft:
             return self._flown_already(first, last)
-        items, _ = self._items_of(draft)
-        copter = self._before[first].copy(self._shared(items))
+        copter = self._before[first].copy(self._items_of(draft))
         rows, passed_s = [copter.position_m], []
         for place in range(first, last + 1):
             allowed_s = np.inf if latest_s is None else latest_s[place] + self._begin_s - copter.time_s
@@ -143,10 +143,9 @@ class LocalFlights:
 
     def _fly_on(self) -> None:
         """Find what is flown on the next leg, and how the copter is after it."""
-        items, _ = self._items_of(self._draft)
-        copter = self._before[-1].copy(self._shared(items))
+        copter = self._before[-1].copy(self._items)
         rows = self._flown_to(copter, len(self._legs))
-        self._before.append(self._snapshot(copter, items))
+        self._before.append(CopterSnapshot(copter, self._items))
         left_s = copter.time_s
         self._legs.append(_Leg(rows, self._run_on(copter), left_s))
 
@@ -159,11 +158,5 @@ class LocalFlights:
             raise MissionError("a leg of the fitted flight does not end")
         return rows
 
-    def _items_of(self, draft: Draft) -> tuple[DraftItems, list[int]]:
-        return items_of(draft, every_speed=self._problem.timed)
-
-    def _shared(self, items: DraftItems) -> tuple[object, ...]:
-        return items, self._problem.limits
-
-    def _snapshot(self, copter: Copter, items: DraftItems) -> CopterSnapshot:
-        return CopterSnapshot(copter, self._shared(items))
+    def _items_of(self, draft: Draft) -> list[LocalItem]:
+        return items_changed(self._items, self._seqs, self._draft, draft)

@@ -1,0 +1,88 @@
+"""Copies of a copter in AUTO, each of which flies on by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from types import BuiltinMethodType, MethodType
+from typing import Any, Final
+
+from flight_replay.simulator.dynamics.auto_yaw import YawMode
+from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
+from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.mission.item_order import ItemOrder
+from flight_replay.simulator.mission.local_items import LocalItem
+from flight_replay.simulator.navigation.hermite import Ends
+from flight_replay.simulator.navigation.path_limits import PathLimits
+from flight_replay.simulator.navigation.scurve_ramp import Kinematics
+
+_SHARED: Final = frozenset(
+    {float, int, bool, type(None), tuple, Ends, Kinematics, Limits, LocalItem, PathLimits, YawMode}
+)
+"""What never changes, so that a copy may have it, too. No part is in a tuple."""
+
+
+def copter_copy(
+    copter: Copter, items: Sequence[LocalItem], new_items: Sequence[LocalItem] | None = None
+) -> Copter:
+    """A copter in the same state.
+
+    Args:
+        copter: which flies a mission.
+        items: the mission's, which are not copied.
+        new_items: for the copy instead of these; those that the copter has begun stay as they were.
+    """
+    copied = _copied(copter, {id(items): items if new_items is None else new_items})
+    assert isinstance(copied, Copter), "a copy is of the same class"
+    return copied
+
+
+def _copied(value: object, known: dict[int, object]) -> object:
+    """A copy of a part, of a method of one or a list, or of a dict with keys and values that never change.
+
+    Args:
+        value: what to copy.
+        known: by the ids of what was copied, the copies.
+
+    Raises:
+        TypeError: it is of a class that is neither copied nor shared.
+    """
+    kind = type(value)
+    if kind in _SHARED:
+        return value
+    before = known.get(id(value))
+    if before is not None:
+        return before
+    if isinstance(value, (SnapshotPart, ItemOrder)):
+        return _copied_part(value, known)
+    if isinstance(value, (MethodType, BuiltinMethodType)):
+        return getattr(_copied(value.__self__, known), value.__name__)
+    copied: object
+    if isinstance(value, list):
+        copied = [_copied(each, known) for each in value]
+    elif isinstance(value, dict):
+        copied = value.copy()
+    else:
+        raise TypeError(f"{kind.__name__}: neither copied with a copter nor shared by its copies")
+    known[id(value)] = copied
+    return copied
+
+
+def _copied_part(part: SnapshotPart | ItemOrder, known: dict[int, object]) -> object:
+    kind: Any = type(part)
+    copied: object = kind.__new__(kind)
+    known[id(part)] = copied
+    for name in (*_slots(kind), *getattr(part, "__dict__", ())):
+        setattr(copied, name, _copied(getattr(part, name), known))
+    return copied
+
+
+@cache
+def _slots(kind: type) -> tuple[str, ...]:
+    """The attributes of a class's objects; one that mypyc has compiled has no others."""
+    names: dict[str, None] = {}
+    for base in kind.__mro__:
+        own = vars(base)
+        names.update(dict.fromkeys(own.get("__mypyc_attrs__", own.get("__slots__", ()))))
+    return tuple(names)
