@@ -1,5 +1,8 @@
 """Positions of a part of a mission are those after each step, and a mission that never ends is an error."""
 
+from itertools import pairwise
+from math import hypot
+
 import pytest
 
 from flight_replay.exceptions import MissionError
@@ -7,6 +10,7 @@ from flight_replay.mission.items import Command
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import (
+    longest_step_m,
     positions_after,
     positions_on_leg,
     positions_to_end,
@@ -42,6 +46,14 @@ def test_a_leg_is_flown_for_no_more_steps_than_asked_for() -> None:
     copter = copter_in_auto([waypoint(1, 3000.0)])
     assert len(positions_on_leg(copter, 1, 40)) == 40
     assert not positions_on_leg(copter, 1, -1)
+
+
+def test_the_longest_step_is_that_of_all_to_the_last_bit() -> None:
+    """Over the ground, however near to each other the longest are."""
+    positions = positions_after(copter_in_auto([waypoint(1, 100.0), waypoint(2, 200.0)]), 300)
+    steps_m = [hypot(there[0] - here[0], there[1] - here[1]) for here, there in pairwise(positions)]
+    assert longest_step_m(positions) == max(steps_m) > 0.2
+    assert longest_step_m(positions[:1]) == longest_step_m([]) == 0.0
 
 
 def test_a_mission_that_does_not_end_is_an_error() -> None:

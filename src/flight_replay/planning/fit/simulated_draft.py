@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from math import isfinite
 
 import numpy as np
@@ -61,9 +62,14 @@ def flight_of(
 ) -> SimulatedDraft:
     """A draft's flight from its mission, flown to the end, and the positions before and after each step."""
     passed_s = np.array([_reached_s(run.reached, seq) for seq in seqs])
-    place_m = np.array(rows[round(passed_s[0] / step_s) :])
+    place_m = places_of(rows[round(passed_s[0] / step_s) :])
     times_s = step_s * np.arange(len(place_m), dtype=float)
     return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0])
+
+
+def places_of(rows: list[Vector]) -> Floats:
+    """Positions as an array (k, 3); numpy by itself takes five times as long to look into tuples."""
+    return np.fromiter(chain.from_iterable(rows), float, 3 * len(rows)).reshape(-1, 3)
 
 
 def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, takeoff: Takeoff) -> Copter:

@@ -8,8 +8,7 @@ What is kept is exact: it is the same model, with all that came before, that fli
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import hypot, isfinite, log
+from math import isfinite, log
 
 import numpy as np
 
@@ -27,7 +26,11 @@ from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, wit
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
-from flight_replay.simulator.flight.flown_positions import positions_on_leg, positions_to_end
+from flight_replay.simulator.flight.flown_positions import (
+    longest_step_m,
+    positions_on_leg,
+    positions_to_end,
+)
 
 _MOST_TRIALS = 5
 _PUNCTUAL_S = 0.06
@@ -137,8 +140,7 @@ class SpeedSearch:
 
     def _top_speed_m_s(self, rows: list[Vector]) -> float:
         """The highest ground speed of a leg."""
-        steps_m = [hypot(there[0] - here[0], there[1] - here[1]) for here, there in pairwise(rows)]
-        return max(max(steps_m, default=0.0) / self._step_s, SLOWEST_M_S)
+        return max(longest_step_m(rows) / self._step_s, SLOWEST_M_S)
 
     def _next_speed(self, place: int, trials: list[_Trial], low: float, high: float) -> float:
         """The speed at which a leg would end on time if its duration went with a power of it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot
 from typing import Final
 
 from flight_replay.exceptions import MissionError
@@ -10,15 +11,18 @@ from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 
 _LONGEST_S: Final = 100_000.0
+_NEARLY: Final = 1.0 - 1e-12
 
 
 def positions_on_leg(copter: Copter, seq: int, most_steps: float) -> list[Vector]:
     """The positions until the leg to item ``seq`` of the mission is about to end, or after so many steps."""
     run = _mission_of(copter)
     positions: list[Vector] = []
-    while len(positions) < most_steps and not run.ends_item(seq):
+    steps = 0.0  # mypyc compares an integer with a number as objects.
+    while steps < most_steps and not run.ends_item(seq):
         copter.step()
         positions.append(copter.position_m)
+        steps += 1.0
     return positions
 
 
@@ -45,6 +49,19 @@ def positions_after(copter: Copter, steps: int) -> list[Vector]:
         copter.step()
         positions.append(copter.position_m)
     return positions
+
+
+def longest_step_m(positions: list[Vector]) -> float:
+    """The greatest distance over the ground between positions one step apart, 0 without any."""
+    longest_m = enough_m2 = 0.0
+    for i in range(1, len(positions)):
+        here, there = positions[i - 1], positions[i]
+        n, e = there[0] - here[0], there[1] - here[1]
+        # Few are so long that it is worth a call to know their length to the last bit.
+        if n * n + e * e >= enough_m2:
+            longest_m = max(longest_m, hypot(n, e))
+            enough_m2 = longest_m * longest_m * _NEARLY
+    return longest_m
 
 
 def _mission_of(copter: Copter) -> MissionRun:

@@ -16,7 +16,12 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_changed, items_of
+from flight_replay.planning.fit.simulated_draft import (
+    copter_after_takeoff,
+    items_changed,
+    items_of,
+    places_of,
+)
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import positions_after, positions_on_leg
@@ -133,7 +138,7 @@ class LocalFlights:
     ) -> LocalFlight:
         steps = np.arange(len(rows) + len(after), dtype=float)
         times_s = self.left_s(first - 1) + self._problem.step_s * steps
-        return LocalFlight(times_s, np.array(rows + after), len(rows), np.array(passed_s) - self._begin_s)
+        return LocalFlight(times_s, places_of(rows + after), len(rows), np.array(passed_s) - self._begin_s)
 
     def _run_on(self, copter: Copter) -> list[Vector]:
         """Where a copter is after each step of the time in which it follows its target."""
