@@ -115,3 +115,5 @@ def test_what_is_neither_copied_nor_shared_is_an_error() -> None:
     """A new part is not forgotten: copies would share it."""
     with pytest.raises(TypeError, match="set: neither copied"):
         _copied(set(), {})
+    with pytest.raises(TypeError, match="Copter: in a list"):
+        _copied([copter_flying(items_of(CORNERS))], {})

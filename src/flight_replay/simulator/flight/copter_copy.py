@@ -39,17 +39,16 @@ def copter_copy(
 
 
 def _copied(value: object, known: dict[int, object]) -> object:
-    """A copy of a part, of a method of one or a list, or of a dict with keys and values that never change.
+    """A copy of a part, a method of one, or a list or dict of what never changes.
 
     Args:
         value: what to copy.
         known: by the ids of what was copied, the copies.
 
     Raises:
-        TypeError: it is of a class that is neither copied nor shared.
+        TypeError: it is, or its list begins with, what is neither copied nor shared.
     """
-    kind = type(value)
-    if kind in _SHARED:
+    if type(value) in _SHARED:
         return value
     before = known.get(id(value))
     if before is not None:
@@ -58,14 +57,14 @@ def _copied(value: object, known: dict[int, object]) -> object:
         return _copied_part(value, known)
     if isinstance(value, (MethodType, BuiltinMethodType)):
         return getattr(_copied(value.__self__, known), value.__name__)
-    copied: object
-    if isinstance(value, list):
-        copied = [_copied(each, known) for each in value]
-    elif isinstance(value, dict):
-        copied = value.copy()
-    else:
-        raise TypeError(f"{kind.__name__}: neither copied with a copter nor shared by its copies")
-    known[id(value)] = copied
+    if not isinstance(value, (list, dict)):
+        raise TypeError(f"{type(value).__name__}: neither copied with a copter nor shared by its copies")
+    # Of many alike one is enough to look at.
+    for each in value:
+        if type(each) not in _SHARED:
+            raise TypeError(f"{type(each).__name__}: in a list or dict it would be shared by copies")
+        break
+    known[id(value)] = copied = value.copy()
     return copied
 
 
@@ -73,16 +72,17 @@ def _copied_part(part: SnapshotPart | ItemOrder, known: dict[int, object]) -> ob
     kind: Any = type(part)
     copied: object = kind.__new__(kind)
     known[id(part)] = copied
-    for name in (*_slots(kind), *getattr(part, "__dict__", ())):
+    slots, has_others = _attributes(kind)
+    for name in (*slots, *vars(part)) if has_others else slots:
         setattr(copied, name, _copied(getattr(part, name), known))
     return copied
 
 
 @cache
-def _slots(kind: type) -> tuple[str, ...]:
-    """The attributes of a class's objects; one that mypyc has compiled has no others."""
+def _attributes(kind: type) -> tuple[tuple[str, ...], bool]:
+    """The attributes of all of a class's objects, and whether each may have others; none that is compiled."""
     names: dict[str, None] = {}
     for base in kind.__mro__:
         own = vars(base)
         names.update(dict.fromkeys(own.get("__mypyc_attrs__", own.get("__slots__", ()))))
-    return tuple(names)
+    return tuple(names), kind.__dictoffset__ != 0
