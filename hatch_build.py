@@ -1,7 +1,7 @@
-"""Builds wheels whose flight model, the simulator's rooms without I/O, mypyc has compiled.
+"""Builds wheels in which mypyc has compiled the flight model and what a fit computes number by number.
 
-It is five times as fast then, and flies the same to the last bit. It stays plain Python where there is no C
-compiler, or no Python.h, and in editable installs.
+The flight model is five times as fast then, and flies the same to the last bit. All stays plain Python where
+there is no C compiler, or no Python.h, and in editable installs.
 """
 
 from __future__ import annotations
@@ -16,7 +16,13 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-_ROOMS = ("dynamics", "navigation", "flight")
+_ROOMS = (
+    "geometry/scalar",
+    "planning/fit/scalar",
+    "simulator/dynamics",
+    "simulator/navigation",
+    "simulator/flight",
+)
 _NOT_COMPILED = frozenset(
     {"__init__.py", "hermite.py", "spline_end.py", "trajectory.py", "guided_trajectory.py"}
 )
@@ -62,7 +68,7 @@ class FlightModelHook(BuildHookInterface[Any]):
 
 def flight_model(source: Path) -> list[str]:
     """The modules that are compiled, as paths below ``source``."""
-    found = (each for room in _ROOMS for each in (source / "flight_replay" / "simulator" / room).glob("*.py"))
+    found = (each for room in _ROOMS for each in (source / "flight_replay" / room).glob("*.py"))
     return sorted(each.relative_to(source).as_posix() for each in found if each.name not in _NOT_COMPILED)
 
 

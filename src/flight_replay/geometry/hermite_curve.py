@@ -7,12 +7,12 @@ destination.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
-
-MAX_TANGENTS_PER_CHORD = 4.0
-"""Longest sum of both tangents, in lengths of the chord (SPLINE_FACTOR)."""
+from flight_replay.geometry.scalar.hermite_leg import MAX_TANGENTS_PER_CHORD, Weights
 
 
 def tangent_scale(chord_m: Floats, leaving_m: Floats, arriving_m: Floats) -> Floats:
@@ -37,6 +37,13 @@ def curve_weights(t: Floats) -> Floats:
     destination = t * t * (3.0 - 2.0 * t)
     leaving, arriving = t * (1.0 - t) ** 2, t * t * (t - 1.0)
     return np.stack([1.0 - destination, destination, leaving, arriving], axis=1)
+
+
+@lru_cache(maxsize=256)
+def weights_of_steps(steps: int) -> list[Weights]:
+    """The weights of the ``steps`` + 1 points that equal steps of t lead to, for one leg at a time."""
+    rows = curve_weights(np.linspace(0.0, 1.0, steps + 1)).tolist()
+    return [(row[0], row[1], row[2], row[3]) for row in rows]
 
 
 def steps_within(chord_m: Floats, leaving_m: Floats, arriving_m: Floats, tolerance_m: float) -> Indices:

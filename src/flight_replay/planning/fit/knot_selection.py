@@ -11,14 +11,14 @@ import heapq
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.hermite_curve import curve_weights, tangent_scale
-from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
+from flight_replay.geometry.hermite_curve import weights_of_steps
+from flight_replay.geometry.polyline import lengths_along_m, segment_lengths_m
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals
 from flight_replay.planning.fit.objective import TIME_SHARE, match_to_plan
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack, holds_s
+from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 
 CANDIDATES_A_PLACE = 2
 _USUAL_ERROR_M = 0.4
@@ -27,8 +27,7 @@ _UNEVEN_SHARE = 0.2
 """What uneven speed within a leg counts of the position error that it means at one speed a leg."""
 _FREE_LOSS_M = 0.0001
 """A waypoint worth less than this of the objective is not needed."""
-_AROUND_FIXES = 2
-_WEIGHTS = curve_weights(np.linspace(0.0, 1.0, 13))
+_STEPS_A_LEG = 12
 _PAPER_STEPS, _PAPER_GAIN, _PAPER_SMOOTHING = 3, 0.7, 0.003
 
 
@@ -63,15 +62,21 @@ class _Knots:
     """Waypoints in order, each standing for the fixes ``first`` to ``last``; some are taken away."""
 
     def __init__(self, recording: LocalTrack, hovers: list[Hover], count: int, *, timed: bool) -> None:
-        self._fixes_m, self._time_s, self._timed = recording.places_m, recording.time_s, timed
-        self._along_m = lengths_along_m(self._fixes_m)
         found = _candidates(recording, hovers, count)
-        self.first, self.last, self.hover = (list(column) for column in zip(*found, strict=True))
-        self._stops = [hover is not None for hover in self.hover]
-        self._stops[0] = self._stops[-1] = True
-        self._straight = [timed and hover is not None for hover in self.hover]
-        self.place_m = np.array([self._fixes_m[a : b + 1].mean(axis=0) for a, b, _ in found])
-        self.place_m[-1] = self._fixes_m[-1]
+        first, last, self.hover = (list(column) for column in zip(*found, strict=True))
+        stops = [hover is not None for hover in self.hover]
+        stops[0] = stops[-1] = True
+        straight = [timed and hover is not None for hover in self.hover]
+        fixes_m = recording.places_m
+        self.place_m = np.array([fixes_m[a : b + 1].mean(axis=0) for a, b, _ in found])
+        self.place_m[-1] = fixes_m[-1]
+        self._cost = KnotCost(
+            CandidateKnots(self.place_m.tolist(), first, last, stops, straight),
+            (fixes_m.tolist(), recording.time_s.tolist(), lengths_along_m(fixes_m).tolist()),
+            weights_of_steps(_STEPS_A_LEG),
+            1 / (8 * _USUAL_ERROR_M**3),
+            _UNEVEN_SHARE * TIME_SHARE / len(fixes_m) if timed else 0.0,
+        )
         self._before, self._after = list(range(-1, len(found) - 1)), list(range(1, len(found) + 1))
         self.alive = np.ones(len(found), np.bool_)
 
@@ -106,50 +111,13 @@ class _Knots:
         """How much the objective grows without a knot: four legs become three."""
         a, b = self._before[knot], self._after[knot]
         aa, bb = self._before[a], self._after[b]
-        growth = self._cost_m(aa, a, b, bb) - self._cost_m(aa, a, knot, b) - self._cost_m(a, knot, b, bb)
+        leg_m = self._cost.leg_m
+        growth = leg_m(aa, a, b, bb) - leg_m(aa, a, knot, b) - leg_m(a, knot, b, bb)
         if aa >= 0:
-            growth += self._cost_m(self._before[aa], aa, a, b) - self._cost_m(self._before[aa], aa, a, knot)
+            growth += leg_m(self._before[aa], aa, a, b) - leg_m(self._before[aa], aa, a, knot)
         if bb < len(self.alive):
-            growth += self._cost_m(a, b, bb, self._after[bb]) - self._cost_m(knot, b, bb, self._after[bb])
+            growth += leg_m(a, b, bb, self._after[bb]) - leg_m(knot, b, bb, self._after[bb])
         return growth
-
-    def _cost_m(self, before: int, a: int, b: int, after: int) -> float:
-        """What the leg from knot a to b costs, with the knots before and after it."""
-        line_m = self._curve_m(before, a, b, after)
-        begin, end = self.last[a], self.first[b]
-        fixes = self._fixes_m[begin : end + 1]
-        there = nearest_on_segments(fixes[1:, None], line_m[:-1], np.diff(line_m, axis=0))[1]
-        near = self._fixes_m[max(0, begin - _AROUND_FIXES) : end + _AROUND_FIXES + 1]
-        back = nearest_on_segments(line_m[:, None], near[:-1], np.diff(near, axis=0))[1]
-        powers = back.min(axis=1) ** 4
-        cost = (
-            float((there.min(axis=1, initial=np.inf) ** 4).sum()) / len(self._fixes_m) if end > begin else 0.0
-        )
-        lengths = segment_lengths_m(line_m)
-        cost += float(((powers[1:] + powers[:-1]) / 2 * lengths).sum()) / max(self._along_m[-1], 1e-6)
-        return float(cost / (8 * _USUAL_ERROR_M**3)) + self._uneven_m(begin, end)
-
-    def _curve_m(self, before: int, a: int, b: int, after: int) -> Floats:
-        """The leg's curve (13, axes); see ``mission.path`` for its tangents."""
-        place, chord = self.place_m, self.place_m[b] - self.place_m[a]
-        none = np.zeros_like(chord)
-        if self._straight[b]:
-            return np.asarray(place[a] + np.linspace(0.0, 1.0, len(_WEIGHTS))[:, None] * chord)
-        leaving = none if self._stops[a] else place[b] - place[before]
-        arriving = none if self._stops[b] else place[after] - place[b if self._straight[after] else a]
-        scale = tangent_scale(chord[None], leaving[None], arriving[None])[0]
-        return np.asarray(_WEIGHTS @ np.array([place[a], place[b], scale * leaving, scale * arriving]))
-
-    def _uneven_m(self, begin: int, end: int) -> float:
-        """What it costs to fly from one fix to another at one speed."""
-        if not self._timed or end <= begin:
-            return 0.0
-        share = (self._time_s[begin : end + 1] - self._time_s[begin]) / max(
-            self._time_s[end] - self._time_s[begin], 1e-6
-        )
-        flown = self._along_m[begin : end + 1] - self._along_m[begin]
-        late_m = float(np.abs(share * flown[-1] - flown).sum())
-        return _UNEVEN_SHARE * TIME_SHARE * late_m / len(self._fixes_m)
 
 
 def _candidates(
