@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
 from flight_replay.planning.fit.basis import weights
@@ -135,14 +135,12 @@ def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> float:
         return 0.0
     steps_s = np.diff(time_s)
     slow = np.flatnonzero(segment_lengths_m(north_east_m) < CREEPING_SPEED_M_S * steps_s)
-    stops_m = draft.places_m[(draft.hold_s > 0) | _is_end(len(draft)), :2]
-    apart_m = np.linalg.norm(north_east_m[slow, None] - stops_m, axis=2)
-    return float(steps_s[slow[apart_m.min(axis=1, initial=np.inf) > _AT_STOP_M]].sum())
-
-
-def _is_end(places: int) -> Flags:
-    """Which of a draft's places are its first and last (n,)."""
-    return np.isin(np.arange(places), (0, places - 1))
+    if not len(slow):
+        return 0.0
+    stops = draft.hold_s > 0
+    stops[0] = stops[-1] = True
+    apart_m = np.linalg.norm(north_east_m[slow, None] - draft.places_m[stops, :2], axis=2)
+    return float(steps_s[slow[apart_m.min(axis=1) > _AT_STOP_M]].sum())
 
 
 def _plan_share(*, timed: bool) -> float:

@@ -28,6 +28,21 @@ _AROUND_FIXES = 3
 _LEAST_SCALE_M = 0.3
 
 
+@dataclass(frozen=True, slots=True)
+class _Derivatives:
+    """Those of a path error by the fourth power of the distance of a fix, and of one of the path's points."""
+
+    by_fix: float
+    by_point: float
+
+    @classmethod
+    def of(cls, both_ways: tuple[Offsets, Offsets]) -> _Derivatives:
+        """Of the path error that is made up of these offsets."""
+        by_mean = 1 / (8 * max(path_error_m(both_ways), _LEAST_SCALE_M) ** 3)
+        fixes, points = both_ways
+        return cls(by_mean / len(fixes.leg), by_mean / len(points.leg))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalCost:
     """The objective of some legs of drafts like the one that was evaluated."""
@@ -37,11 +52,17 @@ class LocalCost:
     timed: bool
     passing_leg: Floats
     """The leg (n,) on which the draft passes each fix."""
+    by_planned: _Derivatives
+    by_flown: _Derivatives
 
     @classmethod
     def of(cls, evaluation: Evaluation, recording: LocalTrack, *, timed: bool) -> LocalCost:
         """About a draft as it is flown."""
-        return cls(evaluation, recording, timed, np.maximum.accumulate(evaluation.planned[0].leg))
+        planned, flown = evaluation.planned, evaluation.flown
+        passing_leg = np.maximum.accumulate(planned[0].leg)
+        return cls(
+            evaluation, recording, timed, passing_leg, _Derivatives.of(planned), _Derivatives.of(flown)
+        )
 
     def fixes_m(self, first: int, last: int) -> Floats:
         """The fixes (n, 2) that the draft passes on the legs to places ``first`` to ``last``."""
@@ -59,27 +80,23 @@ class LocalCost:
         """
         begin, end = np.searchsorted(self.passing_leg, [first, last + 1])
         planned = draft.legs_path(first, last, CURVE_TOLERANCE_M)
-        cost = (
-            self._path_m(planned, planned, begin, end, self.evaluation.planned) * self.evaluation.plan_share
-        )
+        cost = self._path_m(planned, planned, begin, end, self.by_planned) * self.evaluation.plan_share
         on_legs_m = flight.north_east_m[: flight.ended]
-        cost += self._path_m(flight.north_east_m, on_legs_m, begin, end, self.evaluation.flown)
+        cost += self._path_m(flight.north_east_m, on_legs_m, begin, end, self.by_flown)
         if not self.timed:
             return cost
         slow_s = creeping_s(draft, flight.time_s[: flight.ended], on_legs_m)
         return cost + self._late_m(flight, begin, end) + CREEPING_M_S * slow_s
 
     def _path_m(
-        self, line_m: Floats, on_legs_m: Floats, begin: int, end: int, both_ways: tuple[Offsets, Offsets]
+        self, line_m: Floats, on_legs_m: Floats, begin: int, end: int, derivatives: _Derivatives
     ) -> float:
         """What a line, and the part of it that is on the legs, add to a path error, both ways."""
         fixes = self.recording.north_east_m
-        scale_m = max(path_error_m(both_ways), _LEAST_SCALE_M)
         there = distances_in_order_m(fixes[begin:end], points_along(line_m, _SPACING_M)[0])
         near = fixes[max(0, begin - _AROUND_FIXES) : end + _AROUND_FIXES]
         back = distances_in_order_m(points_along(on_legs_m, _SPACING_M)[0], near)
-        share = (there**4).sum() / len(fixes) + (back**4).sum() / len(both_ways[1].leg)
-        return float(share / (8 * scale_m**3))
+        return float((there**4).sum() * derivatives.by_fix + (back**4).sum() * derivatives.by_point)
 
     def _late_m(self, flight: LocalFlight, begin: int, end: int) -> float:
         """What being late or early adds on these legs."""
