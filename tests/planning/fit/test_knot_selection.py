@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.knot_selection import select_waypoints
+from flight_replay.planning.fit.knot_selection import select_waypoints, selections
 from flight_replay.planning.fit.problem import FirstDraft
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits
@@ -55,3 +55,20 @@ def test_a_descent_on_the_spot_begins_and_ends_at_places() -> None:
     assert places_m[corner] == pytest.approx([60.0, 0.0, 20.0], abs=1.5)
     assert corner < len(places_m) - 1
     assert places_m[: corner + 1, 2].min() > 18.0
+
+
+def test_where_there_are_too_many_places_for_the_time_the_drafts_have_fewer() -> None:
+    """Legs of less than about two seconds slow a vehicle: 60 s are flown in about 30 legs."""
+    track = wander(2, fixes=120)
+    few = selections(problem_for(local_track(track, 20.0), 80, Limits(), timed=True), 80)
+    counts = [len(start.draft) for start in few]
+    assert len(set(counts)) == len(counts) > 2
+    assert max(counts) < 45
+
+
+def test_where_there_is_time_for_all_places_the_drafts_differ_in_where_they_stand() -> None:
+    """All have about as many, chosen from other candidates."""
+    track = wander(2, fixes=200)
+    starts = selections(problem_for(local_track(track, 20.0), 20, Limits(), timed=True), 20)
+    assert all(18 <= len(start.draft) <= 20 for start in starts)
+    assert len({start.draft.places_m.tobytes() for start in starts}) == 4

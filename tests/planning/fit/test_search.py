@@ -1,11 +1,8 @@
 """The search among starts, and why it stops."""
 
-from dataclasses import replace
-
 import pytest
 
 import flight_replay.planning.fit.search as search_module
-from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
@@ -55,40 +52,3 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
     best, stopped = search(problem, [curved, curved], Budget(150, lambda done, total: None))
     assert best.objective_m < min(searched)
     assert stopped != "a dead end"
-
-
-def test_every_start_has_its_turn_and_the_best_of_them_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At the recorded speed the start that is worse after a round may end better."""
-    problem, (curved, _) = problem_and_starts(timed=True)
-    turns: list[Draft] = []
-
-    def in_place(problem: FitProblem, state: State, share: float, most: int, budget: Budget) -> State:
-        turns.append(state.best.draft)
-        better_m = 0.5 if len(turns) == 2 else 1.0
-        return replace(state, best=replace(state.best, late_m=better_m * state.best.late_m))
-
-    monkeypatch.setattr(search_module, "_turn", in_place)
-    best, _ = search(problem, [curved, curved], Budget(10_000, lambda done, total: None))
-    assert len(turns) == 3
-    assert turns[0] is not turns[1]
-    assert turns[2] is turns[1] is best.draft
-
-
-def test_a_third_start_is_searched_if_it_is_the_best_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two have a turn, there is time for; another has one of these if it begins better than both."""
-    problem, (curved, straight) = problem_and_starts(timed=True)
-    turned = []
-
-    def turn(problem: FitProblem, state: State, share: float, most: int, budget: Budget) -> State:
-        turned.append(len(state.best.draft))
-        budget.spend(80)
-        return state
-
-    monkeypatch.setattr(search_module, "_turn", turn)
-    few = replace(curved, draft=curved.draft.part(0, 19))
-    search(problem, [straight, straight, few], Budget(200, lambda done, total: None))
-    assert turned[:2] == [19, 20]
-    turned.clear()
-    few = replace(straight, draft=straight.draft.part(0, 19))
-    search(problem, [curved, curved, few], Budget(200, lambda done, total: None))
-    assert turned[:2] == [20, 20]

@@ -20,7 +20,7 @@ from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
 from flight_replay.planning.fit.draft import flown_through
 from flight_replay.planning.fit.knot_placement import first_draft
-from flight_replay.planning.fit.knot_selection import select_waypoints
+from flight_replay.planning.fit.knot_selection import select_waypoints, selections
 from flight_replay.planning.fit.line_simplification import corner_draft, douglas_peucker, straight_draft
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
@@ -37,7 +37,7 @@ WORK_FIXES = 1000
 _HOVER_SHARE = 3
 # Durations of flights, and the steps of the model that can be afforded for each.
 _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
-_WORK_STEPS, _WORK_STEPS_A_FIX = 770_000, 40
+_WORK_STEPS, _WORK_STEPS_A_FIX = 1_070_000, 40
 """Steps of the model that the search may take, and more for each fix."""
 _FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 250
 
@@ -115,16 +115,16 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     last = len(recording) - 1
     if last == 0 or max_points < 2:
         return [FirstDraft(straight_draft(recording, np.array([last])), {})]
+    if problem.timed:
+        return [*selections(problem, max_points), corner_draft(problem, max_points)]
     selected = select_waypoints(problem, max_points)
-    even = first_draft(problem.recording, len(selected.draft), problem.hovers, timed=problem.timed)
-    even = replace(even, spline=flown_through(even.hold_s, straight_starts=problem.straight_starts))
+    even = first_draft(problem.recording, len(selected.draft), problem.hovers, timed=False)
+    even = replace(even, spline=flown_through(even.hold_s))
     waits = np.flatnonzero(even.hold_s[1:] > 0) + 1
     line = np.column_stack([recording.north_east_m, recording.up_m])
-    curved = [selected, FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0)))]
-    if problem.timed:
-        return [*curved, corner_draft(problem, max_points)]
     return [
-        *curved,
+        selected,
+        FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0))),
         FirstDraft(straight_draft(recording, douglas_peucker(line, max_points)), {}),
         FirstDraft(straight_draft(recording, decimate(flown, max_points=max_points)), {}),
     ]

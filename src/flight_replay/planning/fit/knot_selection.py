@@ -20,7 +20,11 @@ from flight_replay.planning.fit.problem import FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack, holds_s
 from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 
-CANDIDATES_A_PLACE = 2
+USUAL_CANDIDATES = 2.0
+"""Candidates for each place that is kept."""
+_CANDIDATES = (2.0, 3.0, 2.5, 4.0)
+_SHORTEST_LEGS_S = (1.8, 1.95, 2.1, 2.25)
+_FEWEST = 5
 _USUAL_ERROR_M = 0.4
 """Path error about which the objective is taken to be linear in the fourth powers of distances."""
 _UNEVEN_SHARE = 0.2
@@ -31,14 +35,19 @@ _STEPS_A_LEG = 12
 _PAPER_STEPS, _PAPER_GAIN, _PAPER_SMOOTHING = 3, 0.7, 0.003
 
 
-def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:
+def select_waypoints(
+    problem: FitProblem, most: int, candidates_a_place: float = USUAL_CANDIDATES
+) -> FirstDraft:
     """A draft of at most ``most`` splines through the recording, and the hovers that it waits for.
 
     Args:
         problem: its recording has at least two fixes; fewer hovers than ``most`` - 2.
         most: at least two.
+        candidates_a_place: how many waypoints there are at first for each that may be kept: with others
+            the same recording is followed by quite another draft.
     """
-    knots = _Knots(problem.recording, problem.hovers, CANDIDATES_A_PLACE * most, timed=problem.timed)
+    candidates = round(candidates_a_place * most)
+    knots = _Knots(problem.recording, problem.hovers, candidates, timed=problem.timed)
     knots.thin_out(most)
     kept = np.flatnonzero(knots.alive).tolist()
     hovers = {place: hover for place, knot in enumerate(kept) if (hover := knots.hover[knot]) and place > 0}
@@ -48,6 +57,22 @@ def select_waypoints(problem: FitProblem, most: int) -> FirstDraft:
     through = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)
     draft = Draft(places_m, through, hold_s, np.full(len(kept), np.nan))
     return FirstDraft(_moved_on_paper(draft, problem.recording), hovers)
+
+
+def selections(problem: FitProblem, most: int) -> list[FirstDraft]:
+    """Several drafts of at most ``most`` places, where the recorded speed is to be kept.
+
+    Where that many would make legs of less than about two seconds, which slow the vehicle, they have fewer
+    places, each another number; otherwise they differ in what they are selected from.
+    """
+    moving_s = float(problem.recording.time_s[-1]) - sum(hover.seconds for hover in problem.hovers)
+    found = {}
+    for leg_s, candidates in zip(_SHORTEST_LEGS_S, _CANDIDATES, strict=True):
+        places = min(most, len(problem.hovers) + max(_FEWEST, round(moving_s / leg_s)))
+        key = (places, candidates if places == most else USUAL_CANDIDATES)
+        if key not in found:
+            found[key] = select_waypoints(problem, *key)
+    return list(found.values())
 
 
 def _moved_on_paper(draft: Draft, recording: LocalTrack) -> Draft:

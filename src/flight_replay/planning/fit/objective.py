@@ -45,6 +45,7 @@ _PIECE_M = 1.0
 _NUDGE = 0.01
 _AT_STOP_M = 1.0
 """A vehicle that comes to rest shoots past its stop and comes back slowly: so near it does not creep."""
+_LEAST_SCALE_M = 0.4
 _WINDOW_FIXES = 4
 """A point of the path that lies between two fixes in order is compared with the line so many fixes around."""
 
@@ -105,6 +106,33 @@ class Evaluation:
 def path_error_m(both_ways: tuple[Offsets, Offsets]) -> float:
     """Power mean with exponent 4 of distances, both ways alike."""
     return float(np.mean([(offsets.apart_m**4).mean() for offsets in both_ways]) ** 0.25)
+
+
+def scales_of(evaluation: Evaluation) -> tuple[float, float]:
+    """The path errors, flown and planned, about which what legs cost is linear; not too small."""
+    flown, planned = (path_error_m(both_ways) for both_ways in (evaluation.flown, evaluation.planned))
+    return max(flown, _LEAST_SCALE_M), max(planned, _LEAST_SCALE_M)
+
+
+def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole: bool) -> Floats:
+    """What the errors on the leg to each place (n,) add to the objective, linear about its path errors.
+
+    Args:
+        evaluation: a draft as it is flown.
+        scales_m: the path errors, flown and planned.
+        whole: whether being late counts, or the path errors only.
+    """
+    legs = len(evaluation.draft)
+    cost = np.zeros(legs)
+    kinds = zip((evaluation.flown, evaluation.planned), (1.0, evaluation.plan_share), scales_m, strict=True)
+    for both_ways, share, scale_m in kinds:
+        for offsets in both_ways:
+            total = np.bincount(offsets.leg, offsets.apart_m**4, minlength=legs)
+            cost += share * total / (2 * len(offsets.leg) * 4 * scale_m**3)
+    if whole:
+        late_m = np.bincount(evaluation.planned[0].leg, evaluation.late_m, minlength=legs)
+        cost += TIME_SHARE * late_m / len(evaluation.late_m)
+    return cost
 
 
 def objective_lower_bound_m(draft: Draft, recording: LocalTrack, *, timed: bool) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals, with_fitted_heights
-from flight_replay.planning.fit.objective import TIME_SHARE, Evaluation, path_error_m
+from flight_replay.planning.fit.objective import Evaluation, leg_costs_m, path_error_m, scales_of
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
@@ -22,7 +22,6 @@ _SMOOTHING, _MIN_SMOOTHING = 0.02, 0.003
 _LEG_S = 1.4
 """Where legs are shorter than this in time, uneven places mean jerks."""
 _FIRST_GAIN, _TRUST_MORE, _TRUST_LESS = 0.8, 1.3, 0.5
-_LEAST_SCALE_M = 0.4
 # Points weigh as the fourth power in the objective has it, but less where that would cost time.
 _WEIGHT_POWER, _TIMED_WEIGHT_POWER = 2.0, 1.0
 _LEGS_BEFORE, _LEGS_AROUND = 1, 5
@@ -51,7 +50,7 @@ def shaped(  # noqa: PLR0913
         flown: gives a draft as it is flown.
         whole: whether being late counts, or the path errors only.
     """
-    best, scales = start, tuple(max(error, _LEAST_SCALE_M) for error in _path_errors_m(start))
+    best, scales = start, scales_of(start)
     places, moves = start.draft.places_m, _moves_m(problem, start)
     costs = _costs_around(start, scales, whole=whole)
     gain = np.full(len(places), _FIRST_GAIN)
@@ -76,29 +75,15 @@ def stepped(problem: FitProblem, evaluation: Evaluation, hovers: dict[int, Hover
     return kept_in_corridor(moved, hovers, problem.recording)
 
 
-def _path_errors_m(evaluation: Evaluation) -> tuple[float, float]:
-    return path_error_m(evaluation.flown), path_error_m(evaluation.planned)
-
-
 def _goal_m(evaluation: Evaluation, *, whole: bool) -> float:
     if whole:
         return evaluation.objective_m
-    flown, planned = _path_errors_m(evaluation)
-    return flown + evaluation.plan_share * planned
+    return path_error_m(evaluation.flown) + evaluation.plan_share * path_error_m(evaluation.planned)
 
 
-def _costs_around(evaluation: Evaluation, scales_m: tuple[float, ...], *, whole: bool) -> Floats:
+def _costs_around(evaluation: Evaluation, scales_m: tuple[float, float], *, whole: bool) -> Floats:
     """What the errors near each place (n,) add to the objective, linear about path errors of ``scales_m``."""
-    legs = len(evaluation.draft)
-    cost = np.zeros(legs)
-    kinds = zip((evaluation.flown, evaluation.planned), (1.0, evaluation.plan_share), scales_m, strict=True)
-    for both_ways, share, scale_m in kinds:
-        for offsets in both_ways:
-            total = np.bincount(offsets.leg, offsets.apart_m**4, minlength=legs)
-            cost += share * total / (2 * len(offsets.leg) * 4 * scale_m**3)
-    if whole:
-        late_m = np.bincount(evaluation.planned[0].leg, evaluation.late_m, minlength=legs)
-        cost += TIME_SHARE * late_m / len(evaluation.late_m)
+    cost = leg_costs_m(evaluation, scales_m, whole=whole)
     padded = np.pad(cost, (_LEGS_BEFORE, _LEGS_AROUND - 1 - _LEGS_BEFORE))
     return np.asarray(np.convolve(padded, np.ones(_LEGS_AROUND), "valid"))
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.place_moves import shaped, stepped
-from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover
 from flight_replay.planning.fit.speed_schedule import schedule, speed_caps_m_s
 from flight_replay.planning.fit.speed_search import SpeedSearch
@@ -20,6 +21,8 @@ ROUND_FLIGHTS = TIMED_FLIGHTS + _PATH_STEPS
 SWEEP_FLIGHTS = 25
 """A way through the legs costs at least about as many: each is flown with those around it."""
 ENOUGH = "so many flights are enough for a recording of this length"
+WORTH_GOING_ON = 0.01
+NO_MORE = f"the last steps gained less than {100 * WORTH_GOING_ON:.0f} %"
 
 FIRST_DAMPING = 0.03
 _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
@@ -40,6 +43,15 @@ class State:
 def better(*found: Evaluation) -> Evaluation:
     """The one with the smallest objective."""
     return min(found, key=lambda each: each.objective_m)
+
+
+def begun(problem: FitProblem, start: FirstDraft, budget: Budget, most_m: float = inf) -> State:
+    """A start with its speeds set, and after a first round unless it costs more than ``most_m`` before."""
+    first = timed(problem, start.draft, start.hovers, budget)
+    state = State(first, start.hovers)
+    if first.objective_m > most_m or not budget.affords(ROUND_FLIGHTS):
+        return state
+    return rounded(problem, state, budget)
 
 
 def rounded(problem: FitProblem, state: State, budget: Budget) -> State:

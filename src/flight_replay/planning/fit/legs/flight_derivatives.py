@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flight_replay.exceptions import MissionError
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.polyline import nearest_on_line_m
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
@@ -23,6 +23,8 @@ _SPEED_CHANGE, _PLACE_CHANGE_M = 0.08, 0.4
 _LEGS_AFTER_SPEED, _LEGS_BEFORE_PLACE, _LEGS_AFTER_PLACE = 1, 1, 2
 _BEFORE_S = 1.0
 _AROUND_FIXES = 3
+_EVERY = 3
+"""Lines through every third step of a flight are within millimetres of it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +74,26 @@ def flight_derivatives(problem: FitProblem, base: Evaluation, longest_s: float) 
     return FlightDerivatives(errors, passed_s, legs.steps)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _UsualLegs:
+    """Some legs as they are flown and planned without a change, and the fixes and marks beside them.
+
+    ``before_m`` (k, 2) is what was flown in the second before ``begin_s``. ``feet_m`` and
+    ``planned_feet_m`` (n, 2) are the nearest points to the n fixes that are passed on the legs. ``marks``
+    (m,) are those on them, ``mark_shares`` (m,) how far in time, ``marks_off_m`` (m, 2) their offsets
+    from ``near_m`` (j, 2), the recorded line.
+    """
+
+    begin_s: float
+    before_m: Floats
+    feet_m: Floats
+    marks: Indices
+    mark_shares: Floats
+    marks_off_m: Floats
+    near_m: Floats
+    planned_feet_m: Floats
+
+
 class _ChangedLegs:
     """A draft's flight, and what changes of it do to the errors."""
 
@@ -83,6 +105,7 @@ class _ChangedLegs:
         self._passed_s = np.append(self._flights.left_s(0), self._whole.passed_s)
         self._passing_leg = np.maximum.accumulate(base.planned[0].leg)
         self._marks_m, self._marks_s = marks_along(base.flight, problem.recording.axes)
+        self._latest: tuple[tuple[int, int], _UsualLegs] | None = None
 
     @property
     def steps(self) -> int:
@@ -132,26 +155,49 @@ class _ChangedLegs:
         position_m[after] = there - places_at(whole.time_s, whole.north_east_m, times_s)
 
     def _add_path(self, errors: ErrorVectors, flown: LocalFlight, first: int, last: int, some: slice) -> None:
-        begin_s, end_s = self._passed_s[first - 1], self._passed_s[last]
-        time_s, north_east_m = self._whole.time_s, self._whole.north_east_m
-        before = north_east_m[(time_s >= begin_s - _BEFORE_S) & (time_s < begin_s)]
-        usual = north_east_m[(time_s >= begin_s) & (time_s <= end_s + _BEFORE_S)]
+        usual = self._usual(first, last)
         fixes = self._recording.north_east_m
-        feet = _feet_m(fixes[some], np.vstack([before, flown.north_east_m]))
-        errors.there[some] = _feet_m(fixes[some], np.vstack([before, usual])) - feet
-        on_legs = np.flatnonzero((self._marks_s >= begin_s) & (self._marks_s <= end_s))
-        share = (self._marks_s[on_legs] - begin_s) / max(end_s - begin_s, 1e-6)
-        marks_s = begin_s + share * (flown.left_s - begin_s)
+        line = np.vstack([usual.before_m, flown.north_east_m[::_EVERY]])
+        errors.there[some] = usual.feet_m - _feet_m(fixes[some], line)
+        marks_s = usual.begin_s + usual.mark_shares * (flown.left_s - usual.begin_s)
         marks = places_at(flown.time_s, flown.north_east_m, marks_s)
-        near = fixes[max(0, some.start - _AROUND_FIXES) : some.stop + _AROUND_FIXES]
-        usual_off = _feet_m(self._marks_m[on_legs], near) - self._marks_m[on_legs]
-        errors.back[on_legs] = _feet_m(marks, near) - marks - usual_off
+        errors.back[usual.marks] = _feet_m(marks, usual.near_m) - marks - usual.marks_off_m
 
     def _add_planned(self, planned_m: Floats, changed: Draft, first: int, last: int, some: slice) -> None:
         fixes = self._recording.north_east_m[some]
-        drafts = self._flights.draft, changed
-        usual, moved = (draft.legs_path(first - 1, last, CURVE_TOLERANCE_M) for draft in drafts)
-        planned_m[some] = _feet_m(fixes, usual) - _feet_m(fixes, moved)
+        moved = changed.legs_path(first - 1, last, CURVE_TOLERANCE_M)
+        planned_m[some] = self._usual(first, last).planned_feet_m - _feet_m(fixes, moved)
+
+    def _usual(self, first: int, last: int) -> _UsualLegs:
+        """What several changes of the same legs are compared with."""
+        if self._latest is None or self._latest[0] != (first, last):
+            self._latest = (first, last), self._usual_legs(first, last)
+        return self._latest[1]
+
+    def _usual_legs(self, first: int, last: int) -> _UsualLegs:
+        begin, end = np.searchsorted(self._passing_leg, [first, last + 1]).tolist()
+        begin_s, end_s = float(self._passed_s[first - 1]), float(self._passed_s[last])
+        time_s, north_east_m = self._whole.time_s, self._whole.north_east_m
+        from_row, begin_row, end_row = np.searchsorted(
+            time_s, [begin_s - _BEFORE_S, begin_s, end_s + _BEFORE_S]
+        ).tolist()
+        before = north_east_m[from_row:begin_row:_EVERY]
+        line = np.vstack([before, north_east_m[begin_row : end_row + 1 : _EVERY]])
+        fixes = self._recording.north_east_m
+        marks = np.flatnonzero((self._marks_s >= begin_s) & (self._marks_s <= end_s))
+        near = fixes[max(0, begin - _AROUND_FIXES) : end + _AROUND_FIXES]
+        return _UsualLegs(
+            begin_s=begin_s,
+            before_m=before,
+            feet_m=_feet_m(fixes[begin:end], line),
+            marks=marks,
+            mark_shares=(self._marks_s[marks] - begin_s) / max(end_s - begin_s, 1e-6),
+            marks_off_m=_feet_m(self._marks_m[marks], near) - self._marks_m[marks],
+            near_m=near,
+            planned_feet_m=_feet_m(
+                fixes[begin:end], self._flights.draft.legs_path(first - 1, last, CURVE_TOLERANCE_M)
+            ),
+        )
 
 
 def _feet_m(points_m: Floats, line_m: Floats) -> Floats:

@@ -1,0 +1,86 @@
+"""Stretches exchanged between drafts: what is better of each comes together."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.exchange import exchanged
+from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import Hover, local_track
+from flight_replay.planning.fit.rounds import State
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import along
+
+LENGTH_M, SPEED_M_S = 200.0, 4.0
+
+
+def problem() -> FitProblem:
+    track = along([(0.0, 0.0), (LENGTH_M, 0.0)], SPEED_M_S)
+    return problem_for(local_track(track, 20.0), 20, Limits(), timed=True)
+
+
+def state(problem: FitProblem, off_m: Floats) -> State:
+    """Straight on in equal legs, but for how far each place is beside the way."""
+    n = len(off_m)
+    places = np.column_stack([np.linspace(0.0, LENGTH_M, n), off_m, np.full(n, 20.0)])
+    hold_s = np.append(1.0, np.zeros(n - 1))
+    draft = Draft(places, hold_s == 0, hold_s, np.append(np.nan, np.full(n - 1, SPEED_M_S)))
+    return State(problem.evaluate(draft), {})
+
+
+def budget(flights: int = 100) -> Budget:
+    return Budget(flights, lambda done, total: None)
+
+
+def bumps(*at: int, places: int = 11) -> Floats:
+    off_m = np.zeros(places)
+    off_m[list(at)] = 3.0
+    return off_m
+
+
+def test_each_draft_gives_what_it_is_better_in() -> None:
+    """One strays in the beginning, the other in the end; what comes of both strays nowhere."""
+    here = problem()
+    states = [state(here, bumps(2)), state(here, bumps(8))]
+    spent = budget()
+    found = exchanged(here, states, 20, spent)
+    assert np.abs(found.best.draft.places_m[:, 1]).max() == 0.0
+    assert found.best.objective_m < min(each.best.objective_m for each in states)
+    assert spent.spent > 0
+
+
+def test_there_are_no_more_places_than_are_allowed() -> None:
+    """A stretch of more places is taken only if there may be so many."""
+    here = problem()
+    few, many = state(here, bumps(2)), state(here, bumps(14, 16, 18, places=21))
+    assert exchanged(here, [few, many], 11, budget()).best is few.best
+    assert len(exchanged(here, [few, many], 30, budget()).best.draft) > 11
+
+
+def test_hovers_stay_with_their_places() -> None:
+    """Those of a stretch come with it, and those behind it move with their places."""
+    here = problem()
+    few, many = state(here, bumps(2)), state(here, bumps(14, 16, 18, places=21))
+    hover, late = Hover(5, 6, 5.0), Hover(150, 160, 6.0)
+
+    def waiting(each: State, place: int, hover: Hover) -> State:
+        hold_s = each.best.draft.hold_s.copy()
+        hold_s[place] = 1.0
+        return replace(
+            each, best=here.evaluate(replace(each.best.draft, hold_s=hold_s)), hovers={place: hover}
+        )
+
+    found = exchanged(here, [waiting(few, 9, late), waiting(many, 1, hover)], 30, budget())
+    assert len(found.best.draft) > 11
+    assert found.hovers == {int(np.flatnonzero(found.best.draft.hold_s)[-1]): late}
+
+
+def test_nothing_is_flown_without_time() -> None:
+    """Without a flight left the best of the drafts is what there is."""
+    here = problem()
+    states = [state(here, bumps(2)), state(here, bumps(8))]
+    found = exchanged(here, states, 20, budget(0))
+    assert found is min(states, key=lambda each: each.best.objective_m)

@@ -1,0 +1,58 @@
+"""The search where the recorded speed is kept: among starts, by what they exchange, and on from there."""
+
+from dataclasses import replace
+
+import pytest
+
+import flight_replay.planning.fit.timed_search as timed_search_module
+from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.knot_selection import selections
+from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
+from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.rounds import State
+from flight_replay.planning.fit.timed_search import timed_search
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import wander
+
+
+def problem_and_starts() -> tuple[FitProblem, list[FirstDraft]]:
+    problem = problem_for(local_track(wander(2), 20.0), 20, Limits(), timed=True)
+    return problem, selections(problem, 20)
+
+
+def budget(flights: int) -> Budget:
+    return Budget(flights, lambda done, total: None)
+
+
+def test_what_several_starts_come_to_is_better_than_what_one_does() -> None:
+    """They exchange stretches, and the best goes on."""
+    problem, starts = problem_and_starts()
+    alone, _ = timed_search(problem, starts[:1], budget(250))
+    together, _ = timed_search(problem, starts, budget(250))
+    assert together.objective_m < 1.02 * alone.objective_m
+
+
+def test_as_many_starts_as_there_is_time_for_are_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One always; others only if the best of them can still be searched."""
+    problem, starts = problem_and_starts()
+    exchanging: list[int] = []
+
+    def first(problem: FitProblem, states: list[State], most: int, budget: Budget) -> State:
+        exchanging.append(len(states))
+        return states[0]
+
+    monkeypatch.setattr(timed_search_module, "exchanged", first)
+    for flights in (10, 95, 1000):
+        timed_search(problem, starts, budget(flights))
+    assert exchanging == [1, 2, 3]
+
+
+def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that is half as bad again after its round is not worth steps."""
+    problem, starts = problem_and_starts()
+    states = [State(problem.evaluate(start.draft), start.hovers) for start in starts[:2]]
+    worse = replace(states[1].best, late_m=states[1].best.late_m + 100.0)
+    states[1] = replace(states[1], best=worse)
+    monkeypatch.setattr(timed_search_module, "begun", lambda *_: states.pop(0))
+    (kept,) = timed_search_module._begun(problem, starts[:2], budget(1000))
+    assert kept.best is not worse
