@@ -24,7 +24,14 @@ from flight_replay.planning.fit.knot_selection import select_waypoints, selectio
 from flight_replay.planning.fit.line_simplification import corner_draft, douglas_peucker, straight_draft
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
-from flight_replay.planning.fit.reference import LocalTrack, flat_frame, hovers, local_track
+from flight_replay.planning.fit.reference import (
+    SHORTEST_HOVER_S,
+    ROOMY_HOVER_S,
+    LocalTrack,
+    flat_frame,
+    hovers,
+    local_track,
+)
 from flight_replay.planning.fit.result import FitResult, lag_notes
 from flight_replay.planning.fit.search import search
 from flight_replay.planning.flown_part import flown_part
@@ -35,6 +42,8 @@ from flight_replay.simulator.dynamics.limits import Limits
 WORK_FIXES = 1000
 """Fixes that the search looks at; the errors of the answer are those of all fixes."""
 _HOVER_SHARE = 3
+_ROOMY_LEG_S = 2.0
+"""With fewer waypoints than one in so many seconds, stopping for a pause costs less than flying it slowly."""
 # Durations of flights, and the steps of the model that can be afforded for each.
 _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
 _WORK_STEPS, _WORK_STEPS_A_FIX = 1_070_000, 40
@@ -91,7 +100,10 @@ def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed
     work = recording.thinned(WORK_FIXES)
     most_hovers = (max_points - 2) // _HOVER_SHARE
     step_s = float(np.interp(recording.time_s[-1], *_STEPS_S))
-    return FitProblem(work, hovers(work, most_hovers) if most_hovers > 0 else [], limits, timed, step_s)
+    is_roomy = timed and recording.time_s[-1] > _ROOMY_LEG_S * max_points
+    shortest_s = ROOMY_HOVER_S if is_roomy else SHORTEST_HOVER_S
+    waits = hovers(work, most_hovers, shortest_s) if most_hovers > 0 else []
+    return FitProblem(work, waits, limits, timed, step_s)
 
 
 def _budget(problem: FitProblem, fixes: int, progress: ProgressCallback | None) -> Budget:

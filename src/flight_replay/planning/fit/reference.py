@@ -17,6 +17,8 @@ HOVER_RADIUS_M = 0.3
 """A vehicle that hovers wanders about as far in some seconds; farther, it was on its way."""
 SHORTEST_HOVER_S = 5.0
 """Shorter pauses are flown slowly: to brake, wait and start again takes ArduCopter as long."""
+ROOMY_HOVER_S = 3.5
+"""Where legs are long anyway, so much is worth a stop: one speed a leg would smear it over all of a leg."""
 SETTLE_HOLD_S = 1.0
 """At the first place a vehicle comes to rest before what is timed begins."""
 
