@@ -30,7 +30,7 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import RECORDED, Recorded
 from flight_replay.planning.fit import fit
-from flight_replay.planning.fit.line_simplification import straight_draft
+from flight_replay.planning.fit.first_drafts.line_simplification import straight_draft
 from flight_replay.planning.fit.reference import LocalTrack, local_track
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.flown_part import flown_part

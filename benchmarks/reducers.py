@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.polyline import nearest_on_segments
-from flight_replay.planning.fit.line_simplification import douglas_peucker
+from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker
 
 Indices = NDArray[np.intp]
 Reducer = Callable[[Floats, int], Indices]

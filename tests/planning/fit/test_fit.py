@@ -17,8 +17,8 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.items import Command
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.fit import FitResult, fit
+from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.spacing import decimate
 from flight_replay.simulator.dynamics.limits import Limits

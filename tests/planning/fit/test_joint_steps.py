@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from flight_replay.planning.fit import joint_steps
+from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.joint_steps import stepped_jointly
-from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.rounds import State, timed

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.planning.fit.line_simplification import straight_draft
+from flight_replay.planning.fit.first_drafts.line_simplification import straight_draft
 from flight_replay.planning.fit.objective import (
     CREEPING_M_S,
     TIMED_PLAN_SHARE,

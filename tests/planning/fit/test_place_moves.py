@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.knot_placement import first_draft
 from flight_replay.planning.fit.objective import path_error_m
 from flight_replay.planning.fit.place_moves import kept_in_corridor, shaped
 from flight_replay.planning.fit.reference import Hover, local_track

@@ -1,6 +1,6 @@
 """Notes on where the vehicle cannot keep up."""
 
-from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
+from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.objective import evaluate
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.result import lag_notes

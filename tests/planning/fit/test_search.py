@@ -3,9 +3,9 @@
 import pytest
 
 import flight_replay.planning.fit.search as search_module
+from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
+from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.knot_placement import first_draft
-from flight_replay.planning.fit.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track

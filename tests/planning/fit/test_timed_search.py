@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 import flight_replay.planning.fit.timed_search as timed_search_module
+from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.knot_selection import selections
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.rounds import State

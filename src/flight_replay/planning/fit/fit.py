@@ -19,14 +19,18 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
 from flight_replay.planning.fit.draft import flown_through
-from flight_replay.planning.fit.knot_placement import first_draft
-from flight_replay.planning.fit.knot_selection import select_waypoints, selections
-from flight_replay.planning.fit.line_simplification import corner_draft, douglas_peucker, straight_draft
+from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
+from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints, selections
+from flight_replay.planning.fit.first_drafts.line_simplification import (
+    corner_draft,
+    douglas_peucker,
+    straight_draft,
+)
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import (
-    SHORTEST_HOVER_S,
     ROOMY_HOVER_S,
+    SHORTEST_HOVER_S,
     LocalTrack,
     flat_frame,
     hovers,

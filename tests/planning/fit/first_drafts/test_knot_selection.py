@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints, selections
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.knot_selection import select_waypoints, selections
 from flight_replay.planning.fit.problem import FirstDraft
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits

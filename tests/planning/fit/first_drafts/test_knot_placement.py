@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flight_replay.planning.fit.knot_placement import first_draft
+from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
 from flight_replay.planning.fit.reference import LocalTrack
 
 

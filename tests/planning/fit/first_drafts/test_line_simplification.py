@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from flight_replay.planning.fit.first_drafts.line_simplification import corner_draft, douglas_peucker
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.line_simplification import corner_draft, douglas_peucker
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import FRAME, along
