@@ -24,6 +24,7 @@ USUAL_CANDIDATES = 2.0
 """Candidates for each place that is kept."""
 _CANDIDATES = (2.0, 3.0, 2.5, 4.0)
 _SHORTEST_LEGS_S = (1.8, 1.95, 2.1, 2.25)
+"""By which several selections differ: candidates for each place, or how long legs are on average at least."""
 _FEWEST = 5
 _USUAL_ERROR_M = 0.4
 """Path error about which the objective is taken to be linear in the fourth powers of distances."""
