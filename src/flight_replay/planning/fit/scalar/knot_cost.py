@@ -19,7 +19,7 @@ _AROUND_FIXES: Final = 2
 
 @dataclass(slots=True)
 class CandidateKnots:
-    """CandidateKnots in order: where they are, rows of two or three metres, and how they are flown to.
+    """Candidates in order: where they are, rows of two or three metres, and how they are flown to.
 
     Knot k stands for the fixes ``first[k]`` to ``last[k]``; at ``stops`` the vehicle comes to rest, and to
     ``straight`` ones it flies straight.
