@@ -1,5 +1,7 @@
 """Steps of all speeds and places together gain, stay near the recording, and stop where they cannot."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from flight_replay.planning.fit import joint_steps
 from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.joint_steps import stepped_jointly
+from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives, flight_derivatives
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.rounds import State, timed
@@ -45,6 +48,25 @@ def test_steps_that_fail_are_damped_more(monkeypatch: pytest.MonkeyPatch) -> Non
     found = stepped_jointly(problem, start, budget())
     assert found.best is start.best
     assert found.damping > start.damping
+
+
+def test_where_changes_to_one_side_lead_nowhere_those_to_the_other_count_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The mean of both is followed; and the sides change from step to step."""
+    problem, start = problem_and_start()
+    sizes: list[float] = []
+
+    def watched(*args: Any) -> FlightDerivatives:
+        sizes.append(args[-1])
+        return flight_derivatives(*args)
+
+    monkeypatch.setattr(joint_steps, "flight_derivatives", watched)
+    after = stepped_jointly(problem, start, budget())
+    stepped_jointly(problem, after, budget())
+    monkeypatch.setattr(joint_steps, "_flown_on_time", lambda *_: (start.best, 0))
+    stepped_jointly(problem, start, budget())
+    assert sizes == [1.0, -0.5, 1.0, -1.0]
 
 
 def test_what_would_take_too_much_memory_is_left_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:

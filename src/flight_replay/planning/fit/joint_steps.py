@@ -16,6 +16,7 @@ from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.flight_derivatives import (
     CHANGES_A_PLACE,
     ErrorVectors,
+    FlightDerivatives,
     flight_derivatives,
 )
 from flight_replay.planning.fit.objective import (
@@ -35,12 +36,14 @@ JOINT_FLIGHTS = 11
 """A step costs about as many flights, most of them for the derivatives."""
 _COARSER = 2.0
 """Derivatives are as good in steps so many times longer, though never longer than those of the search."""
+_SIZES = (1.0, -0.5)
+"""Large changes to one side and small ones to the other, by turns: each misses what the other sees."""
 _MORE, _LESS = 4.0, 0.5
 _TRIES = 3
 _PATIENCE_S = 60.0
 """A leg may take so much longer than the flight: the first comes after the climb of a take-off."""
-_MOST_DERIVATIVES = 20_000_000
-"""More would take too much memory; two copies of these take 320 MB."""
+_MOST_DERIVATIVES = 15_000_000
+"""More would take too much memory; three copies of these take 360 MB."""
 _USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
 _MOST_CHANGE = 2 * _USUAL_CHANGE
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
@@ -49,6 +52,9 @@ _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
     """The best after some steps by the same derivatives, and the damping of the next.
 
+    Where changes to one side lead nowhere, the objective often has a ridge or a step there: then the same
+    changes to the other side are flown as well, and the mean of both is followed.
+
     Args:
         problem: what to fit.
         state: the draft as it is flown in exact steps of the model.
@@ -56,31 +62,54 @@ def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
     """
     if len(state.best.draft) < 2 or _derivatives_count(state.best) > _MOST_DERIVATIVES:
         return state
-    exact, base = problem.exact, state.best
-    duration_s = float(base.flight.time_s[-1])
-    coarse = replace(exact, step_s=min(_COARSER * exact.step_s, problem.step_s))
-    coarse_base = coarse.evaluate(base.draft)
-    derivatives = flight_derivatives(coarse, coarse_base, duration_s + _PATIENCE_S)
-    steps_a_flight = max(duration_s / exact.step_s, 1.0)
-    budget.spend(derivatives.steps / steps_a_flight)
-    caps_m_s = speed_caps_m_s(base.draft, exact.recording)
-    back_m = coarse_base.flown[1].off_m
-    for _ in range(_TRIES):
-        errors = _errors(state.best, problem.recording, back_m)
-        changes = _changes(derivatives.errors, errors, state.best, state.damping)
-        moved = _changed(state.best.draft, changes, caps_m_s)
-        leave_s = state.best.passed_s + derivatives.passed_s @ changes
-        schedule = Schedule(
-            kept_in_corridor(moved, state.hovers, problem.recording), np.maximum.accumulate(leave_s)
-        )
-        trial, steps = _flown_on_time(exact, schedule, caps_m_s)
-        budget.spend(steps / steps_a_flight)
-        if trial.objective_m >= state.best.objective_m:
-            state = replace(state, damping=_MORE * state.damping)
-            continue
-        state = replace(state, best=trial, damping=_LESS * state.damping)
-        back_m = back_m + (derivatives.errors @ changes)[-back_m.size :].reshape(back_m.shape)
-    return state
+    steps = _JointSteps(problem, state, budget)
+    size = _SIZES[state.joint_steps % len(_SIZES)]
+    state = replace(state, joint_steps=state.joint_steps + 1)
+    derivatives = steps.derivatives(size)
+    after = steps.taken(state, derivatives)
+    if after.best is not state.best or not budget.affords(JOINT_FLIGHTS):
+        return after
+    return steps.taken(state, derivatives.mean_with(steps.derivatives(-size)))
+
+
+class _JointSteps:
+    """Steps from one draft by derivatives of its flight."""
+
+    def __init__(self, problem: FitProblem, state: State, budget: Budget) -> None:
+        self._recording, self._exact, self._budget = problem.recording, problem.exact, budget
+        self._coarse = replace(self._exact, step_s=min(_COARSER * self._exact.step_s, problem.step_s))
+        self._base = self._coarse.evaluate(state.best.draft)
+        self._duration_s = float(state.best.flight.time_s[-1])
+        self._caps_m_s = speed_caps_m_s(state.best.draft, self._recording)
+
+    def derivatives(self, size: float) -> FlightDerivatives:
+        """Those of the draft's flight by changes of such a size; see ``flight_derivatives``."""
+        found = flight_derivatives(self._coarse, self._base, self._duration_s + _PATIENCE_S, size)
+        self._spend(found.steps)
+        return found
+
+    def taken(self, state: State, derivatives: FlightDerivatives) -> State:
+        """After a few steps, those that succeed with less damping after them, those that fail with more."""
+        back_m = self._base.flown[1].off_m
+        for _ in range(_TRIES):
+            errors = _errors(state.best, self._recording, back_m)
+            changes = _changes(derivatives.errors, errors, state.best, state.damping)
+            moved = _changed(state.best.draft, changes, self._caps_m_s)
+            leave_s = state.best.passed_s + derivatives.passed_s @ changes
+            schedule = Schedule(
+                kept_in_corridor(moved, state.hovers, self._recording), np.maximum.accumulate(leave_s)
+            )
+            trial, steps = _flown_on_time(self._exact, schedule, self._caps_m_s)
+            self._spend(steps)
+            if trial.objective_m >= state.best.objective_m:
+                state = replace(state, damping=_MORE * state.damping)
+                continue
+            state = replace(state, best=trial, damping=_LESS * state.damping)
+            back_m = back_m + (derivatives.errors @ changes)[-back_m.size :].reshape(back_m.shape)
+        return state
+
+    def _spend(self, steps: int) -> None:
+        self._budget.spend(steps / max(self._duration_s / self._exact.step_s, 1.0))
 
 
 def _derivatives_count(evaluation: Evaluation) -> int:

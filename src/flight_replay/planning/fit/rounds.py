@@ -32,12 +32,14 @@ _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
 class State:
     """Where a search is: the best so far, and the hovers by the place at which they are waited for.
 
-    ``damping`` is how much the next step of all places and speeds together is damped.
+    ``damping`` is how much the next step of all places and speeds together is damped, ``joint_steps`` how
+    many of those there were.
     """
 
     best: Evaluation
     hovers: dict[int, Hover]
     damping: float = FIRST_DAMPING
+    joint_steps: int = 0
 
 
 def better(*found: Evaluation) -> Evaluation:

@@ -28,6 +28,7 @@ from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import (
     longest_step_m,
+    passed_s,
     positions_on_leg,
     positions_to_end,
 )
@@ -136,7 +137,7 @@ class SpeedSearch:
         leave_s = float(self._plan.leave_s[place])
         rows = self._fly(copter, place, 3 * max(leave_s - self._now_s, 0.0) + _PATIENCE_S)
         used_m_s = min(speed_m_s, self._top_speed_m_s(rows))
-        return _Trial(speed_m_s, used_m_s, copter, rows, copter.time_s - self._begin_s - leave_s)
+        return _Trial(speed_m_s, used_m_s, copter, rows, passed_s(copter) - self._begin_s - leave_s)
 
     def _top_speed_m_s(self, rows: list[Vector]) -> float:
         """The highest ground speed of a leg."""

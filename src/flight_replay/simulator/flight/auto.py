@@ -60,6 +60,11 @@ class MissionRun(SubMode):
         return self.steps * self._flight.airframe.dt
 
     @property
+    def passed_s(self) -> float:
+        """When the target passed the waypoint that has just been reached, within the last step."""
+        return self.time_s - (self._flight.navigation.unused_s if self._submode is None else 0.0)
+
+    @property
     def seq(self) -> int | None:
         """Sequence number of the navigation item that is flown; None before the first."""
         return None if self._item is None else self._item.seq
@@ -102,7 +107,7 @@ class MissionRun(SubMode):
         if self._item is None:
             self._advance()
         elif self._is_done(self._item):
-            self.reached.append((self._item.seq, self.time_s))
+            self.reached.append((self._item.seq, self.passed_s))
             self._advance()
         if self._do.running:
             self.reached.extend((seq, self.time_s) for seq in self._do.finished(self.time_s))

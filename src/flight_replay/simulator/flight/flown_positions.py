@@ -51,6 +51,11 @@ def positions_after(copter: Copter, steps: int) -> list[Vector]:
     return positions
 
 
+def passed_s(copter: Copter) -> float:
+    """When the target passed the waypoint of the leg that is about to end, seconds since AUTO began."""
+    return _mission_of(copter).passed_s
+
+
 def longest_step_m(positions: list[Vector]) -> float:
     """The greatest distance over the ground between positions one step apart, 0 without any."""
     longest_m = enough_m2 = 0.0

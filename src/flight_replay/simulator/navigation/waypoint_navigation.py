@@ -40,7 +40,7 @@ class WaypointNavigation(SnapshotPart):
         self._next_spline: Spline | None = None
         self._assumed_speed = 0.0
         self.track_scaler = TrackScaler(self._airframe.vu)
-        self._unused_s = 0.0
+        self.unused_s = 0.0
         self.reached = True
         self.fast_waypoint = False
 
@@ -155,7 +155,7 @@ class WaypointNavigation(SnapshotPart):
         """Fly the airframe one step towards the target, and move the target on (update_wpnav)."""
         control = self._control
         control.limit_position_error()
-        dt = self.track_scaler.advance(self._limits, control, self._airframe) + self._unused_s
+        dt = self.track_scaler.advance(self._limits, control, self._airframe) + self.unused_s
         control.update()
         accel = (0.0, 0.0, 0.0)
         if self._spline is not None:
@@ -166,7 +166,7 @@ class WaypointNavigation(SnapshotPart):
             position, velocity, accel, finished = self._legs.advance(dt, self._origin, corner)
             unused_s = self._legs.unused_s
         # What is left of a step at a fast waypoint belongs to the next leg.
-        self._unused_s = unused_s if self.fast_waypoint else 0.0
+        self.unused_s = unused_s if self.fast_waypoint else 0.0
         control.set_target(position, velocity, accel)
         if finished and not self.reached:
             self.reached = self.fast_waypoint or self._within_radius()

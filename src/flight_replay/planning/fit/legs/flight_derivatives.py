@@ -14,7 +14,8 @@ from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.polyline import nearest_on_line_m
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
-from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, Evaluation, marks_along, places_at
+from flight_replay.planning.fit.objective import Evaluation, places_at
+from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, marks_along
 from flight_replay.planning.fit.problem import FitProblem
 
 CHANGES_A_PLACE = 3
@@ -58,20 +59,33 @@ class FlightDerivatives:
     passed_s: Floats
     steps: int
 
+    def mean_with(self, other: FlightDerivatives) -> FlightDerivatives:
+        """The mean of these derivatives and others of the same flight."""
+        return FlightDerivatives(
+            0.5 * (self.errors + other.errors),
+            0.5 * (self.passed_s + other.passed_s),
+            self.steps + other.steps,
+        )
 
-def flight_derivatives(problem: FitProblem, base: Evaluation, longest_s: float) -> FlightDerivatives:
+
+def flight_derivatives(
+    problem: FitProblem, base: Evaluation, longest_s: float, size: float = 1.0
+) -> FlightDerivatives:
     """The derivatives of a draft's flight.
 
     Args:
         problem: the recording and the vehicle.
         base: the draft as it is flown, at least two places.
         longest_s: what takes longer is taken not to change anything.
+        size: how large changes are, as a share of the usual ones; below 0 to the other side.
     """
-    legs = _ChangedLegs(problem, base, longest_s)
+    legs = _ChangedLegs(problem, base, longest_s, size)
     places = len(base.draft)
-    columns = [legs.by(change, place) for place in range(1, places) for change in range(CHANGES_A_PLACE)]
-    errors, passed_s = (np.array(rows).T for rows in zip(*columns, strict=True))
-    return FlightDerivatives(errors, passed_s, legs.steps)
+    changes = [(change, place) for place in range(1, places) for change in range(CHANGES_A_PLACE)]
+    errors, passed_s = np.empty((len(changes), legs.errors_count)), np.empty((len(changes), places))
+    for row, each in enumerate(changes):
+        errors[row], passed_s[row] = legs.by(*each)
+    return FlightDerivatives(errors.T, passed_s.T, legs.steps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +111,8 @@ class _UsualLegs:
 class _ChangedLegs:
     """A draft's flight, and what changes of it do to the errors."""
 
-    def __init__(self, problem: FitProblem, base: Evaluation, longest_s: float) -> None:
+    def __init__(self, problem: FitProblem, base: Evaluation, longest_s: float, size: float) -> None:
+        self._speed_change, self._place_change_m = size * _SPEED_CHANGE, size * _PLACE_CHANGE_M
         self._recording = problem.recording
         self._flights = LocalFlights(problem, base.draft, longest_s)
         self._last = len(base.draft) - 1
@@ -108,6 +123,11 @@ class _ChangedLegs:
         self._latest: tuple[tuple[int, int], _UsualLegs] | None = None
 
     @property
+    def errors_count(self) -> int:
+        """How many components the stacked errors have."""
+        return 2 * (3 * len(self._recording) + len(self._marks_m))
+
+    @property
     def steps(self) -> int:
         """Steps of the model so far."""
         return self._flights.steps
@@ -116,12 +136,12 @@ class _ChangedLegs:
         """The derivatives of the stacked errors (m,) and of when places are left (n,); 0 if it cannot be."""
         draft = self._flights.draft
         if change == 0:
-            speeds, size = draft.speed_m_s.copy(), _SPEED_CHANGE
+            speeds, size = draft.speed_m_s.copy(), self._speed_change
             speeds[place] *= np.exp(size)
             changed = replace(draft, speed_m_s=speeds)
             first, last = place, place + _LEGS_AFTER_SPEED
         else:
-            places, size = draft.places_m.copy(), _PLACE_CHANGE_M
+            places, size = draft.places_m.copy(), self._place_change_m
             places[place, change - 1] += size
             changed = replace(draft, places_m=places)
             first, last = place - _LEGS_BEFORE_PLACE, place + _LEGS_AFTER_PLACE
@@ -159,7 +179,7 @@ class _ChangedLegs:
         fixes = self._recording.north_east_m
         line = np.vstack([usual.before_m, flown.north_east_m[::_EVERY]])
         errors.there[some] = usual.feet_m - _feet_m(fixes[some], line)
-        marks_s = usual.begin_s + usual.mark_shares * (flown.left_s - usual.begin_s)
+        marks_s = usual.begin_s + usual.mark_shares * (float(flown.passed_s[-1]) - usual.begin_s)
         marks = places_at(flown.time_s, flown.north_east_m, marks_s)
         errors.back[usual.marks] = _feet_m(marks, usual.near_m) - marks - usual.marks_off_m
 

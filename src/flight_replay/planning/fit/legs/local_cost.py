@@ -12,15 +12,13 @@ from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
 from flight_replay.planning.fit.objective import (
     CREEPING_M_S,
-    CURVE_TOLERANCE_M,
     TIME_SHARE,
     Evaluation,
-    Offsets,
     creeping_s,
     path_error_m,
     places_at,
-    points_along,
 )
+from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, Offsets, points_along
 from flight_replay.planning.fit.reference import LocalTrack
 
 _SPACING_M = 1.0

@@ -24,7 +24,7 @@ from flight_replay.planning.fit.simulated_draft import (
 )
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
-from flight_replay.simulator.flight.flown_positions import positions_after, positions_on_leg
+from flight_replay.simulator.flight.flown_positions import passed_s, positions_after, positions_on_leg
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _FOLLOWS_S = 1.0
@@ -61,6 +61,7 @@ class _Leg:
     rows: list[Vector]
     after: list[Vector]
     left_s: float
+    passed_s: float
 
 
 class LocalFlights:
@@ -118,12 +119,12 @@ class LocalFlights:
         if draft is self._draft:
             return self._flown_already(first, last)
         copter = self._before[first].copy(self._items_of(draft))
-        rows, passed_s = [copter.position_m], []
+        rows, passed = [copter.position_m], []
         for place in range(first, last + 1):
             allowed_s = np.inf if latest_s is None else latest_s[place] + self._begin_s - copter.time_s
             rows += self._flown_to(copter, place, allowed_s)
-            passed_s.append(copter.time_s)
-        return self._flight(first, rows, self._run_on(copter), passed_s)
+            passed.append(passed_s(copter))
+        return self._flight(first, rows, self._run_on(copter), passed)
 
     def _flown_already(self, first: int, last: int) -> LocalFlight:
         """The same for the draft that is flown, from what is known of its legs."""
@@ -131,7 +132,7 @@ class LocalFlights:
         legs = self._legs[first : last + 1]
         began_m = self._legs[first - 1].rows[-1]
         rows = [began_m, *chain.from_iterable(leg.rows for leg in legs)]
-        return self._flight(first, rows, legs[-1].after, [leg.left_s for leg in legs])
+        return self._flight(first, rows, legs[-1].after, [leg.passed_s for leg in legs])
 
     def _flight(
         self, first: int, rows: list[Vector], after: list[Vector], passed_s: list[float]
@@ -151,8 +152,8 @@ class LocalFlights:
         copter = self._before[-1].copy(self._items)
         rows = self._flown_to(copter, len(self._legs))
         self._before.append(CopterSnapshot(copter, self._items))
-        left_s = copter.time_s
-        self._legs.append(_Leg(rows, self._run_on(copter), left_s))
+        left_s, passed = copter.time_s, passed_s(copter)
+        self._legs.append(_Leg(rows, self._run_on(copter), left_s, passed))
 
     def _flown_to(self, copter: Copter, place: int, allowed_s: float = np.inf) -> list[Vector]:
         """Where a copter is after each step until the leg to a place is about to end."""
