@@ -140,6 +140,19 @@ def test_a_quick_matching_searches_a_million_pairs_whole(fixes: int, searches: i
     assert len(bands.searches) == searches
 
 
+@pytest.mark.parametrize("near_m", [10.0, 3.0, 0.0])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_matching_near_to_where_it_is_likely_is_the_same(seed: int, near_m: float) -> None:
+    """However little is searched at first: where the answer touches the bound there is more."""
+    path = wander(seed, 2000, 0.5)
+    fixes = scattered(path, 500, 0.5)
+    whole = match_in_order(fixes, path, 1.0)
+    likely_m = whole.along_m + np.random.default_rng(seed).uniform(-5.0, 5.0, len(fixes))
+    found = match_in_order(fixes, path, 1.0, near_m=(likely_m - near_m, likely_m + near_m))
+    assert (np.diff(found.along_m) >= 0).all()
+    assert found.distance_m.sum() == pytest.approx(whole.distance_m.sum(), rel=1e-3)
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 5, 7])
 def test_a_band_too_narrow_is_widened(seed: int, monkeypatch: pytest.MonkeyPatch, bands: Bands) -> None:
     """Where the answer touches the band's edge the band grows, until the answer is the whole search's."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flight_replay.geometry.arrays import Indices
-from flight_replay.geometry.monotone_path import cheapest_monotone_path
+from flight_replay.geometry.monotone_path import cheapest_monotone_path, cheapest_monotone_path_in_band
 
 Costs = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
@@ -43,6 +43,22 @@ def test_many_rows_cost_as_little_as_one_row_after_the_other(seed: int) -> None:
     high = np.minimum(np.maximum.accumulate(low + chance.integers(1, 30, rows)), columns)
     high = np.maximum(high, np.append(low[1:] + 1, 0))
     chosen = cheapest_monotone_path(lambda some, where: costs[some, where].copy(), low, high)
+    assert (np.diff(chosen) >= 0).all()
+    assert ((low <= chosen) & (chosen < high)).all()
+    assert costs[np.arange(rows), chosen].sum() == pytest.approx(smallest_sum(costs, low, high))
+
+
+@pytest.mark.parametrize("noise", [0.0, 2.0, 6.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_rows_that_go_back_are_searched_together(seed: int, noise: float) -> None:
+    """In narrow bands the sum is that of the search of all rows, however often they go back."""
+    chance = np.random.default_rng(seed)
+    rows, columns = 150, 200
+    wanted = np.arange(rows) + 20 + noise * chance.standard_normal(rows)
+    costs = np.abs(np.arange(columns) - wanted[:, None])
+    low = np.arange(rows)
+    high = np.minimum(low + 41, columns)
+    chosen = cheapest_monotone_path_in_band(lambda some, where: costs[some, where].copy(), low, high)
     assert (np.diff(chosen) >= 0).all()
     assert ((low <= chosen) & (chosen < high)).all()
     assert costs[np.arange(rows), chosen].sum() == pytest.approx(smallest_sum(costs, low, high))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.geometry.monotone_path import cheapest_monotone_path
+from flight_replay.geometry.monotone_path import cheapest_monotone_path, cheapest_monotone_path_in_band
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
 
 SHORTEST_PIECE_M, LONGEST_PIECE_M = 0.01, 0.25
@@ -48,7 +48,12 @@ class Matching:
 
 
 def match_in_order(
-    fixes_m: ArrayLike, path_m: ArrayLike, piece_m: float | None = None, *, quick: bool = False
+    fixes_m: ArrayLike,
+    path_m: ArrayLike,
+    piece_m: float | None = None,
+    *,
+    quick: bool = False,
+    near_m: tuple[Floats, Floats] | None = None,
 ) -> Matching:
     """Match fixes (n, d) to the lines through a path's points (m, d), m >= 1, never going back.
 
@@ -63,6 +68,8 @@ def match_in_order(
             the less exactly. None: as short as time allows.
         quick: search near a coarse matching wherever that is less work: a tenth of the time for a
             thousand fixes, and seldom another answer.
+        near_m: from where to where along the path each fix is likely to be, (n,) each: searched first,
+            and further wherever the answer touches that bound. Less work yet.
 
     Raises:
         ValueError: the path has no point.
@@ -73,7 +80,7 @@ def match_in_order(
     if not len(fixes):
         return Matching(np.zeros(0), np.zeros(0), np.zeros(0, np.intp))
     pieces = _Pieces.of(path, piece_m or _affordable_piece_m(fixes, path))
-    chosen = _best_pieces(fixes, pieces, quick=quick)
+    chosen = _pieces_near(fixes, pieces, near_m) if near_m else _best_pieces(fixes, pieces, quick=quick)
     along = _along_pieces(fixes, pieces, chosen)
     distance = np.linalg.norm(fixes - pieces.start_m[chosen] - along[:, None] * pieces.unit[chosen], axis=1)
     return Matching(distance, pieces.begin_m[chosen] + along, pieces.segment[chosen])
@@ -157,6 +164,22 @@ def _best_pieces(fixes: Floats, pieces: _Pieces, *, quick: bool) -> Indices:
     while True:
         chosen = cheapest_monotone_path(distances, low, high)
         widened = _widened_band(chosen, low, high, m)
+        if widened is None:
+            return chosen
+        low, high = widened
+
+
+def _pieces_near(fixes: Floats, pieces: _Pieces, near_m: tuple[Floats, Floats]) -> Indices:
+    """The same, of the pieces from where to where along the path each fix is likely to be, and around."""
+    begin = np.clip(np.searchsorted(pieces.begin_m, near_m[0], side="right") - 1, 0, len(pieces) - 1)
+    end = np.searchsorted(pieces.begin_m, near_m[1], side="right")
+    low = np.minimum.accumulate(begin[::-1])[::-1]
+    high = np.maximum.accumulate(np.maximum(end, begin + 1))
+    high = np.maximum(high, np.append(low[1:] + 1, 0))
+    distances = _distances(fixes, pieces.start_m, pieces.length_m[:, None] * pieces.unit)
+    while True:
+        chosen = cheapest_monotone_path_in_band(distances, low, high)
+        widened = _widened_band(chosen, low, high, len(pieces))
         if widened is None:
             return chosen
         low, high = widened

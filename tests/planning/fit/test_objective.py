@@ -10,14 +10,12 @@ from flight_replay.planning.fit.objective import (
     CREEPING_M_S,
     TIMED_PLAN_SHARE,
     Evaluation,
-    Offsets,
     creeping_s,
-    directions,
     evaluate,
-    match_to_plan,
     objective_lower_bound_m,
     position_offsets_m,
 )
+from flight_replay.planning.fit.offsets import Offsets, directions, match_to_plan
 from flight_replay.planning.fit.reference import LocalTrack, local_track
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft, simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits

@@ -10,7 +10,8 @@ from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.planning.fit.banded import solve_banded
 from flight_replay.planning.fit.basis import shares, weights
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.objective import Offsets, directions, path_error_m
+from flight_replay.planning.fit.objective import path_error_m
+from flight_replay.planning.fit.offsets import Offsets, directions
 
 ALONG_SHARE = 0.05
 """How much a place resists sliding along the path, against moving across it."""
@@ -82,7 +83,7 @@ def gauss_newton_step(
         force += pull
     inner = np.arange(1, n - 1)
     free = np.column_stack([inner, n + inner]).ravel()  # North and east of a place side by side.
-    step = solve_banded(normal[np.ix_(free, free)], force[free], _BAND).reshape(n - 2, 2)
+    step = solve_banded(np.asarray(normal[np.ix_(free, free)], float), force[free], _BAND).reshape(n - 2, 2)
     return _stepped(draft, gain * np.pad(step, ((1, 1), (0, 0))))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.objective import CURVE_TOLERANCE_M, match_to_plan
+from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, match_to_plan
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
 SLOWEST_M_S = 0.35

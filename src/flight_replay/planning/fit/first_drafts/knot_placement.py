@@ -15,7 +15,7 @@ from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.gauss_newton import Residuals, gauss_newton_step
-from flight_replay.planning.fit.objective import directions, match_to_plan
+from flight_replay.planning.fit.offsets import directions, match_to_plan
 from flight_replay.planning.fit.reference import SETTLE_HOLD_S, Hover, LocalTrack
 
 ROUNDS = 4

@@ -15,7 +15,8 @@ from flight_replay.geometry.hermite_curve import weights_of_steps
 from flight_replay.geometry.polyline import lengths_along_m, segment_lengths_m
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals
-from flight_replay.planning.fit.objective import TIME_SHARE, match_to_plan
+from flight_replay.planning.fit.objective import TIME_SHARE
+from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack, holds_s
 from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
