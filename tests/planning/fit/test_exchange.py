@@ -1,5 +1,6 @@
 """Stretches exchanged between drafts: what is better of each comes together."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,10 +23,10 @@ def problem() -> FitProblem:
     return problem_for(local_track(track, 20.0), 20, Limits(), timed=True)
 
 
-def state(problem: FitProblem, off_m: Floats) -> State:
-    """Straight on in equal legs, but for how far each place is beside the way."""
+def state(problem: FitProblem, off_m: Floats, north_m: Sequence[float] = ()) -> State:
+    """Straight on in equal legs, or through such places, but for how far each is beside the way."""
     n = len(off_m)
-    places = np.column_stack([np.linspace(0.0, LENGTH_M, n), off_m, np.full(n, 20.0)])
+    places = np.column_stack([north_m or np.linspace(0.0, LENGTH_M, n), off_m, np.full(n, 20.0)])
     hold_s = np.append(1.0, np.zeros(n - 1))
     draft = Draft(places, hold_s == 0, hold_s, np.append(np.nan, np.full(n - 1, SPEED_M_S)))
     return State(problem.evaluate(draft), {})
@@ -58,6 +59,18 @@ def test_there_are_no_more_places_than_are_allowed() -> None:
     few, many = state(here, bumps(2)), state(here, bumps(14, 16, 18, places=21))
     assert exchanged(here, [few, many], 11, budget()).best is few.best
     assert len(exchanged(here, [few, many], 30, budget()).best.draft) > 11
+
+
+def test_a_stretch_for_which_there_is_no_room_comes_with_a_shorter_one() -> None:
+    """As many places more where the one strays as there are less where both fly straight on."""
+    here = problem()
+    north = [0, 5, 10, 20, 30, 40, 60, 80, 100, 120, 140, 160, 180, 200]
+    other_north = [0, 20, 40, 60, 80, 100, 120, 140, 160, 170, 180, 190, 195, 200]
+    late = state(here, np.where(np.array(north) == 160, 3.0, 0.0), north)
+    early = state(here, np.where(np.array(other_north) == 100, 3.0, 0.0), other_north)
+    found = exchanged(here, [late, early], 14, budget()).best.draft
+    assert len(found) <= 14
+    assert np.abs(found.places_m[:, 1]).max() == 0.0
 
 
 def test_hovers_stay_with_their_places() -> None:

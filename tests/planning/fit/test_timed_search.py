@@ -15,8 +15,8 @@ from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import wander
 
 
-def problem_and_starts() -> tuple[FitProblem, list[FirstDraft]]:
-    problem = problem_for(local_track(wander(2), 20.0), 20, Limits(), timed=True)
+def problem_and_starts(seed: int = 2) -> tuple[FitProblem, list[FirstDraft]]:
+    problem = problem_for(local_track(wander(seed), 20.0), 20, Limits(), timed=True)
     return problem, selections(problem, 20)
 
 
@@ -24,27 +24,20 @@ def budget(flights: int) -> Budget:
     return Budget(flights, lambda done, total: None)
 
 
-def test_what_several_starts_come_to_is_better_than_what_one_does() -> None:
-    """They exchange stretches, and the best goes on."""
-    problem, starts = problem_and_starts()
-    alone, _ = timed_search(problem, starts[:1], budget(250))
-    together, _ = timed_search(problem, starts, budget(250))
-    assert together.objective_m < 1.02 * alone.objective_m
+def test_what_several_starts_come_to_is_as_good_as_what_one_does() -> None:
+    """They exchange stretches, the best goes on, and so do the others while there is time."""
+    for seed in (2, 3, 9):
+        problem, starts = problem_and_starts(seed)
+        alone, _ = timed_search(problem, starts[:1], budget(250))
+        together, _ = timed_search(problem, starts, budget(400))
+        assert together.objective_m < 1.005 * alone.objective_m
 
 
-def test_as_many_starts_as_there_is_time_for_are_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_as_many_starts_as_there_is_time_for_are_begun() -> None:
     """One always; others only if the best of them can still be searched."""
-    problem, starts = problem_and_starts()
-    exchanging: list[int] = []
-
-    def first(problem: FitProblem, states: list[State], most: int, budget: Budget) -> State:
-        exchanging.append(len(states))
-        return states[0]
-
-    monkeypatch.setattr(timed_search_module, "exchanged", first)
-    for flights in (10, 95, 1000):
-        timed_search(problem, starts, budget(flights))
-    assert exchanging == [1, 2, 3]
+    problem, starts = problem_and_starts(9)
+    begun = [len(timed_search_module._begun(problem, starts, budget(flights))) for flights in (10, 95, 1000)]
+    assert begun == [1, 2, 4]
 
 
 def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch) -> None:

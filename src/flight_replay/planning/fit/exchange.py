@@ -18,6 +18,7 @@ from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation, leg_costs_m, scales_of
 from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import Hover
 from flight_replay.planning.fit.rounds import FIRST_DAMPING, State
 from flight_replay.planning.fit.speed_schedule import with_speeds
 
@@ -25,6 +26,8 @@ _NEAR_S, _NEAR_M = 1.5, 2.0
 _LEAST_GAIN_M = 0.003
 _ALIKE = 4
 """Stretches whose ends are fewer places apart together are tried once."""
+_LOOKED_AT = 300
+"""So many stretches of most promise are looked at closer."""
 _TRIES = 5
 _ROUNDS = 2
 
@@ -62,38 +65,79 @@ def _with_stretch_of(problem: FitProblem, state: State, other: State, most: int,
     """The best after exchanging stretches for those of another draft, one after another while that gains."""
     while True:
         found = state
-        for stretch in islice(_promising(problem, state, other, most), _TRIES):
+        for stretches in islice(_promising(problem, state, other, most), _TRIES):
             if not budget.affords(1):
                 break
             budget.spend(1)
-            trial = _spliced(problem, state, other, stretch)
+            trial = _spliced(problem, state, other, stretches)
             found = min(found, trial, key=lambda each: each.best.objective_m)
         if found is state:
             return state
         state = found
 
 
-def _promising(problem: FitProblem, state: State, other: State, most: int) -> Iterator[_Stretch]:
-    """The stretches that the other draft seems better in, the best first, none much like one before."""
-    here, there = _meetings(problem, state, other)
-    scales_m = scales_of(state.best)
-    costs, other_costs = (
-        np.cumsum(leg_costs_m(each.best, scales_m, whole=True))[at]
-        for each, at in ((state, here), (other, there))
-    )
-    saved = costs - other_costs
-    gain = saved[None, :] - saved[:, None]
-    longer = (there[None, :] - there[:, None]) - (here[None, :] - here[:, None])
-    in_order = (here[None, :] > here[:, None]) & (there[None, :] > there[:, None])
-    possible = in_order & (gain > _LEAST_GAIN_M) & (len(state.best.draft) + longer <= most)
-    begins, ends = possible.nonzero()
-    order = np.argsort(-gain[begins, ends], kind="stable")
+def _promising(problem: FitProblem, state: State, other: State, most: int) -> Iterator[tuple[_Stretch, ...]]:
+    """The stretches that the other draft seems better in, the best first, none much like one before.
+
+    One with more places than there is room for comes with a second, behind or before it, that has less.
+    """
+    stretches = _Stretches.between(problem, state, other)
+    room = most - len(state.best.draft)
+    found: list[tuple[float, list[int]]] = []
+    for row in np.argsort(-stretches.gain_m, kind="stable")[:_LOOKED_AT].tolist():
+        rows = [row] if stretches.longer[row] <= room else stretches.with_shorter(row, room)
+        gain_m = float(stretches.gain_m[rows].sum()) if rows else 0.0
+        if gain_m > _LEAST_GAIN_M:
+            found.append((gain_m, rows))
     tried: list[tuple[int, int]] = []
-    for begin, end in zip(begins[order].tolist(), ends[order].tolist(), strict=True):
-        first, last = int(here[begin]), int(here[end])
+    for _, rows in sorted(found, key=lambda each: -each[0]):
+        first, last = int(stretches.first[rows[0]]), int(stretches.last[rows[0]])
         if all(abs(first - a) + abs(last - b) >= _ALIKE for a, b in tried):
             tried.append((first, last))
-            yield _Stretch(first, last, int(there[begin]), int(there[end]))
+            yield tuple(stretches.row(each) for each in rows)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stretches:
+    """All k that there are between two drafts: their ends (k,), what is gained, and how many places more."""
+
+    first: Indices
+    last: Indices
+    other_first: Indices
+    other_last: Indices
+    gain_m: Floats
+
+    @property
+    def longer(self) -> Indices:
+        """How many places more there are with each."""
+        return (self.other_last - self.other_first) - (self.last - self.first)
+
+    @classmethod
+    def between(cls, problem: FitProblem, state: State, other: State) -> _Stretches:
+        """Those of two drafts."""
+        here, there = _meetings(problem, state, other)
+        scales_m = scales_of(state.best)
+        costs, other_costs = (
+            np.cumsum(leg_costs_m(each.best, scales_m, whole=True))[at]
+            for each, at in ((state, here), (other, there))
+        )
+        saved = costs - other_costs
+        in_order = (here[None, :] > here[:, None]) & (there[None, :] > there[:, None])
+        begins, ends = in_order.nonzero()
+        return cls(here[begins], here[ends], there[begins], there[ends], saved[ends] - saved[begins])
+
+    def with_shorter(self, row: int, room: int) -> list[int]:
+        """A stretch, and the best of those beside it with which there is room for it; none without one."""
+        apart = (self.first >= self.last[row]) | (self.last <= self.first[row])
+        fitting = np.flatnonzero(apart & (self.longer + self.longer[row] <= room))
+        if not len(fitting):
+            return []
+        return [row, int(fitting[self.gain_m[fitting].argmax()])]
+
+    def row(self, row: int) -> _Stretch:
+        """One of them."""
+        columns = (self.first, self.last, self.other_first, self.other_last)
+        return _Stretch(*(int(column[row]) for column in columns))
 
 
 def _meetings(problem: FitProblem, state: State, other: State) -> tuple[Indices, Indices]:
@@ -121,26 +165,36 @@ def _stops(state: State) -> Indices:
     return stops
 
 
-def _spliced(problem: FitProblem, state: State, other: State, stretch: _Stretch) -> State:
-    """The one draft with the other's places in a stretch, as it is flown."""
-    mine, its = with_every_speed(state.best.draft), with_every_speed(other.best.draft)
+def _spliced(problem: FitProblem, state: State, other: State, stretches: tuple[_Stretch, ...]) -> State:
+    """The one draft with the other's places in some stretches, as it is flown."""
+    draft, hovers = with_every_speed(state.best.draft), state.hovers
+    for stretch in sorted(stretches, key=lambda each: -each.first):
+        draft, hovers = _with_places_of(draft, hovers, other, stretch)
+    evaluation = problem.evaluate(with_speeds(draft, draft.speed_m_s))
+    return replace(state, best=evaluation, hovers=hovers, damping=FIRST_DAMPING)
+
+
+def _with_places_of(
+    draft: Draft, hovers: dict[int, Hover], other: State, stretch: _Stretch
+) -> tuple[Draft, dict[int, Hover]]:
+    """A draft, and the hovers that it waits for, with another's places in a stretch."""
+    its = with_every_speed(other.best.draft)
     parts = [
-        mine.part(0, stretch.first + 1),
+        draft.part(0, stretch.first + 1),
         its.part(stretch.other_first + 1, stretch.other_last + 1),
-        mine.part(stretch.last + 1, len(mine)),
+        draft.part(stretch.last + 1, len(draft)),
     ]
-    draft = Draft(
+    in_stretch = stretch.first - stretch.other_first
+    behind = in_stretch + stretch.other_last - stretch.last
+    found = {place: hover for place, hover in hovers.items() if place <= stretch.first}
+    for place, hover in other.hovers.items():
+        if stretch.other_first < place <= stretch.other_last:
+            found[place + in_stretch] = hover
+    found |= {place + behind: hover for place, hover in hovers.items() if place > stretch.last}
+    joined = Draft(
         np.concatenate([part.places_m for part in parts]),
         np.concatenate([part.spline for part in parts]),
         np.concatenate([part.hold_s for part in parts]),
         np.concatenate([part.speed_m_s for part in parts]),
     )
-    in_stretch = stretch.first - stretch.other_first
-    behind = in_stretch + stretch.other_last - stretch.last
-    hovers = {place: hover for place, hover in state.hovers.items() if place <= stretch.first}
-    for place, hover in other.hovers.items():
-        if stretch.other_first < place <= stretch.other_last:
-            hovers[place + in_stretch] = hover
-    hovers |= {place + behind: hover for place, hover in state.hovers.items() if place > stretch.last}
-    evaluation = problem.evaluate(with_speeds(draft, draft.speed_m_s))
-    return replace(state, best=evaluation, hovers=hovers, damping=FIRST_DAMPING)
+    return joined, found

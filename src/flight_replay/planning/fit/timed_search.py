@@ -1,8 +1,9 @@
 """From first drafts to the best where the recorded speed is to be kept.
 
 Which waypoints a draft begins with decides where a search ends, and little that can be seen before tells
-which are good. So there are several starts, each set on its way by steps of all speeds and places together,
-the best exchange stretches, and what comes of that goes on: legs changed one by one, and steps again.
+which are good. So there are several starts, each set on its way by steps of all speeds and places together.
+The best exchange stretches, and what comes of that goes on as far as steps lead. So do the others, one by
+one, while there is time, each exchanging with the best; and in the end legs are changed one by one.
 
 What is found in steps of the model that are long enough to be cheap is judged in exact ones.
 """
@@ -34,13 +35,22 @@ from flight_replay.planning.fit.rounds import (
 _MANY_STEPS = 100
 _MOST_EXCHANGING = 3
 _EXCHANGE_FLIGHTS = 40
+_ANOTHER_FLIGHTS = 3 * JOINT_FLIGHTS
+"""What it takes at least to go on with another start."""
 _HOPELESS = 1.5
 """A start so many times worse than the best before its first round, or after it, goes no further."""
 
 
 def timed_search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tuple[Evaluation, str]:
     """The best draft that comes of some starts, and why the search stopped, in words."""
-    state = _of_several(problem, starts, budget)
+    most = max(len(start.draft) for start in starts)
+    states = _stepped_once(problem, _begun(problem, starts, budget), budget)
+    state = exchanged(problem.exact, states[:_MOST_EXCHANGING], most, budget)
+    state = _gone_on(problem, state, budget)
+    for other in states[1:]:
+        if budget.affords(_ANOTHER_FLIGHTS):
+            both = [state, _gone_on(problem, other, budget)]
+            state = _gone_on(problem, exchanged(problem.exact, both, most, budget), budget)
     share = USUAL_SHARE
     while budget.affords(SWEEP_FLIGHTS):
         before_m = state.best.objective_m
@@ -51,16 +61,20 @@ def timed_search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) 
     return state.best, ENOUGH
 
 
-def _of_several(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> State:
-    """The best that the starts come to together, in exact steps."""
-    states = _begun(problem, starts, budget)
-    most = max(len(start.draft) for start in starts)
-    if budget.affords(len(states) * JOINT_FLIGHTS + _EXCHANGE_FLIGHTS + 2 * SWEEP_FLIGHTS):
-        states = [_stepped(problem, _exactly(problem, state), 1, budget) for state in states]
-        states = sorted(states, key=_objective_m)[:_MOST_EXCHANGING]
-        state = exchanged(problem.exact, states, most, budget)
-    else:
-        state = _exactly(problem, exchanged(problem, states, most, budget))
+def _stepped_once(problem: FitProblem, states: list[State], budget: Budget) -> list[State]:
+    """The states after a step each, in exact steps of the model, the best first.
+
+    Where there is no time for that, they exchange stretches first, and only what comes of that is left.
+    """
+    if not budget.affords(len(states) * JOINT_FLIGHTS + _EXCHANGE_FLIGHTS + 2 * SWEEP_FLIGHTS):
+        most = max(len(state.best.draft) for state in states)
+        return [_exactly(problem, exchanged(problem, states, most, budget))]
+    states = [_stepped(problem, _exactly(problem, state), 1, budget) for state in states]
+    return sorted(states, key=_objective_m)
+
+
+def _gone_on(problem: FitProblem, state: State, budget: Budget) -> State:
+    """After as many steps as lead further, with the speeds set anew between them."""
     return _retimed(problem, _stepped(problem, state, _MANY_STEPS, budget), budget)
 
 
