@@ -17,6 +17,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.reference_motion import MotionState, ReferenceMotion, SmoothMotion
 from flight_replay.supervisor.learned_share import LearnedShare
 from flight_replay.supervisor.motion.braking_targets import braking_way
+from flight_replay.supervisor.motion.pace import Pace
 
 TARGET_S = 0.1
 """Vehicle time between targets: ten a second follow as closely as fifty."""
@@ -35,6 +36,8 @@ _SETTLING_S, _SETTLING_RATE = 4.0, 0.6
 its lean suffices to make up for that; at full rate it flies off course by metres seconds later."""
 _LEADS_S, _SLOWEST_M2_S2 = (-0.4, 0.4), 1.0
 _DRAG_SHARES, _SMALLEST_LAG_M2 = (-0.5, 2.0), 0.02
+_NOT_DRAG = 0.3
+"""So much of a learned share of the drag's lag may be that of leads that do not fit everywhere."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +132,7 @@ class Follower:
         self._settling_s = 0.0
         self._behind = False
         self.learned = learned or Learned.nothing(tuning)
+        self._pace = None if reference.thrust is None else Pace(reference)
         self._time_s: float | None = None
         self._past: deque[tuple[float, float, Floats]] = deque()
         self.clock: list[tuple[float, float]] = []
@@ -252,7 +256,13 @@ class Follower:
         """How fast the reference's clock is to run, once it has changed gently."""
         if self._behind or self.offset_m > self.max_error_m:
             return 0.0
-        return _SETTLING_RATE if self._settling_s > 0.0 else 1.0
+        most = _SETTLING_RATE if self._settling_s > 0.0 else 1.0
+        return most if self._pace is None else min(most, self._pace.rate(self.recording_s, self._drag))
+
+    @property
+    def _drag(self) -> float:
+        """How many times as much drag the vehicle has as was planned with, as far as that is certain."""
+        return 1.0 + max(self.learned.drag.value - self.tuning.drag_share - _NOT_DRAG, 0.0)
 
     def _approach(self, step_s: float) -> None:
         """Move the offset towards zero, slower near the end."""
