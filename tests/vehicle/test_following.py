@@ -39,6 +39,6 @@ def test_tuning_is_the_firmwares() -> None:
         return tuning_of(Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=True))
 
     assert of("4.6.0") == of("4.2.0") == Tuning()
-    assert of("4.1.0") == Tuning(braking_m_s2=0.0, braking_ahead_m=0.0)
+    assert of("4.1.0") == Tuning(braking_m_s2=0.0, braking_ahead_m=0.0, braking_slower_m_s=0.0)
     assert of("4.0.7") == of("3.4.0") != Tuning()
     assert of("3.3.2").feed_forward < 1.0

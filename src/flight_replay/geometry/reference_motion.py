@@ -80,6 +80,18 @@ class SmoothMotion:
         return self.position.derivative(2)
 
 
+@dataclass(frozen=True, slots=True)
+class Thrust:
+    """Level thrust per mass: the most that a vehicle's lean gives, and what the drag of its air takes of it.
+
+    Drag is ``drag_per_s`` times the speed, and ``drag_per_m`` times its square.
+    """
+
+    most_m_s2: float
+    drag_per_s: float
+    drag_per_m: float
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReferenceMotion(SmoothMotion):
     """The motion that is followed: the recording's first fix is at 0 s, ``begin_s`` before that a run-up.
@@ -87,13 +99,15 @@ class ReferenceMotion(SmoothMotion):
     ``position`` is in ``frame`` and above home; ``heading`` gives degrees (1,), clockwise from north and
     not wrapped, or is None if the vehicle turns as it wants. ``drag_lag`` is how far a vehicle would be
     beside its targets for the drag of SITL's quadcopter, if nothing made up for that, ``acceleration_lag``
-    for what the firmware does not feed forward; None if unknown, or nothing.
+    for what the firmware does not feed forward; None if unknown, or nothing. ``thrust`` is that of the
+    vehicle with the same drag, None if unknown.
     """
 
     frame: FlatFrame
     heading: BSpline | None = None
     drag_lag: SmoothMotion | None = None
     acceleration_lag: SmoothMotion | None = None
+    thrust: Thrust | None = None
 
     def heading_deg(self, time_s: float) -> tuple[float, float] | None:
         """Heading, 0 to 360 degrees, and its rate, degrees/s, if the reference has one."""

@@ -16,10 +16,11 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.reference_motion import MotionState, ReferenceMotion, SmoothMotion
 from flight_replay.supervisor.learned_share import LearnedShare
+from flight_replay.supervisor.motion.braking_targets import braking_way
+from flight_replay.supervisor.motion.pace import Pace
 
 TARGET_S = 0.1
 """Vehicle time between targets: ten a second follow as closely as fifty."""
-_STOPS_SOON_S = 1.3  # A gap that is too long, and what the vehicle goes on for after it.
 _CLOCK_CHANGE_PER_S = 0.3  # A clock that starts or stops faster throws the vehicle off by itself.
 _SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 0.6, 2.5  # Drag helps to slow down.
 _REJOIN_M_S, _REJOIN_M_S2 = 2.0, 1.0
@@ -35,6 +36,8 @@ _SETTLING_S, _SETTLING_RATE = 4.0, 0.6
 its lean suffices to make up for that; at full rate it flies off course by metres seconds later."""
 _LEADS_S, _SLOWEST_M2_S2 = (-0.4, 0.4), 1.0
 _DRAG_SHARES, _SMALLEST_LAG_M2 = (-0.5, 2.0), 0.02
+_NOT_DRAG = 0.3
+"""So much of a learned share of the drag's lag may be that of leads that do not fit everywhere."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +62,10 @@ class Tuning:
     """Drag of that quadcopter, if linear in speed; None for that of ArduCopter 4's SITL."""
     braking_m_s2: float = 2.0
     """How hard a target brakes until the next one comes: a vehicle that gets none slows down at once."""
-    braking_ahead_m: float = 1.0
+    braking_ahead_m: float = 1.5
     """How far ahead it is on its way: what pulls the vehicle there makes up for the braking until then."""
+    braking_slower_m_s: float = 0.5
+    """How much slower it is, for which a part of that pull makes up, too: the vehicle slows down sooner."""
 
 
 DEFAULT_TUNING = Tuning()
@@ -127,6 +132,7 @@ class Follower:
         self._settling_s = 0.0
         self._behind = False
         self.learned = learned or Learned.nothing(tuning)
+        self._pace = None if reference.thrust is None else Pace(reference)
         self._time_s: float | None = None
         self._past: deque[tuple[float, float, Floats]] = deque()
         self.clock: list[tuple[float, float]] = []
@@ -250,7 +256,13 @@ class Follower:
         """How fast the reference's clock is to run, once it has changed gently."""
         if self._behind or self.offset_m > self.max_error_m:
             return 0.0
-        return _SETTLING_RATE if self._settling_s > 0.0 else 1.0
+        most = _SETTLING_RATE if self._settling_s > 0.0 else 1.0
+        return most if self._pace is None else min(most, self._pace.rate(self.recording_s, self._drag))
+
+    @property
+    def _drag(self) -> float:
+        """How many times as much drag the vehicle has as was planned with, as far as that is certain."""
+        return 1.0 + max(self.learned.drag.value - self.tuning.drag_share - _NOT_DRAG, 0.0)
 
     def _approach(self, step_s: float) -> None:
         """Move the offset towards zero, slower near the end."""
@@ -273,30 +285,16 @@ class Follower:
         apart_m = self.offset_m
         if apart_m > 0:
             velocity = velocity - self._offset_m * (self._rejoin_m_s / apart_m)
-        way = self._braking_way(recording_s)
+        way = braking_way(reference, recording_s, rate, tuning.braking_m_s2)
         return MotionTarget(
             at(recording_s + rate * tuning.position_s).position_m
             + self._offset_m
             + tuning.braking_ahead_m * way,
-            velocity + tuning.braking_m_s2 * TARGET_S / 2 * way,
+            velocity + (tuning.braking_m_s2 * TARGET_S / 2 - tuning.braking_slower_m_s) * way,
             acceleration - tuning.braking_m_s2 * way,
             None if heading is None else heading[0],
             0.0 if heading is None else rate * heading[1],
         )
-
-    def _braking_way(self, recording_s: float) -> Floats:
-        """The level direction (3,) that targets brake along.
-
-        It is shorter where the clock runs slower, because what brakes is no part of what the vehicle can
-        speed up with; and where the motion is about to stop or turn back by itself.
-        """
-        rate = self.rate
-        now_m_s, soon_m_s = (
-            rate * self._at(recording_s + rate * ahead_s).velocity_m_s * (1.0, 1.0, 0.0)
-            for ahead_s in (0.0, _STOPS_SOON_S)
-        )
-        direction = now_m_s / max(float(np.linalg.norm(now_m_s)), 1.0)
-        return np.asarray(rate * min(max(float(soon_m_s @ direction), 0.0), 1.0) * direction)
 
     def _at(self, recording_s: float) -> MotionState:
         return self.reference.state(recording_s)

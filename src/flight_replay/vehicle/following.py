@@ -18,7 +18,7 @@ from flight_replay.vehicle.connected_vehicle import ConnectedVehicle
 from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.protocol.motion_targets import TAKES_ACCELERATION
 
-_WITHOUT_BRAKING = Tuning(braking_m_s2=0.0, braking_ahead_m=0.0)
+_WITHOUT_BRAKING = Tuning(braking_m_s2=0.0, braking_ahead_m=0.0, braking_slower_m_s=0.0)
 """Of 4.1, which pulls to a target that is ahead half as hard as those after it (control.cpp)."""
 _WITHOUT_ACCELERATION = replace(
     _WITHOUT_BRAKING, position_s=-0.10, velocity_s=0.30, acceleration_s=0.0, heading_s=0.35
@@ -35,6 +35,7 @@ _OF_3_3 = Tuning(
     drag_per_s=9.80665 / 15.0,  # Its terminal velocity is 15 m/s (SIM_Multicopter.cpp).
     braking_m_s2=0.0,
     braking_ahead_m=0.0,
+    braking_slower_m_s=0.0,
 )
 _AFTER_3_3, _AFTER_4_1 = (3, 4), (4, 2)
 TARGET_TIMEOUT_S = 0.5

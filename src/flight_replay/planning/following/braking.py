@@ -14,7 +14,9 @@ from flight_replay.supervisor.follower import Tuning
 
 _SHARE = 0.8
 """Of the acceleration that ArduCopter corrects with at most; the rest is left to corrections."""
-_FARTHEST_AHEAD_M = 1.0
+_SLOWER_SHARE = 0.5
+"""Of the braking, what slower targets take away as well: the sooner a vehicle without targets slows down."""
+_FARTHEST_AHEAD_M = 1.5
 _NOT_PULLED = 16 | 32
 """Bits of GUID_OPTIONS: targets pull neither by their position nor, with the second, by their velocity."""
 
@@ -22,13 +24,19 @@ _NOT_PULLED = 16 | 32
 def braking_within(tuning: Tuning, limits: Limits) -> Tuning:
     """The tuning of a firmware whose targets brake, with the braking that a vehicle's limits allow.
 
-    A target pulls in proportion to its distance, by half of the square of ``gain``, up to the largest
-    correction (shape_pos_vel_accel_xy and shape_vel_accel_xy of control.cpp).
+    A target pulls in proportion to its velocity, by ``gain``, and to its distance, by half of the square of
+    that, up to the largest correction (shape_pos_vel_accel_xy and shape_vel_accel_xy of control.cpp). What
+    it pulls with at its distance makes up for its braking and for its lower velocity.
     """
     gain_per_s = limits.correction_jerk_m_s3 / limits.wp_accel_m_s2 if limits.wp_accel_m_s2 > 0 else 0.0
     not_pulled = gain_per_s <= 0.0 or bool(int(limits.guided_options) & _NOT_PULLED)
     if tuning.braking_m_s2 == 0.0 or not_pulled:
-        return replace(tuning, braking_m_s2=0.0, braking_ahead_m=0.0)
-    pull_per_s2 = gain_per_s**2 / 2
-    braking_m_s2 = min(_SHARE * limits.wp_accel_m_s2, pull_per_s2 * _FARTHEST_AHEAD_M)
-    return replace(tuning, braking_m_s2=braking_m_s2, braking_ahead_m=braking_m_s2 / pull_per_s2)
+        return replace(tuning, braking_m_s2=0.0, braking_ahead_m=0.0, braking_slower_m_s=0.0)
+    ahead_m_per_m_s2 = (1 + _SLOWER_SHARE) * 2 / gain_per_s**2
+    braking_m_s2 = min(_SHARE * limits.wp_accel_m_s2, _FARTHEST_AHEAD_M / ahead_m_per_m_s2)
+    return replace(
+        tuning,
+        braking_m_s2=braking_m_s2,
+        braking_ahead_m=braking_m_s2 * ahead_m_per_m_s2,
+        braking_slower_m_s=_SLOWER_SHARE * braking_m_s2 / gain_per_s,
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import tan
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.flight_errors import path_errors
 from flight_replay.geometry.movement import Movement
-from flight_replay.geometry.reference_motion import ReferenceMotion
+from flight_replay.geometry.reference_motion import ReferenceMotion, Thrust
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import FIRST_SEQ, Mission, waypoint
 from flight_replay.mission.path import Path
@@ -21,7 +22,7 @@ from flight_replay.planning.following.controller_lag import acceleration_lag, dr
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
 from flight_replay.planning.route import Route
-from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
 from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 
 OUTLINE_STEP_S = 1.0
@@ -85,7 +86,7 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
 def _reference(
     motion: RecordedMotion, limits: Limits, options: FollowOptions, floor_m: float, amsl_m: float
 ) -> ReferenceMotion:
-    """The reference of a recorded motion, with the lag that drag makes at an altitude."""
+    """The reference of a recorded motion, with what drag at an altitude takes, and the lag that it makes."""
     reference = plan_reference(
         motion,
         ReferenceBounds.of(limits),
@@ -93,7 +94,13 @@ def _reference(
         headings=options.headings,
         floor_m=floor_m,
     )
-    return replace(reference, drag_lag=drag_lag(reference, sitl_drag(amsl_m), limits))
+    drag = sitl_drag(amsl_m)
+    return replace(reference, drag_lag=drag_lag(reference, drag, limits), thrust=thrust_of(drag, limits))
+
+
+def thrust_of(drag: Drag, limits: Limits) -> Thrust:
+    """What a vehicle of these limits has, and how much of it a drag takes."""
+    return Thrust(GRAVITY_M_S2 * tan(limits.lean_angle_rad), drag.linear_per_s, drag.square_per_m)
 
 
 def reference_for(
@@ -114,6 +121,7 @@ def reference_for(
     return replace(
         reference,
         drag_lag=drag_lag(reference, drag, limits, tuning),
+        thrust=thrust_of(drag, limits),
         acceleration_lag=acceleration_lag(reference, limits, tuning),
     )
 
