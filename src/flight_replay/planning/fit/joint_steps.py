@@ -7,7 +7,7 @@ late, so after the step the speeds are set anew, to leave each place when the st
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -91,9 +91,9 @@ class _JointSteps:
     def taken(self, state: State, derivatives: FlightDerivatives) -> State:
         """After a few steps, those that succeed with less damping after them, those that fail with more."""
         back_m = self._base.flown[1].off_m
+        model = self._model(state, derivatives, back_m)
         for _ in range(_TRIES):
-            errors = _errors(state.best, self._recording, back_m)
-            changes = _changes(derivatives.errors, errors, state.best, state.damping)
+            changes = model.best_changes(state.damping)
             moved = _changed(state.best.draft, changes, self._caps_m_s)
             leave_s = state.best.passed_s + derivatives.passed_s @ changes
             schedule = Schedule(
@@ -106,7 +106,11 @@ class _JointSteps:
                 continue
             state = replace(state, best=trial, damping=_LESS * state.damping)
             back_m = back_m + (derivatives.errors @ changes)[-back_m.size :].reshape(back_m.shape)
+            model = self._model(state, derivatives, back_m)
         return state
+
+    def _model(self, state: State, derivatives: FlightDerivatives, back_m: Floats) -> _LinearModel:
+        return _LinearModel.of(derivatives.errors, _errors(state.best, self._recording, back_m), state.best)
 
     def _spend(self, steps: int) -> None:
         self._budget.spend(steps / max(self._duration_s / self._exact.step_s, 1.0))
@@ -123,15 +127,26 @@ def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> Er
     return ErrorVectors(position_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, back_m)
 
 
-def _changes(derivatives: Floats, errors: ErrorVectors, evaluation: Evaluation, damping: float) -> Floats:
-    """The changes (p,) that make the weighted squares of errors of such derivatives (m, p) small."""
-    root = np.sqrt(_weights(errors, evaluation))
-    weighted = derivatives * root[:, None]
-    usual = np.tile(_USUAL_CHANGE, len(evaluation.draft) - 1)
-    normal = weighted.T @ weighted + np.diag(damping / usual**2)
-    found = np.linalg.solve(normal, -(weighted.T @ (root * errors.stacked)))
-    most = np.tile(_MOST_CHANGE, len(evaluation.draft) - 1)
-    return np.asarray(np.clip(found, -most, most))
+@dataclass(frozen=True, slots=True, eq=False)
+class _LinearModel:
+    """How the weighted squares of errors go with p changes: their normal matrix, and their force."""
+
+    normal: Floats
+    force: Floats
+
+    @classmethod
+    def of(cls, derivatives: Floats, errors: ErrorVectors, evaluation: Evaluation) -> _LinearModel:
+        """That by the derivatives (m, p) of the stacked errors (m,)."""
+        root = np.sqrt(_weights(errors, evaluation))
+        weighted = derivatives * root[:, None]
+        return cls(weighted.T @ weighted, weighted.T @ (root * errors.stacked))
+
+    def best_changes(self, damping: float) -> Floats:
+        """The changes (p,) that make them small, none too large."""
+        places = len(self.force) // CHANGES_A_PLACE
+        usual, most = np.tile(_USUAL_CHANGE, places), np.tile(_MOST_CHANGE, places)
+        found = np.linalg.solve(self.normal + np.diag(damping / usual**2), -self.force)
+        return np.asarray(np.clip(found, -most, most))
 
 
 def _weights(errors: ErrorVectors, evaluation: Evaluation) -> Floats:

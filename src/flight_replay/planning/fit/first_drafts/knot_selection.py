@@ -23,7 +23,7 @@ from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 
 USUAL_CANDIDATES = 2.0
 """Candidates for each place that is kept."""
-_CANDIDATES = (2.0, 3.0, 2.5, 4.0)
+_CANDIDATES = (2.0, 4.0, 3.0)
 _SHORTEST_LEGS_S = (1.8, 1.95, 2.1, 2.25)
 """By which several selections differ: candidates for each place, or how long legs are on average at least."""
 _FEWEST = 5
@@ -68,13 +68,10 @@ def selections(problem: FitProblem, most: int) -> list[FirstDraft]:
     places, each another number; otherwise they differ in what they are selected from.
     """
     moving_s = float(problem.recording.time_s[-1]) - sum(hover.seconds for hover in problem.hovers)
-    found = {}
-    for leg_s, candidates in zip(_SHORTEST_LEGS_S, _CANDIDATES, strict=True):
-        places = min(most, len(problem.hovers) + max(_FEWEST, round(moving_s / leg_s)))
-        key = (places, candidates if places == most else USUAL_CANDIDATES)
-        if key not in found:
-            found[key] = select_waypoints(problem, *key)
-    return list(found.values())
+    enough = [len(problem.hovers) + max(_FEWEST, round(moving_s / leg_s)) for leg_s in _SHORTEST_LEGS_S]
+    if min(enough) >= most:
+        return [select_waypoints(problem, most, candidates) for candidates in _CANDIDATES]
+    return [select_waypoints(problem, places) for places in dict.fromkeys(min(most, each) for each in enough)]
 
 
 def _moved_on_paper(draft: Draft, recording: LocalTrack) -> Draft:
