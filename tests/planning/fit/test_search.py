@@ -6,7 +6,6 @@ import flight_replay.planning.fit.search as search_module
 from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.rounds import State
@@ -43,9 +42,9 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
     problem, (curved, _) = problem_and_starts(timed=False)
     searched = []
 
-    def dead_end_first(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
+    def dead_end_first(problem: FitProblem, state: State, budget: Budget) -> tuple[State, str]:
         searched.append(state.best.objective_m)
-        return (state.best, "a dead end") if len(searched) == 1 else search_from(problem, state, budget)
+        return (state, "a dead end") if len(searched) == 1 else search_from(problem, state, budget)
 
     search_from = search_module._searched
     monkeypatch.setattr(search_module, "_searched", dead_end_first)

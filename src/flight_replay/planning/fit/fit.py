@@ -20,7 +20,7 @@ from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
 from flight_replay.planning.fit.draft import flown_through
 from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
-from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints, selections
+from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.first_drafts.line_simplification import (
     corner_draft,
     douglas_peucker,
@@ -131,15 +131,15 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     last = len(recording) - 1
     if last == 0 or max_points < 2:
         return [FirstDraft(straight_draft(recording, np.array([last])), {})]
+    selected = selections(problem, max_points)
     if problem.timed:
-        return [*selections(problem, max_points), corner_draft(problem, max_points)]
-    selected = select_waypoints(problem, max_points)
-    even = first_draft(problem.recording, len(selected.draft), problem.hovers, timed=False)
+        return [*selected, corner_draft(problem, max_points)]
+    even = first_draft(problem.recording, len(selected[0].draft), problem.hovers, timed=False)
     even = replace(even, spline=flown_through(even.hold_s))
     waits = np.flatnonzero(even.hold_s[1:] > 0) + 1
     line = np.column_stack([recording.north_east_m, recording.up_m])
     return [
-        selected,
+        *selected,
         FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0))),
         FirstDraft(straight_draft(recording, douglas_peucker(line, max_points)), {}),
         FirstDraft(straight_draft(recording, decimate(flown, max_points=max_points)), {}),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flight_replay.planning.fit.exchange import exchanged
 from flight_replay.planning.fit.legs.leg_moves import USUAL_SHARE
 from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
@@ -35,34 +36,41 @@ def search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tup
 def _untimed_search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tuple[Evaluation, str]:
     """The best that comes of the first of some starts, and of the next while there is time, and why it ends.
 
-    The first may be a dead end, as straight legs often are.
+    The first may be a dead end, as straight legs often are. What was found exchanges stretches.
     """
-    states = _begun(problem, starts, budget)
-    best, stopped = _searched(problem, states[0], budget)
-    for state in states[1:]:
-        if state.best.objective_m < _HOPELESS * best.objective_m and budget.affords(_SEARCH_FLIGHTS):
-            found, why = _searched(problem, state, budget)
-            best, stopped = (found, why) if found.objective_m < best.objective_m else (best, stopped)
-    return best, stopped
+    first, *others = _begun(problem, starts, budget)
+    state, stopped = _searched(problem, first, budget)
+    found = [state]
+    for start in others:
+        best_m = min(map(_objective_m, found))
+        if start.best.objective_m < _HOPELESS * best_m and budget.affords(_SEARCH_FLIGHTS):
+            state, stopped = _searched(problem, start, budget)
+            found.append(state)
+    most = max(len(start.draft) for start in starts)
+    return polished(problem, exchanged(problem, found, most, budget), budget).best, stopped
+
+
+def _objective_m(state: State) -> float:
+    return state.best.objective_m
 
 
 def _begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> list[State]:
     """The starts after a first round, but for the hopeless ones, the best first."""
     states = [begun(problem, starts[0], budget)]
     for start in starts[1:]:
-        best_m = min(state.best.objective_m for state in states)
+        best_m = min(map(_objective_m, states))
         least_m = objective_lower_bound_m(start.draft, problem.recording, timed=False)
         if least_m < best_m and budget.affords(ROUND_FLIGHTS):
             states.append(begun(problem, start, budget, _HOPELESS * best_m))
-    return sorted(states, key=lambda state: state.best.objective_m)
+    return sorted(states, key=_objective_m)
 
 
-def _searched(problem: FitProblem, state: State, budget: Budget) -> tuple[Evaluation, str]:
+def _searched(problem: FitProblem, state: State, budget: Budget) -> tuple[State, str]:
     """The best of places moved, and of legs changed one by one between that; and why it ends."""
     while budget.affords(SWEEP_FLIGHTS):
         before_m = state.best.objective_m
         state = refined(problem, polished(problem, state, budget), budget, _STEPS)
         state = polished(problem, swept(problem, state, budget, USUAL_SHARE), budget)
         if state.best.objective_m > (1 - WORTH_GOING_ON) * before_m:
-            return state.best, NO_MORE
-    return state.best, ENOUGH
+            return state, NO_MORE
+    return state, ENOUGH

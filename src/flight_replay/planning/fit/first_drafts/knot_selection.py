@@ -62,14 +62,15 @@ def select_waypoints(
 
 
 def selections(problem: FitProblem, most: int) -> list[FirstDraft]:
-    """Several drafts of at most ``most`` places, where the recorded speed is to be kept.
+    """Several drafts of at most ``most`` places.
 
-    Where that many would make legs of less than about two seconds, which slow the vehicle, they have fewer
-    places, each another number; otherwise they differ in what they are selected from.
+    Where the recorded speed is to be kept, and that many would make legs of less than about two seconds,
+    which slow the vehicle, they have fewer places, each another number; otherwise they differ in what they
+    are selected from.
     """
     moving_s = float(problem.recording.time_s[-1]) - sum(hover.seconds for hover in problem.hovers)
     enough = [len(problem.hovers) + max(_FEWEST, round(moving_s / leg_s)) for leg_s in _SHORTEST_LEGS_S]
-    if min(enough) >= most:
+    if min(enough) >= most or not problem.timed:
         return [select_waypoints(problem, most, candidates) for candidates in _CANDIDATES]
     return [select_waypoints(problem, places) for places in dict.fromkeys(min(most, each) for each in enough)]
 
