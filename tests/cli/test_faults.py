@@ -57,6 +57,8 @@ CONDITIONS = {
     "mixed": (LinkConditions(loss=0.1, corrupt=0.05, duplicated=0.1, delay_s=0.02, jitter_s=0.1), 10.0),
 }
 QUICK = {"5 % lost"}
+BUSY_S = 0.5
+"""How late a program on a busy machine may see the vehicle's time, in wall-clock time."""
 
 
 def marked(names: list[str], slow: set[str]) -> list[object]:
@@ -73,7 +75,7 @@ def test_a_bad_link_does_not_change_the_flight(name: str) -> None:
     assert outcome.line is None
     assert outcome.record is not None
     assert outcome.record.ended == "duration"
-    assert outcome.record.auto_s == pytest.approx(12, abs=1)
+    assert 11 < outcome.record.auto_s < 12 + BUSY_S * speedup
     assert outcome.modes_requested() == [GUIDED, AUTO, RTL]
     assert outcome.rtl_confirmed
 
