@@ -45,12 +45,28 @@ def test_a_flight_beyond_the_limits_stays_within_them() -> None:
     fine_s = np.linspace(reference.begin_s, reference.end_s, 4000)
     velocity, acceleration = reference.velocities_m_s(fine_s), reference.accelerations_m_s2(fine_s)
     thrust = acceleration[:, :2] + DRAG.acceleration_m_s2(velocity[:, :2])
-    assert np.hypot(*thrust.T).max() < BOUNDS.thrust_m_s2 + 0.1
+    assert np.hypot(*thrust.T).max() < BOUNDS.thrust.along_m_s2 + 0.1
     assert velocity[:, 2].max() < 1.04 * BOUNDS.up_m_s
     assert -velocity[:, 2].min() < 1.04 * BOUNDS.down_m_s
     rates = reference.headings_deg(fine_s)
     assert rates is not None
     assert np.abs(rates[1]).max() < 1.04 * BOUNDS.turn_deg_s
+
+
+def test_turns_leave_more_of_the_lean_than_speeding_up() -> None:
+    times_s = np.arange(0.0, 40.0, 0.2)
+    turn, height = 1.1 * times_s, np.full(len(times_s), 20.0)
+    there_and_back = np.column_stack([40 * np.sin(0.8 * times_s), np.zeros(len(times_s)), height])
+    round_and_round = np.column_stack([6 * np.sin(turn), 6 * np.cos(turn), height])
+    most = []
+    for places in (there_and_back, round_and_round):
+        reference = _plan(times_s, places)
+        fine_s = np.linspace(5.0, 35.0, 3000)
+        velocity = reference.velocities_m_s(fine_s)[:, :2]
+        thrust = reference.accelerations_m_s2(fine_s)[:, :2] + DRAG.acceleration_m_s2(velocity)
+        most.append(np.hypot(*thrust.T).max())
+    assert most[0] == pytest.approx(BOUNDS.thrust.along_m_s2, abs=0.1)
+    assert most[1] < BOUNDS.thrust.across_m_s2 + 0.15
 
 
 def test_it_is_at_speed_when_the_recording_begins() -> None:

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import MissionError
-from flight_replay.planning.drag import Drag
-from flight_replay.planning.following.lean import lean_bound
 from flight_replay.planning.following.smoothing import Knots, Samples, length_bound, nearest_motion
 
 
@@ -51,20 +49,3 @@ def test_bounds_that_nothing_keeps_are_told() -> None:
     impossible = length_bound(knots, 1, 1, -1.0)
     with pytest.raises(MissionError, match="choose a part"):
         nearest_motion(knots, samples, [impossible], 1e-3)
-
-
-def test_drag_takes_its_part_of_the_lean() -> None:
-    drag = Drag(0.2, 0.03)
-    velocity = np.array([[3.0, 4.0], [0.0, 0.0], [-6.0, 1.0]])
-    step = 1e-6
-    for axis in range(2):
-        moved = velocity + step * np.eye(2)[axis]
-        change = (drag.acceleration_m_s2(moved) - drag.acceleration_m_s2(velocity)) / step
-        assert drag.slope_per_s(velocity)[:, :, axis] == pytest.approx(change, abs=1e-4)
-    knots = Knots.between(0.0, 0.5, 0.25)
-    coefficients = np.random.default_rng(1).normal(size=(knots.size, 2))
-    at_knots = knots.derivative(1) @ coefficients
-    bound = lean_bound(knots, drag, at_knots, 5.0)
-    lean = np.column_stack([rows @ coefficients.T.ravel() for rows in bound.rows]) + bound.offset
-    wanted = knots.derivative(2) @ coefficients + drag.acceleration_m_s2(at_knots)
-    assert lean == pytest.approx(wanted)

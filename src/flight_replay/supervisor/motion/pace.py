@@ -10,7 +10,7 @@ import numpy as np
 
 from flight_replay.geometry.reference_motion import ReferenceMotion
 
-_SHARE = 0.93  # Of the lean: what references are planned with, and next to nothing of the rest.
+_SHARE = 0.93  # Of the lean: about as much as references are planned with along the way.
 _STEP_S, _AHEAD_S = 0.1, 4.0
 _SLOWER_PER_S = 0.2  # The clock slows down a little faster than that.
 _RATES = np.linspace(1.0, 0.3, 36)
