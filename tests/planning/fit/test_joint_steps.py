@@ -44,7 +44,7 @@ def test_a_joint_step_brings_the_flight_nearer_to_the_recording() -> None:
 def test_steps_that_fail_are_damped_more(monkeypatch: pytest.MonkeyPatch) -> None:
     """What was best stays where no step gains, and the next one is shorter."""
     problem, start = problem_and_start()
-    monkeypatch.setattr(joint_steps, "_flown_on_time", lambda *_: (start.best, 0))
+    monkeypatch.setattr(joint_steps, "flown_on_time", lambda *_: (start.best, 0))
     found = stepped_jointly(problem, start, budget())
     assert found.best is start.best
     assert found.damping > start.damping
@@ -64,7 +64,7 @@ def test_where_changes_to_one_side_lead_nowhere_those_to_the_other_count_too(
     monkeypatch.setattr(joint_steps, "flight_derivatives", watched)
     after = stepped_jointly(problem, start, budget())
     stepped_jointly(problem, after, budget())
-    monkeypatch.setattr(joint_steps, "_flown_on_time", lambda *_: (start.best, 0))
+    monkeypatch.setattr(joint_steps, "flown_on_time", lambda *_: (start.best, 0))
     stepped_jointly(problem, start, budget())
     assert sizes == [1.0, -0.5, 1.0, -1.0]
 

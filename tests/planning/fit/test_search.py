@@ -26,15 +26,15 @@ def test_no_start_is_better_than_what_is_found() -> None:
     """Speeds set and places moved, the objective is below that of every start."""
     for timed in (True, False):
         problem, starts = problem_and_starts(timed=timed)
-        best, _ = search(problem, starts, Budget(60, lambda done, total: None))
+        best, _ = search(problem, starts, 20, Budget(60, lambda done, total: None))
         assert best.objective_m < min(problem.evaluate(start.draft).objective_m for start in starts)
 
 
 def test_a_search_says_why_it_stopped() -> None:
     """It ends when its flights are spent, or when no step is worth taking."""
     problem, starts = problem_and_starts(timed=True)
-    assert "enough" in search(problem, starts[:1], Budget(1, lambda done, total: None))[1]
-    assert "gained" in search(problem, starts[:1], Budget(10_000, lambda done, total: None))[1]
+    assert "enough" in search(problem, starts[:1], 20, Budget(1, lambda done, total: None))[1]
+    assert "gained" in search(problem, starts[:1], 20, Budget(10_000, lambda done, total: None))[1]
 
 
 def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -48,6 +48,6 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
 
     search_from = search_module._searched
     monkeypatch.setattr(search_module, "_searched", dead_end_first)
-    best, stopped = search(problem, [curved, curved], Budget(150, lambda done, total: None))
+    best, stopped = search(problem, [curved, curved], 20, Budget(150, lambda done, total: None))
     assert best.objective_m < min(searched)
     assert stopped != "a dead end"

@@ -50,7 +50,7 @@ _ROOMY_LEG_S = 2.0
 """With fewer waypoints than one in so many seconds, stopping for a pause costs less than flying it slowly."""
 # Durations of flights, and the steps of the model that can be afforded for each.
 _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
-_WORK_STEPS, _WORK_STEPS_A_FIX = 1_050_000, 40
+_WORK_STEPS, _WORK_STEPS_A_FIX = 950_000, 40
 """Steps of the model that the search may take, and more for each fix."""
 _FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 250
 
@@ -93,7 +93,7 @@ def fit(  # noqa: PLR0913
     problem = problem_for(recording, max_points, limits, timed=timed)
     starts = _at_speed(speed_m_s, _starts(problem, recording, flown, max_points))
     budget = _budget(problem, len(flown), progress)
-    best, stopped = search(problem, starts, budget)
+    best, stopped = search(problem, starts, max_points, budget)
     lags = lag_notes(best, problem.recording) if timed else ()
     notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lags)
     return _result(best, flown, recording, heights, notes)

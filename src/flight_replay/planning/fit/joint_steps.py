@@ -28,9 +28,8 @@ from flight_replay.planning.fit.objective import (
 from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack
-from flight_replay.planning.fit.rounds import State
+from flight_replay.planning.fit.rounds import State, flown_on_time
 from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, SLOWEST_M_S, Schedule, speed_caps_m_s
-from flight_replay.planning.fit.speed_search import SpeedSearch
 
 JOINT_FLIGHTS = 11
 """A step costs about as many flights, most of them for the derivatives."""
@@ -99,7 +98,7 @@ class _JointSteps:
             schedule = Schedule(
                 kept_in_corridor(moved, state.hovers, self._recording), np.maximum.accumulate(leave_s)
             )
-            trial, steps = _flown_on_time(self._exact, schedule, self._caps_m_s)
+            trial, steps = flown_on_time(self._exact, schedule, self._caps_m_s)
             self._spend(steps)
             if trial.objective_m >= state.best.objective_m:
                 state = replace(state, damping=_MORE * state.damping)
@@ -166,13 +165,6 @@ def _path_weights(off_m: Floats, scale_m: float) -> Floats:
     """The same for vectors (k, 2) of one way of a path error, which is ``scale_m``."""
     squares = (off_m**2).sum(axis=1)
     return np.asarray((squares + _LEAST_SQUARE_M2) / (2 * max(len(off_m), 1) * scale_m**3))
-
-
-def _flown_on_time(exact: FitProblem, plan: Schedule, caps_m_s: Floats) -> tuple[Evaluation, int]:
-    """A draft as it is flown, its speeds set to leave each place when it is to be left; the model's steps."""
-    caps_m_s = np.fmax(caps_m_s, plan.draft.speed_m_s)
-    search = SpeedSearch(plan, caps_m_s, exact.limits, exact.step_s, exact.recording.takeoff)
-    return exact.compared(search.run()), search.steps
 
 
 def _changed(draft: Draft, changes: Floats, caps_m_s: Floats) -> Draft:

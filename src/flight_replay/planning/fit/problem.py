@@ -55,21 +55,6 @@ class FitProblem:
         exact_step_s = float(np.interp(self.recording.time_s[-1], *_EXACT_STEPS_S))
         return replace(self, step_s=min(self.step_s, exact_step_s))
 
-    def calibrated(self, draft: Draft) -> FitProblem:
-        """The same, its clock set so that long steps are as good as exact ones near a draft.
-
-        Long steps take sharp turns too fast, by some hundredths of a second each, which add up: a
-        vehicle that is to be somewhere at a time has to be there sooner in long steps.
-        """
-        exact = self.exact
-        if exact.step_s == self.step_s:
-            return self
-        exact_s = exact.simulate(draft).passed_s
-        ahead_s = exact_s - self.simulate(draft).passed_s
-        times = self.recording.time_s - np.interp(self.recording.time_s, exact_s, ahead_s)
-        times = np.maximum.accumulate(times - times[0])
-        return replace(self, recording=replace(self.recording, time_s=times))
-
     @property
     def straight_starts(self) -> bool:
         """Whether stops are left straight.

@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import inf
 
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.place_moves import shaped, stepped
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover
-from flight_replay.planning.fit.speed_schedule import schedule, speed_caps_m_s
+from flight_replay.planning.fit.speed_schedule import Schedule, schedule, speed_caps_m_s
 from flight_replay.planning.fit.speed_search import SpeedSearch
 
 _PATH_STEPS = 4
@@ -90,21 +93,11 @@ def polished(problem: FitProblem, state: State, budget: Budget) -> State:
     return replace(state, best=best)
 
 
-def swept(problem: FitProblem, state: State, budget: Budget, share: float) -> State:
-    """With legs straight or curved, stops and speeds as the model flies them better, one by one.
-
-    Args:
-        problem: what to fit.
-        state: where the search is.
-        budget: is told how much was flown.
-        share: legs that cost less than this share of the mean are left as they are.
-    """
-    draft = with_better_legs(problem, state.best, state.hovers, budget, share)
+def swept(problem: FitProblem, state: State, budget: Budget) -> State:
+    """With legs straight or curved, and stops, as the model flies them better, one by one."""
     budget.spend(1)
-    found = [state.best, problem.evaluate(draft)]
-    if problem.timed:
-        found.append(timed(problem, draft, state.hovers, budget))
-    return replace(state, best=better(*found))
+    changed = problem.evaluate(with_better_legs(problem, state.best, state.hovers, budget))
+    return replace(state, best=better(state.best, changed))
 
 
 def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: Budget) -> Evaluation:
@@ -119,3 +112,16 @@ def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: B
     found = problem.compared(speeds.run())
     budget.spend(2 + speeds.steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))
     return found
+
+
+def flown_on_time(problem: FitProblem, plan: Schedule, caps_m_s: Floats) -> tuple[Evaluation, int]:
+    """A draft with its speeds set to leave each place when it is to be left, and the model's steps that took.
+
+    Args:
+        problem: what to fit.
+        plan: the draft, at least two places, and when they are to be left.
+        caps_m_s: the highest speeds (n,), where the draft has none that is higher.
+    """
+    caps_m_s = np.fmax(caps_m_s, plan.draft.speed_m_s)
+    search = SpeedSearch(plan, caps_m_s, problem.limits, problem.step_s, problem.recording.takeoff)
+    return problem.compared(search.run()), search.steps

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from flight_replay.planning.fit.exchange import exchanged
-from flight_replay.planning.fit.legs.leg_moves import USUAL_SHARE
+from flight_replay.planning.fit.chains.exchange import exchanged
 from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
@@ -26,14 +25,21 @@ _HOPELESS = 1.5
 """A start so many times worse than the best does not get a round."""
 
 
-def search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tuple[Evaluation, str]:
-    """The best draft that comes of some starts, and why the search stopped, in words."""
-    found = (timed_search if problem.timed else _untimed_search)(problem, starts, budget)
+def search(
+    problem: FitProblem, starts: list[FirstDraft], most: int, budget: Budget
+) -> tuple[Evaluation, str]:
+    """The best draft of at most ``most`` places that comes of some starts, and why the search stopped.
+
+    The first of them has no more places.
+    """
+    found = (timed_search if problem.timed else _untimed_search)(problem, starts, most, budget)
     budget.finish()
     return found
 
 
-def _untimed_search(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> tuple[Evaluation, str]:
+def _untimed_search(
+    problem: FitProblem, starts: list[FirstDraft], most: int, budget: Budget
+) -> tuple[Evaluation, str]:
     """The best that comes of the first of some starts, and of the next while there is time, and why it ends.
 
     The first may be a dead end, as straight legs often are. What was found exchanges stretches.
@@ -46,7 +52,6 @@ def _untimed_search(problem: FitProblem, starts: list[FirstDraft], budget: Budge
         if start.best.objective_m < _HOPELESS * best_m and budget.affords(_SEARCH_FLIGHTS):
             state, stopped = _searched(problem, start, budget)
             found.append(state)
-    most = max(len(start.draft) for start in starts)
     return polished(problem, exchanged(problem, found, most, budget), budget).best, stopped
 
 
@@ -70,7 +75,7 @@ def _searched(problem: FitProblem, state: State, budget: Budget) -> tuple[State,
     while budget.affords(SWEEP_FLIGHTS):
         before_m = state.best.objective_m
         state = refined(problem, polished(problem, state, budget), budget, _STEPS)
-        state = polished(problem, swept(problem, state, budget, USUAL_SHARE), budget)
+        state = polished(problem, swept(problem, state, budget), budget)
         if state.best.objective_m > (1 - WORTH_GOING_ON) * before_m:
             return state, NO_MORE
     return state, ENOUGH

@@ -1,9 +1,9 @@
-"""What is tried at a place: other speeds, kinds of legs, stops, and corners where the recording turns."""
+"""What is tried at a place: kinds of legs, stops, and corners where the recording turns."""
 
 import numpy as np
 import pytest
 
-from flight_replay.planning.fit.legs.leg_changes import corner_changes, kind_changes, speed_changes
+from flight_replay.planning.fit.legs.leg_changes import corner_changes, kind_changes
 from tests.helpers.fit_tracks import draft_of
 
 DRAFT = draft_of([(0, 0), (28, 3), (60, 60), (60, 90)], [False, True, True, True], [1, 0, 0, 0])
@@ -12,7 +12,7 @@ FIXES_M = np.array([(20.0, 0.0), (40.0, 0.0), (59.0, 1.0), (60.0, 30.0)])
 
 def test_a_corner_lies_where_the_recording_turns() -> None:
     """The place moves to the fix farthest from the line past it; one or both of its legs are straight."""
-    changed = [draft for row in corner_changes(DRAFT, 1, {}, FIXES_M) for draft in row]
+    changed = list(corner_changes(DRAFT, 1, {}, FIXES_M))
     assert [draft.spline.tolist() for draft in changed] == [
         [False, False, False, True],
         [False, False, True, True],
@@ -32,17 +32,9 @@ def test_no_corner_where_none_can_be(place: int, hovers: set[int], fixes: int) -
 
 def test_kinds_are_changed_one_at_a_time() -> None:
     """Curved or straight, stopped at, and the leg behind straight; a hover stays."""
-    (straight,), (stopped,), (behind,) = kind_changes(DRAFT, 1, set(), straight_starts=False)
+    straight, stopped, behind = kind_changes(DRAFT, 1, set(), straight_starts=False)
     assert straight.spline.tolist() == [False, False, True, True]
     assert stopped.hold_s[1] > 0
     assert not stopped.spline[1]
     assert behind.spline.tolist() == [False, False, False, True]
     assert not list(kind_changes(DRAFT, 1, {1}, straight_starts=False))
-
-
-def test_speeds_are_tried_in_rows_of_more_and_more() -> None:
-    """Slower, faster, and what would make good a delay."""
-    at_4 = draft_of([(0, 0), (30, 0)], [False, False], [1, 0])
-    at_4.speed_m_s[1] = 4.0
-    rows = [[draft.speed_m_s[1] for draft in row] for row in speed_changes(at_4, 1, 1.5)]
-    assert rows == [[3.48, 2.8], [4.6, 5.6], [6.0]]

@@ -61,16 +61,6 @@ def test_legs_that_do_not_end_are_refused() -> None:
         flights.fly(DRAFT, 1, 2)
 
 
-def test_legs_that_end_too_late_are_refused() -> None:
-    """A trial is given up as soon as it has left a place too late."""
-    flights = LocalFlights(problem(), DRAFT, 600.0)
-    other = replace(DRAFT, hold_s=np.array([1.0, 0.0, 5.0, 3.0, 0.0]))
-    latest_s = np.array([flights.left_s(place) for place in range(len(DRAFT))]) + 2.0
-    assert flights.fly(DRAFT, 1, 2, latest_s).left_s == pytest.approx(flights.left_s(2))
-    with pytest.raises(MissionError, match="does not end"):
-        flights.fly(other, 1, 3, latest_s)
-
-
 def test_a_flight_goes_on_until_the_vehicle_is_where_its_target_was() -> None:
     """A second is flown beyond the last place, of the draft itself and of others alike."""
     flights = LocalFlights(problem(), DRAFT, 600.0)

@@ -24,6 +24,8 @@ from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 USUAL_CANDIDATES = 2.0
 """Candidates for each place that is kept."""
 _CANDIDATES = (2.0, 4.0, 3.0)
+_TIMED_CANDIDATES = ((1.0, 2.0), (1.0, 4.0), (1.1, 3.0))
+"""How many places the selections have of those there may be, and candidates for each."""
 _SHORTEST_LEGS_S = (1.8, 1.95, 2.1, 2.25)
 """By which several selections differ: candidates for each place, or how long legs are on average at least."""
 _FEWEST = 5
@@ -62,16 +64,21 @@ def select_waypoints(
 
 
 def selections(problem: FitProblem, most: int) -> list[FirstDraft]:
-    """Several drafts of at most ``most`` places.
+    """Several drafts of about ``most`` places, the first of no more.
 
     Where the recorded speed is to be kept, and that many would make legs of less than about two seconds,
     which slow the vehicle, they have fewer places, each another number; otherwise they differ in what they
-    are selected from.
+    are selected from, and the last has more places, of which stretches are taken where they are missed most.
     """
     moving_s = float(problem.recording.time_s[-1]) - sum(hover.seconds for hover in problem.hovers)
     enough = [len(problem.hovers) + max(_FEWEST, round(moving_s / leg_s)) for leg_s in _SHORTEST_LEGS_S]
-    if min(enough) >= most or not problem.timed:
+    if not problem.timed:
         return [select_waypoints(problem, most, candidates) for candidates in _CANDIDATES]
+    if min(enough) >= most:
+        return [
+            select_waypoints(problem, round(share * most), candidates)
+            for share, candidates in _TIMED_CANDIDATES
+        ]
     return [select_waypoints(problem, places) for places in dict.fromkeys(min(most, each) for each in enough)]
 
 

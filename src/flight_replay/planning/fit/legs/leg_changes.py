@@ -1,61 +1,39 @@
-"""The drafts that differ from one in how a place is flown to: how fast, straight or curved, with a stop.
-
-They come in rows of more and more of the same change.
-"""
+"""The drafts that differ from one in how a place is flown to: straight or curved, with a stop."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import replace
-
-import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, SLOWEST_M_S
 
 STOP_S = 1.0
-_SPEED_FACTORS = ((0.87, 0.7), (1.15, 1.4))
-"""Slower, and more so where that gains; faster."""
-
-
-def speed_changes(draft: Draft, place: int, factor_on_time: float) -> Iterator[Sequence[Draft]]:
-    """The drafts that differ in how fast a place is flown to, in rows of more and more."""
-    for row in (*_SPEED_FACTORS, *([(factor_on_time,)] if factor_on_time != 1.0 else [])):
-        yield [_at_speed(draft, place, factor * float(draft.speed_m_s[place])) for factor in row]
-
-
-def _at_speed(draft: Draft, place: int, speed_m_s: float) -> Draft:
-    speeds = draft.speed_m_s.copy()
-    speeds[place] = np.clip(round(speed_m_s, 2), SLOWEST_M_S, FASTEST_M_S)
-    return replace(draft, speed_m_s=speeds)
 
 
 def kind_changes(
     draft: Draft, place: int, hovers: Collection[int], *, straight_starts: bool
-) -> Iterator[Sequence[Draft]]:
+) -> Iterator[Draft]:
     """The drafts that differ in how a place is flown to, and whether it is stopped at, each by itself."""
     after_stop = straight_starts and draft.hold_s[place - 1] > 0
     if place in hovers:
         return
     if place == len(draft) - 1:
         if not after_stop:
-            yield [_flipped(draft, place)]
+            yield _flipped(draft, place)
         return
     if draft.hold_s[place] > 0:
-        yield [_through(draft, place, spline=not after_stop)]
+        yield _through(draft, place, spline=not after_stop)
         return
     if not after_stop:
-        yield [_flipped(draft, place)]
-    yield [_stopped(draft, place, straight_start=straight_starts)]
+        yield _flipped(draft, place)
+    yield _stopped(draft, place, straight_start=straight_starts)
     if draft.spline[place + 1]:
-        yield [_flipped(_flipped(draft, place) if draft.spline[place] else draft, place + 1)]
+        yield _flipped(_flipped(draft, place) if draft.spline[place] else draft, place + 1)
 
 
-def corner_changes(
-    draft: Draft, place: int, hovers: Collection[int], fixes_m: Floats
-) -> Iterator[Sequence[Draft]]:
+def corner_changes(draft: Draft, place: int, hovers: Collection[int], fixes_m: Floats) -> Iterator[Draft]:
     """The drafts that go straight to where the recording turns, and on from there straight or as before.
 
     Args:
@@ -73,7 +51,7 @@ def corner_changes(
     for end in (place + 2, place + 1):
         spline = draft.spline.copy()
         spline[place:end] = False
-        yield [replace(draft, places_m=places, spline=spline)]
+        yield replace(draft, places_m=places, spline=spline)
 
 
 def _flipped(draft: Draft, place: int) -> Draft:

@@ -10,14 +10,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.matching import distances_in_order_m
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
-from flight_replay.planning.fit.objective import (
-    CREEPING_M_S,
-    TIME_SHARE,
-    Evaluation,
-    creeping_s,
-    path_error_m,
-    places_at,
-)
+from flight_replay.planning.fit.objective import Evaluation, path_error_m
 from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, Offsets, points_along
 from flight_replay.planning.fit.reference import LocalTrack
 
@@ -47,20 +40,17 @@ class LocalCost:
 
     evaluation: Evaluation
     recording: LocalTrack
-    timed: bool
     passing_leg: Floats
     """The leg (n,) on which the draft passes each fix."""
     by_planned: _Derivatives
     by_flown: _Derivatives
 
     @classmethod
-    def of(cls, evaluation: Evaluation, recording: LocalTrack, *, timed: bool) -> LocalCost:
+    def of(cls, evaluation: Evaluation, recording: LocalTrack) -> LocalCost:
         """About a draft as it is flown."""
         planned, flown = evaluation.planned, evaluation.flown
         passing_leg = np.maximum.accumulate(planned[0].leg)
-        return cls(
-            evaluation, recording, timed, passing_leg, _Derivatives.of(planned), _Derivatives.of(flown)
-        )
+        return cls(evaluation, recording, passing_leg, _Derivatives.of(planned), _Derivatives.of(flown))
 
     def fixes_m(self, first: int, last: int) -> Floats:
         """The fixes (n, 2) that the draft passes on the legs to places ``first`` to ``last``."""
@@ -80,11 +70,7 @@ class LocalCost:
         planned = draft.legs_path(first, last, CURVE_TOLERANCE_M)
         cost = self._path_m(planned, planned, begin, end, self.by_planned) * self.evaluation.plan_share
         on_legs_m = flight.north_east_m[: flight.ended]
-        cost += self._path_m(flight.north_east_m, on_legs_m, begin, end, self.by_flown)
-        if not self.timed:
-            return cost
-        slow_s = creeping_s(draft, flight.time_s[: flight.ended], on_legs_m)
-        return cost + self._late_m(flight, begin, end) + CREEPING_M_S * slow_s
+        return cost + self._path_m(flight.north_east_m, on_legs_m, begin, end, self.by_flown)
 
     def _path_m(
         self, line_m: Floats, on_legs_m: Floats, begin: int, end: int, derivatives: _Derivatives
@@ -95,9 +81,3 @@ class LocalCost:
         near = fixes[max(0, begin - _AROUND_FIXES) : end + _AROUND_FIXES]
         back = distances_in_order_m(points_along(on_legs_m, _SPACING_M)[0], near)
         return float((there**4).sum() * derivatives.by_fix + (back**4).sum() * derivatives.by_point)
-
-    def _late_m(self, flight: LocalFlight, begin: int, end: int) -> float:
-        """What being late or early adds on these legs."""
-        fixes, times = self.recording.places_m[begin:end], self.recording.time_s[begin:end]
-        off_m = places_at(flight.time_s, flight.place_m[:, : self.recording.axes], times) - fixes
-        return TIME_SHARE * float(np.hypot.reduce(off_m, axis=1).sum()) / len(self.recording)

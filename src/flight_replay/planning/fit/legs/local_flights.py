@@ -102,17 +102,16 @@ class LocalFlights:
             self._fly_on()
         return self._legs[place].left_s - self._begin_s
 
-    def fly(self, draft: Draft, first: int, last: int, latest_s: Floats | None = None) -> LocalFlight:
+    def fly(self, draft: Draft, first: int, last: int) -> LocalFlight:
         """The legs to places ``first`` to ``last`` of a draft that is flown like this one before them.
 
         Args:
             draft: what to fly.
             first: the first of the places.
             last: the last of the places.
-            latest_s: when each place of the draft (n,) has to be left for the flight to be of use.
 
         Raises:
-            MissionError: they do not end, or not in time.
+            MissionError: they do not end.
         """
         while len(self._before) <= first:
             self._fly_on()
@@ -121,8 +120,7 @@ class LocalFlights:
         copter = self._before[first].copy(self._items_of(draft))
         rows, passed = [copter.position_m], []
         for place in range(first, last + 1):
-            allowed_s = np.inf if latest_s is None else latest_s[place] + self._begin_s - copter.time_s
-            rows += self._flown_to(copter, place, allowed_s)
+            rows += self._flown_to(copter, place)
             passed.append(passed_s(copter))
         return self._flight(first, rows, self._run_on(copter), passed)
 
@@ -155,12 +153,11 @@ class LocalFlights:
         left_s, passed = copter.time_s, passed_s(copter)
         self._legs.append(_Leg(rows, self._run_on(copter), left_s, passed))
 
-    def _flown_to(self, copter: Copter, place: int, allowed_s: float = np.inf) -> list[Vector]:
+    def _flown_to(self, copter: Copter, place: int) -> list[Vector]:
         """Where a copter is after each step until the leg to a place is about to end."""
-        most_steps = min(self._most_steps, allowed_s / self._problem.step_s)
-        rows = positions_on_leg(copter, self._seqs[place], most_steps)
+        rows = positions_on_leg(copter, self._seqs[place], self._most_steps)
         self.steps += len(rows)
-        if len(rows) >= most_steps:
+        if len(rows) >= self._most_steps:
             raise MissionError("a leg of the fitted flight does not end")
         return rows
 

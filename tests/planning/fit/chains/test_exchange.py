@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.chains.exchange import exchanged
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.exchange import exchanged
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import Hover, local_track
@@ -57,7 +58,7 @@ def test_there_are_no_more_places_than_are_allowed() -> None:
     """A stretch of more places is taken only if there may be so many."""
     here = problem()
     few, many = state(here, bumps(2)), state(here, bumps(14, 16, 18, places=21))
-    assert exchanged(here, [few, many], 11, budget()).best is few.best
+    assert len(exchanged(here, [few, many], 11, budget()).best.draft) == 11
     assert len(exchanged(here, [few, many], 30, budget()).best.draft) > 11
 
 
@@ -74,21 +75,26 @@ def test_a_stretch_for_which_there_is_no_room_comes_with_a_shorter_one() -> None
 
 
 def test_hovers_stay_with_their_places() -> None:
-    """Those of a stretch come with it, and those behind it move with their places."""
+    """Both drafts wait at the same places, where they come together with others before them."""
     here = problem()
-    few, many = state(here, bumps(2)), state(here, bumps(14, 16, 18, places=21))
-    hover, late = Hover(5, 6, 5.0), Hover(150, 160, 6.0)
+    first, second = Hover(20, 21, 5.0), Hover(80, 81, 6.0)
 
-    def waiting(each: State, place: int, hover: Hover) -> State:
+    def waiting(each: State, *places: int) -> State:
         hold_s = each.best.draft.hold_s.copy()
-        hold_s[place] = 1.0
+        hold_s[list(places)] = 1.0
+        waits = replace(each.best.draft, hold_s=hold_s)
         return replace(
-            each, best=here.evaluate(replace(each.best.draft, hold_s=hold_s)), hovers={place: hover}
+            each, best=here.evaluate(waits), hovers=dict(zip(places, (first, second), strict=True))
         )
 
-    found = exchanged(here, [waiting(few, 9, late), waiting(many, 1, hover)], 30, budget())
-    assert len(found.best.draft) > 11
-    assert found.hovers == {int(np.flatnonzero(found.best.draft.hold_s)[-1]): late}
+    few = waiting(state(here, bumps(3)), 2, 8)
+    many = waiting(state(here, bumps(14, 18, places=21)), 4, 16)
+    found = exchanged(here, [few, many], 30, budget())
+    draft = found.best.draft
+    assert np.abs(draft.places_m[:, 1]).max() == 0.0
+    waits = np.flatnonzero(draft.hold_s[1:]) + 1
+    assert draft.places_m[waits, 0].tolist() == pytest.approx([40.0, 160.0])
+    assert found.hovers == dict(zip(waits.tolist(), (first, second), strict=True))
 
 
 def test_nothing_is_flown_without_time() -> None:

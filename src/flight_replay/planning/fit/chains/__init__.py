@@ -1,0 +1,1 @@
+"""Chains of legs of several drafts: the best of each together."""
