@@ -1,7 +1,7 @@
-"""Builds wheels in which mypyc has compiled the flight model and what a fit computes number by number.
+"""Builds wheels with compiled parts: the flight model, what a fit computes number by number, log searches.
 
 The flight model is five times as fast then, and flies the same to the last bit. All stays plain Python where
-there is no C compiler, or no Python.h, and in editable installs.
+there is no C compiler, or no Python.h, and in editable installs; so does reading telemetry logs, in numpy.
 """
 
 from __future__ import annotations
@@ -27,7 +27,13 @@ _NOT_COMPILED = frozenset(
     {"__init__.py", "hermite.py", "spline_end.py", "trajectory.py", "guided_trajectory.py"}
 )
 """What works with numpy's arrays gains nothing."""
+_CORE = "flight_replay/logs/tlog/core/_frame_core"
 _LONGEST_S = 600
+_CORE_SETUP = """
+from setuptools import Extension, setup
+flags = ["-std=c11", "-O3"]
+setup(ext_modules=[Extension({module!r}, [{path!r}], extra_compile_args=flags)])
+"""
 _SETUP = """
 import os
 from mypyc.build import mypycify
@@ -47,18 +53,26 @@ class FlightModelHook(BuildHookInterface[Any]):
             return
         self._scratch = Path(tempfile.mkdtemp())
         source = Path(self.root, "src")
+        scratch = str(self._scratch / "c")
+        self._add("The flight model", _SETUP.format(modules=flight_model(source), target=scratch), build_data)
+        if os.name != "nt":  # where a library without Python in it takes other tools
+            core = _CORE_SETUP.format(module=_CORE.replace("/", "."), path=f"{_CORE}.c")
+            self._add("The reader of telemetry logs", core, build_data)
+
+    def _add(self, name: str, setup: str, build_data: dict[str, Any]) -> None:
+        """Compile a part, or say why it stays plain."""
         try:
-            libraries = compiled(flight_model(source), source, self._scratch)
+            libraries = compiled(setup, Path(self.root, "src"), Path(tempfile.mkdtemp(dir=self._scratch)))
         except subprocess.CalledProcessError as error:
-            self._stay_plain(error.stderr.strip().rpartition("\n")[2])
+            self._stay_plain(name, error.stderr.strip().rpartition("\n")[2])
         except (OSError, subprocess.TimeoutExpired) as error:
-            self._stay_plain(str(error))
+            self._stay_plain(name, str(error))
         else:
             build_data["force_include"].update(libraries)
             build_data["infer_tag"], build_data["pure_python"] = True, False
 
-    def _stay_plain(self, reason: str) -> None:
-        self.app.display_warning(f"The flight model is not compiled, and slower: {reason}")
+    def _stay_plain(self, name: str, reason: str) -> None:
+        self.app.display_warning(f"{name} is not compiled, and slower: {reason}")
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Remove what the compiler left."""
@@ -72,14 +86,13 @@ def flight_model(source: Path) -> list[str]:
     return sorted(each.relative_to(source).as_posix() for each in found if each.name not in _NOT_COMPILED)
 
 
-def compiled(modules: list[str], source: Path, scratch: Path) -> dict[str, str]:
-    """The libraries that modules are compiled to, and where each belongs.
+def compiled(setup: str, source: Path, scratch: Path) -> dict[str, str]:
+    """The libraries that a setup script compiles, and where each belongs.
 
     Raises:
         OSError, subprocess.SubprocessError: they cannot be compiled, or not in time.
     """
     libraries = scratch / "libraries"
-    setup = _SETUP.format(modules=modules, target=str(scratch / "c"))
     arguments = ["build_ext", "--build-lib", str(libraries), "--build-temp", str(scratch / "objects")]
     # Multiplications and additions in one, which some processors have, would change the last bits.
     flags = {} if os.name == "nt" else {"CFLAGS": f"{os.environ.get('CFLAGS', '')} -ffp-contract=off"}

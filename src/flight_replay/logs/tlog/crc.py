@@ -32,7 +32,16 @@ def _pair_table() -> Words:
     return np.asarray((first >> 8) ^ second, np.uint16)
 
 
+def _fours_table() -> Words:
+    """What a byte adds that 0, 1, 2 or 3 others follow, shape (4, 256)."""
+    rows = [_OF_BYTE]
+    for _ in range(3):
+        rows.append(np.asarray((rows[-1] >> 8) ^ _OF_BYTE.take(rows[-1] & 255), np.uint16))
+    return np.array(rows, np.uint16)
+
+
 _OF_BYTE = _byte_table()
+OF_FOURS = _fours_table()
 _OF_PAIR = _pair_table()
 _BITS_REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Bytes, Indices
 from flight_replay.logs.tlog.byte_rows import FLAGS_AT_ONCE, true_indices
+from flight_replay.logs.tlog.core import frame_core
 from flight_replay.logs.tlog.frames import ID_AT
 from flight_replay.logs.tlog.message_table import MAVLINK1_SHAPES, MAVLINK1_STX, MAVLINK2_STX, SIGNED
 
@@ -21,6 +22,7 @@ class FrameSearch:
     """Searches bytes for frames of some messages, whose ids are below 256."""
 
     def __init__(self, messages: Sequence[int]) -> None:
+        self._messages = tuple(messages)
         self._numbers = range(1, len(messages) + 1)  # by which the messages are called here; 0 is none
         self._factor = _telling_factor(messages)
         self._other_bits = ~_product_bits(messages, self._factor) & 255
@@ -32,6 +34,9 @@ class FrameSearch:
 
     def find(self, data: Bytes, start: int, stop: int) -> list[Indices]:
         """Where frames of each message may begin, from ``start`` to ``stop``: ascending arrays (n,)."""
+        if frame_core.CORE is not None:
+            ids, shapes = self._messages, self._number_by_shape
+            return frame_core.CORE.headers(data, (start, stop), ids, shapes, self._number_by_id)
         pieces = range(start, max(stop, start + 1), _PIECE_LENGTH)
         starts = np.concatenate(
             [self._possible_starts(data, piece, min(piece + _PIECE_LENGTH, stop)) for piece in pieces]

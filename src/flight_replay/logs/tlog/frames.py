@@ -9,6 +9,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Bytes, Flags, Indices
 from flight_replay.logs.tlog import message_table
 from flight_replay.logs.tlog.byte_rows import rows_at
+from flight_replay.logs.tlog.core import frame_core
 from flight_replay.logs.tlog.crc import are_crcs_valid, is_crc_valid
 from flight_replay.logs.tlog.message_table import MAVLINK1_STX, MAVLINK2_STX
 
@@ -66,6 +67,8 @@ def valid_frames(data: Bytes, candidates: Candidates, message: int) -> Flags:
     Frames of the same version and length are checked together, unless there are few of them, which
     are most likely none.
     """
+    if frame_core.CORE is not None:
+        return _valid_by_core(frame_core.CORE, data, candidates)
     start, rows = candidates.start, candidates.rows
     extra = int(message_table.EXTRAS[message])
     valid = np.zeros(len(start), np.bool_)
@@ -84,6 +87,22 @@ def valid_frames(data: Bytes, candidates: Candidates, message: int) -> Flags:
             frames = rows_at(data, its.start, length)
         valid[alike] = are_crcs_valid(frames, extra)
     return valid
+
+
+def _valid_by_core(core: frame_core.FrameCore, data: Bytes, candidates: Candidates) -> Flags:
+    """As above; where all frames fit into their rows, those are looked at, which lie side by side."""
+    rows = candidates.rows
+    if len(rows) and _length_to_crc(False, int(rows[:, STAMP_LENGTH + 1].max())) <= ROW_LENGTH - STAMP_LENGTH:
+        starts = np.arange(STAMP_LENGTH, rows.size, ROW_LENGTH)
+        return core.are_valid(np.ascontiguousarray(rows).ravel(), starts)
+    return core.are_valid(data, candidates.start)
+
+
+def are_valid_frames(data: Bytes, starts: Indices) -> Flags:
+    """Whether the CRCs of a few frames (n,) are valid, whichever messages they are."""
+    if frame_core.CORE is not None:
+        return frame_core.CORE.are_valid(data, starts)
+    return np.fromiter((is_valid_frame(data, at) for at in starts.tolist()), np.bool_, len(starts))
 
 
 def is_valid_frame(data: Bytes, start: int) -> bool:

@@ -13,7 +13,8 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Bytes, Flags, Indices
 from flight_replay.logs.tlog.byte_rows import FLAGS_AT_ONCE, rows_at, true_indices
-from flight_replay.logs.tlog.frames import HEADER_LENGTH, frame_lengths, is_valid_frame
+from flight_replay.logs.tlog.core import frame_core
+from flight_replay.logs.tlog.frames import HEADER_LENGTH, are_valid_frames, frame_lengths
 from flight_replay.logs.tlog.message_table import (
     LONGEST_FRAME,
     MAVLINK1_OVERHEAD,
@@ -75,6 +76,9 @@ def possible_enclosures(data: Bytes, places: Indices) -> Enclosures:
 
 def _look_back(data: Bytes, places: Indices) -> Enclosures:
     """As above, for at most ``_AT_ONCE`` places."""
+    if frame_core.CORE is not None:
+        shortest = _SHORTEST1[:LOOK_BACK], _SHORTEST2[:LOOK_BACK]
+        return Enclosures(*frame_core.CORE.enclosures(data, places, *shortest))
     before = rows_at(data, places - LOOK_BACK + 1, LOOK_BACK).ravel()
     index = _long_frames(before)
     row = index // LOOK_BACK
@@ -135,8 +139,11 @@ def _valid_enclosures(data: Bytes, possible: Enclosures, enter: int, end: int) -
     start, place = possible.start, possible.place
     stop = start + frame_lengths(rows_at(data, start, HEADER_LENGTH))
     around = ((start < place) & (stop > place) & (start >= enter) & (stop <= end)).nonzero()[0]
-    pairs = dict(zip(start.take(around).tolist(), stop.take(around).tolist(), strict=True))
-    return {start: stop for start, stop in pairs.items() if is_valid_frame(data, start)}
+    start, first = np.unique(start.take(around), return_index=True)
+    valid = are_valid_frames(data, start).nonzero()[0]
+    return dict(
+        zip(start.take(valid).tolist(), stop.take(around).take(first).take(valid).tolist(), strict=True)
+    )
 
 
 def walk(frames: dict[int, int], places: Iterable[int]) -> tuple[set[int], int]:

@@ -101,6 +101,10 @@ def _runs(vehicle: NDArray[np.uint16], value: NDArray[Any]) -> tuple[Indices, Fl
 
     Both of shape (n,).
     """
+    if (vehicle == vehicle[:1]).all():
+        ends = np.ones(len(value) + 1, np.bool_)
+        ends[1:-1] = value[1:] != value[:-1]
+        return np.cumsum(ends[:-1]), ends[:-1] | ends[1:]
     order = np.argsort(vehicle, kind="stable")
     vehicle, value = vehicle[order], value[order]
     begins, are_ends = np.ones((2, len(order) + 1), np.bool_)
