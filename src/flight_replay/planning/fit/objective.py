@@ -12,7 +12,7 @@ ways, half and half: from every fix to the path, matched in order, and from ever
 back to the recorded line, so that an overshoot costs what it looks like. It is the power mean of
 those distances with exponent 4, so that nothing is left far off: one point at 2 m counts as much as
 sixteen at 1 m. The planned part keeps the route true for vehicles that fly with other gains or in
-wind. ``TIME_SHARE`` is the trade between space and time: four and a half metres behind the recorded vehicle
+wind. ``TIME_SHARE`` is the trade between space and time: four metres behind the recorded vehicle
 cost as much as one metre beside the track. Where the recorded speed is not asked for, only being
 late counts. Where heights are as recorded, a position error is one in space, and fixes are matched in
 space: the path error stays that over the ground.
@@ -33,7 +33,7 @@ from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
 PLAN_SHARE, TIMED_PLAN_SHARE = 1.0, 0.3
 """Where the recorded speed is kept, the planned path has to lead the vehicle, which swings out of curves."""
-TIME_SHARE = 0.22
+TIME_SHARE = 0.25
 CREEPING_M_S, CREEPING_SPEED_M_S = 0.05, 0.3
 _AT_STOP_M = 1.0
 """A vehicle that comes to rest shoots past its stop and comes back slowly: so near it does not creep."""
