@@ -4,7 +4,7 @@ The objective, in metres, smaller is better:
 
     path error, flown
     + plan share x path error, planned
-    + TIME_SHARE x mean position error, flown
+    + time share x mean position error, flown
     + CREEPING_M_S x seconds of creeping, where the recorded speed is kept
 
 "Flown" is what the model of ArduCopter predicts, "planned" the path on paper. A path error counts both
@@ -14,8 +14,8 @@ those distances with exponent 4, so that nothing is left far off: one point at 2
 sixteen at 1 m. The planned part keeps the route true for vehicles that fly with other gains or in
 wind. ``TIME_SHARE`` is the trade between space and time: four metres behind the recorded vehicle
 cost as much as one metre beside the track. Where the recorded speed is not asked for, only being
-late counts. Where heights are as recorded, a position error is one in space, and fixes are matched in
-space: the path error stays that over the ground.
+late counts, and less. Where heights are as recorded, a position error is one in space, and fixes are
+matched in space: the path error stays that over the ground.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
 PLAN_SHARE, TIMED_PLAN_SHARE = 1.0, 0.3
 """Where the recorded speed is kept, the planned path has to lead the vehicle, which swings out of curves."""
-TIME_SHARE = 0.25
+LATE_SHARE, TIME_SHARE = 0.15, 0.25
+"""Where the recorded speed is not asked for, and where it is kept."""
 CREEPING_M_S, CREEPING_SPEED_M_S = 0.05, 0.3
 _AT_STOP_M = 1.0
 """A vehicle that comes to rest shoots past its stop and comes back slowly: so near it does not creep."""
@@ -56,6 +57,7 @@ class Evaluation:
     late_m: Floats
     creeping_s: float
     plan_share: float
+    time_share: float
 
     @property
     def draft(self) -> Draft:
@@ -71,7 +73,7 @@ class Evaluation:
     def objective_m(self) -> float:
         """The number that the fit makes small; see the module."""
         planned, flown = path_error_m(self.planned), path_error_m(self.flown)
-        late = TIME_SHARE * float(self.late_m.mean()) + CREEPING_M_S * self.creeping_s
+        late = self.time_share * float(self.late_m.mean()) + CREEPING_M_S * self.creeping_s
         return flown + self.plan_share * planned + late
 
 
@@ -103,7 +105,7 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
             cost += share * total / (2 * len(offsets.leg) * 4 * scale_m**3)
     if whole:
         late_m = np.bincount(evaluation.planned[0].leg, evaluation.late_m, minlength=legs)
-        cost += TIME_SHARE * late_m / len(evaluation.late_m)
+        cost += evaluation.time_share * late_m / len(evaluation.late_m)
     return cost
 
 
@@ -125,8 +127,8 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     if not timed:
         late_m = np.where(matched.flown_s > recording.time_s, late_m, 0.0)
     slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else 0.0
-    share = _plan_share(timed=timed)
-    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_m, slow_s, share)
+    shares = _plan_share(timed=timed), TIME_SHARE if timed else LATE_SHARE
+    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_m, slow_s, *shares)
 
 
 def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> float:

@@ -20,7 +20,7 @@ from flight_replay.planning.fit.rounds import (
 from flight_replay.planning.fit.timed_search import timed_search
 
 _STEPS = 5
-_SEARCH_FLIGHTS = 2 * SWEEP_FLIGHTS
+_SEARCH_FLIGHTS = 1.5 * SWEEP_FLIGHTS
 _HOPELESS = 1.5
 """A start so many times worse than the best does not get a round."""
 

@@ -81,7 +81,7 @@ class _Legs:
             np.concatenate([np.arange(length) for length in lengths]),
             np.concatenate([leg_costs_m(state.best, scales_m, whole=True) for state in states]),
             np.concatenate(passing_s),
-            _links(states, passing_s),
+            _links(states, passing_s, timed=problem.timed),
             scales_m,
         )
 
@@ -119,7 +119,7 @@ class _Legs:
         ]
 
 
-def _links(states: Sequence[State], passing_s: list[Floats]) -> Links:
+def _links(states: Sequence[State], passing_s: list[Floats], *, timed: bool) -> Links:
     """From each place to the nearest of each other draft's that it meets, both by their legs."""
     begins = np.cumsum([0, *(len(state.best.draft) for state in states)]).tolist()
     here, there, price_m = [np.empty(0, np.intp)], [np.empty(0, np.intp)], [np.empty(0)]
@@ -130,7 +130,7 @@ def _links(states: Sequence[State], passing_s: list[Floats]) -> Links:
             places, others = _meetings(state, other, np.abs(passing_s[k][:, None] - passing_s[m]))
             here.append(begins[k] + places)
             there.append(begins[m] + others)
-            price_m.append(_prices_m(state, other, places, others))
+            price_m.append(_prices_m(state, other, places, others, timed=timed))
     return Links(np.concatenate(here), np.concatenate(there), np.concatenate(price_m))
 
 
@@ -142,12 +142,15 @@ def _meetings(state: State, other: State, apart_s: Floats) -> tuple[Indices, Ind
     return here, np.where(meet, apart_m, np.inf)[here].argmin(axis=1)
 
 
-def _prices_m(state: State, other: State, places: Indices, others: Indices) -> Floats:
+def _prices_m(state: State, other: State, places: Indices, others: Indices, *, timed: bool) -> Floats:
     """What going on from places of one draft as from those of another may cost (k,)."""
     at_stop = state.best.draft.hold_s[places] > 0
+    least_m = np.where(at_stop, _PRICE_AT_STOP_M, _PRICE_M)
+    if not timed:
+        return least_m
     later_s = state.best.passed_s[places] - other.best.passed_s[others]
     later_s -= np.where(at_stop, np.round(later_s), 0.0)
-    return np.asarray(np.where(at_stop, _PRICE_AT_STOP_M, _PRICE_M) + _PRICE_M_S2 * later_s**2)
+    return np.asarray(least_m + _PRICE_M_S2 * later_s**2)
 
 
 def _recorded_s(problem: FitProblem, evaluation: Evaluation) -> Floats:
@@ -173,7 +176,7 @@ def _joined(
     hold_s = np.concatenate([part.hold_s for part in parts])
     passed_s = np.array([states[k].best.passed_s[place] for k, place in rows])
     for at, ((k, _), (m, place)) in enumerate(pairwise(rows)):
-        if k != m and hold_s[at] > 0:
+        if problem.timed and k != m and hold_s[at] > 0:
             leaves_s = float(states[m].best.passed_s[place - 1])
             hold_s[at] = max(1.0, hold_s[at] + round(leaves_s - passed_s[at]))
             passed_s[at] = leaves_s
