@@ -103,3 +103,13 @@ def test_nothing_is_flown_without_time() -> None:
     states = [state(here, bumps(2)), state(here, bumps(8))]
     found = exchanged(here, states, 20, budget(0))
     assert found is min(states, key=lambda each: each.best.objective_m)
+
+
+def test_a_draft_that_is_cheapest_as_it_is_is_not_flown_again() -> None:
+    """Creeping is no leg's: a draft may be the worse for it, though its legs cost the least."""
+    here = problem()
+    straying, creeping = state(here, bumps(2)), state(here, bumps())
+    creeping = replace(creeping, best=replace(creeping.best, creeping_s=200.0))
+    spent = budget()
+    assert exchanged(here, [straying, creeping], 20, spent) is straying
+    assert spent.spent == 0

@@ -47,7 +47,7 @@ def exchanged(problem: FitProblem, states: Sequence[State], most: int, budget: B
     for _ in range(_MOST_CHAINS):
         chain = legs.cheapest_chain(most)
         too_much_m = float(legs.costs_m(best.best).sum()) - _LEAST_GAIN_M
-        if legs.expected_m(chain) >= too_much_m or not budget.affords(1):
+        if legs.is_one_draft(chain) or legs.expected_m(chain) >= too_much_m or not budget.affords(1):
             break
         trial = _joined(problem, states, legs.rows(chain), budget)
         legs.learn(chain, trial.best)
@@ -96,6 +96,10 @@ class _Legs:
     def rows(self, chain: Indices) -> list[tuple[int, int]]:
         """The draft of each leg of a chain, and the place that it leads to."""
         return list(zip(self.draft[chain].tolist(), self.place[chain].tolist(), strict=True))
+
+    def is_one_draft(self, chain: Indices) -> bool:
+        """Whether a chain is a draft as it is."""
+        return not self._changes(chain)
 
     def expected_m(self, chain: Indices) -> float:
         """What a chain is expected to cost."""
