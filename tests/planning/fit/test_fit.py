@@ -197,10 +197,10 @@ def test_figures_of_eight_are_flown_in_order() -> None:
 )
 @pytest.mark.parametrize("speed_m_s", ["recorded", None])
 def test_any_track_is_fitted(track: Track, speed_m_s: float | None) -> None:
-    """However little a track says, the route ends where it ends, but for what is left for an overshoot."""
+    """However little a track says, the route ends within 1 m of where it ends: there may be an overshoot."""
     result = fit(track, max_points=10, speed_m_s=speed_m_s)
     assert 1 <= len(result.mission.waypoints) <= 10
-    assert np.linalg.norm(places_m(result)[-1] - track.north_east_m()[-1]) < 0.3
+    assert np.linalg.norm(places_m(result)[-1] - track.north_east_m()[-1]) < 1.0
 
 
 @pytest.mark.parametrize("max_points", [1, 2, 3])

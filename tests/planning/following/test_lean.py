@@ -7,7 +7,7 @@ import pytest
 
 from flight_replay.planning.drag import Drag
 from flight_replay.planning.following.lean import MostThrust, lean_bound
-from flight_replay.planning.following.smoothing import Bound, Knots
+from flight_replay.planning.smoothing import Bound, Knots
 
 KNOTS = Knots.between(0.0, 0.5, 0.25)
 NO_DRAG = Drag(0.0, 0.0)

@@ -50,9 +50,11 @@ _ROOMY_LEG_S = 2.0
 """With fewer waypoints than one in so many seconds, stopping for a pause costs less than flying it slowly."""
 # Durations of flights, and the steps of the model that can be afforded for each.
 _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
-_WORK_STEPS, _WORK_STEPS_A_FIX = 950_000, 40
+_WORK_STEPS, _WORK_STEPS_A_FIX = 1_000_000, 40
 """Steps of the model that the search may take, and more for each fix."""
-_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 250
+_OTHER_STEPS = 600
+"""What is done for each flight beside flying it takes as long as so many steps."""
+_FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 500
 
 ProgressCallback = Callable[[int, int], None]
 
@@ -111,7 +113,7 @@ def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed
 
 
 def _budget(problem: FitProblem, fixes: int, progress: ProgressCallback | None) -> Budget:
-    steps_a_flight = max(problem.recording.time_s[-1], 1.0) / problem.step_s
+    steps_a_flight = problem.recording.time_s[-1] / problem.step_s + _OTHER_STEPS
     flights = (_WORK_STEPS + _WORK_STEPS_A_FIX * fixes) / steps_a_flight
     most = int(np.clip(flights, _FEWEST_FLIGHTS, _MOST_FLIGHTS))
     return Budget(most, progress or (lambda done, total: None))

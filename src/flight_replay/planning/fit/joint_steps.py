@@ -29,7 +29,7 @@ from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.rounds import State, flown_on_time
-from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, SLOWEST_M_S, Schedule, speed_caps_m_s
+from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, Schedule, slowest_m_s, speed_caps_m_s
 
 JOINT_FLIGHTS = 11
 """A step costs about as many flights, most of them for the derivatives."""
@@ -173,5 +173,5 @@ def _changed(draft: Draft, changes: Floats, caps_m_s: Floats) -> Draft:
     places = draft.places_m.copy()
     places[:, :2] += by_place[:, 1:]
     wanted_m_s = with_every_speed(draft).speed_m_s * np.exp(by_place[:, 0])
-    speeds = np.clip(wanted_m_s, SLOWEST_M_S, np.minimum(FASTEST_M_S, caps_m_s)).round(2)
+    speeds = np.clip(wanted_m_s, slowest_m_s(draft), np.minimum(FASTEST_M_S, caps_m_s)).round(2)
     return replace(draft, places_m=places, speed_m_s=speeds)

@@ -22,7 +22,7 @@ from flight_replay.planning.fit.simulated_draft import (
     flight_of,
     items_of,
 )
-from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, with_speeds
+from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, slowest_m_s, with_speeds
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
@@ -77,6 +77,7 @@ class SpeedSearch:
             takeoff: where the vehicle comes from.
         """
         self._plan, self._caps_m_s, self._limits, self._step_s = plan, caps_m_s, limits, step_s
+        self._slowest_m_s = slowest_m_s(plan.draft)
         self._guesses = with_every_speed(plan.draft).speed_m_s
         self._items, self._seqs = items_of(replace(plan.draft, speed_m_s=caps_m_s), every_speed=True)
         self._copter = copter_after_takeoff(plan.draft, limits, step_s, takeoff)
@@ -111,7 +112,7 @@ class SpeedSearch:
 
     def _best(self, place: int, guess_m_s: float) -> _Trial:
         """The speed that ends a leg nearest to when it ought to end; rather the guess than another."""
-        low, high = SLOWEST_M_S, float(self._caps_m_s[place])
+        low, high = float(self._slowest_m_s[place]), float(self._caps_m_s[place])
         snapshot = CopterSnapshot(self._copter, self._items)
         speed = min(guess_m_s, high) if isfinite(guess_m_s) else high
         best: _Trial | None = None

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from flight_replay.planning.fit.chains.exchange import exchanged
 from flight_replay.planning.fit.joint_steps import JOINT_FLIGHTS, stepped_jointly
-from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
     ENOUGH,
@@ -23,7 +23,7 @@ from flight_replay.planning.fit.rounds import (
     TIMED_FLIGHTS,
     WORTH_GOING_ON,
     State,
-    begun,
+    rounded,
     timed,
 )
 
@@ -52,13 +52,22 @@ def timed_search(
 
 
 def _begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> list[State]:
-    """As many of the starts as may go on, after a first round."""
-    states = [begun(problem, starts[0], budget)]
-    for start in starts[1:]:
-        best_m = min(map(_objective_m, states))
-        least_m = objective_lower_bound_m(start.draft, problem.recording, timed=True)
-        if least_m < best_m and budget.affords(ROUND_FLIGHTS + _EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS):
-            states.append(begun(problem, start, budget, _HOPELESS * best_m))
+    """As many of the starts as may go on, after a first round; those compared are as far."""
+    states: list[State] = []
+    for start in starts:
+        if not states or budget.affords(ROUND_FLIGHTS + _EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS):
+            on_time = timed(problem, start.draft, start.hovers, budget)
+            states.append(State(on_time, start.hovers))
+    rounds = [
+        rounded(problem, state, budget)
+        for state in _hopeful(states)
+        if budget.affords(ROUND_FLIGHTS + _EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS)
+    ]
+    return _hopeful(rounds or states[:1])
+
+
+def _hopeful(states: list[State]) -> list[State]:
+    """The first of some states, and those that are not much worse than the best."""
     most_m = _HOPELESS * min(map(_objective_m, states))
     return [state for state in states if state is states[0] or state.best.objective_m <= most_m]
 

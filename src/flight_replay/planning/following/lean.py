@@ -14,7 +14,7 @@ from scipy import sparse
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.drag import Drag
-from flight_replay.planning.following.smoothing import Bound, Knots
+from flight_replay.planning.smoothing import Bound, Knots
 
 _MOVING_M_S = 2.0
 """At this speed the way counts half as a direction: slower vehicles may turn anywhere."""

@@ -18,7 +18,7 @@ from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.planning.drag import Drag
 from flight_replay.planning.following.lean import MostThrust, lean_bound
 from flight_replay.planning.following.samples import filled
-from flight_replay.planning.following.smoothing import Bound, Knots, Samples, length_bound, nearest_motion
+from flight_replay.planning.smoothing import Bound, Knots, Samples, length_bound, nearest_motion
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
 
 LEAD_S = 5.0

@@ -58,12 +58,11 @@ def test_a_descent_on_the_spot_begins_and_ends_at_places() -> None:
 
 
 def test_where_there_are_too_many_places_for_the_time_the_drafts_have_fewer() -> None:
-    """Legs of less than about two seconds slow a vehicle: 60 s are flown in about 30 legs."""
+    """Legs of less than about two seconds slow a vehicle: 60 s are flown in about 30 legs, on four ways."""
     track = wander(2, fixes=120)
     few = selections(problem_for(local_track(track, 20.0), 80, Limits(), timed=True), 80)
-    counts = [len(start.draft) for start in few]
-    assert len(set(counts)) == len(counts) > 2
-    assert max(counts) < 45
+    assert all(len(start.draft) < 40 for start in few)
+    assert len({start.draft.places_m.tobytes() for start in few}) == 4
 
 
 def test_where_there_is_time_for_all_places_the_drafts_differ_in_where_they_stand() -> None:

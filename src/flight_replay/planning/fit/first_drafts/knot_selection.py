@@ -8,12 +8,14 @@ It is line simplification from the dense end, with the curves that ArduCopter fl
 from __future__ import annotations
 
 import heapq
+from dataclasses import replace
 
 import numpy as np
 
 from flight_replay.geometry.hermite_curve import weights_of_steps
 from flight_replay.geometry.polyline import lengths_along_m, segment_lengths_m
 from flight_replay.planning.fit.draft import Draft, flown_through
+from flight_replay.planning.fit.first_drafts.flyable_motion import flyable_motion
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals
 from flight_replay.planning.fit.objective import TIME_SHARE
 from flight_replay.planning.fit.offsets import match_to_plan
@@ -24,10 +26,15 @@ from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 USUAL_CANDIDATES = 2.0
 """Candidates for each place that is kept."""
 _CANDIDATES = (2.0, 4.0, 3.0)
-_TIMED_CANDIDATES = ((1.0, 2.0), (1.0, 4.0), (1.1, 3.0))
-"""How many places the selections have of those there may be, and candidates for each."""
-_SHORTEST_LEGS_S = (1.8, 1.95, 2.1, 2.25)
-"""By which several selections differ: candidates for each place, or how long legs are on average at least."""
+_LONG_LEGS = ((None, 1.0, 2.0), (0.9, 1.0, 4.0), (None, 1.1, 3.0))
+"""Of what several selections are made: the way, how many places of those there may be, candidates for each.
+
+A way is the recorded one, or it is flyable with so much of the vehicle's acceleration.
+"""
+_SHORT_LEG_S = 2.25
+"""Legs that last less on average slow a vehicle."""
+_SHORT_LEGS = ((0.8, 1.8), (0.9, 1.8), (None, 1.8), (None, 2.1))
+"""The same where legs would be short: the way, and what legs last on average."""
 _FEWEST = 5
 _USUAL_ERROR_M = 0.4
 """Path error about which the objective is taken to be linear in the fourth powers of distances."""
@@ -66,20 +73,32 @@ def select_waypoints(
 def selections(problem: FitProblem, most: int) -> list[FirstDraft]:
     """Several drafts of about ``most`` places, the first of no more.
 
-    Where the recorded speed is to be kept, and that many would make legs of less than about two seconds,
-    which slow the vehicle, they have fewer places, each another number; otherwise they differ in what they
-    are selected from, and the last has more places, of which stretches are taken where they are missed most.
+    They differ in what they are selected from. Where the recorded speed is to be kept, that may be a way on
+    which the vehicle can keep up; and if legs would be short, which slows it, there are fewer. Otherwise the
+    last has more places, of which stretches are taken where they are missed most.
     """
-    moving_s = float(problem.recording.time_s[-1]) - sum(hover.seconds for hover in problem.hovers)
-    enough = [len(problem.hovers) + max(_FEWEST, round(moving_s / leg_s)) for leg_s in _SHORTEST_LEGS_S]
     if not problem.timed:
         return [select_waypoints(problem, most, candidates) for candidates in _CANDIDATES]
-    if min(enough) >= most:
+    moving_s = float(problem.recording.time_s[-1]) - sum(hover.seconds for hover in problem.hovers)
+    legs = most - len(problem.hovers)
+    if moving_s >= _SHORT_LEG_S * legs:
         return [
-            select_waypoints(problem, round(share * most), candidates)
-            for share, candidates in _TIMED_CANDIDATES
+            select_waypoints(_on_way(problem, share), round(places * most), candidates)
+            for share, places, candidates in _LONG_LEGS
         ]
-    return [select_waypoints(problem, places) for places in dict.fromkeys(min(most, each) for each in enough)]
+    found = []
+    for share, leg_s in _SHORT_LEGS:
+        enough = min(legs, max(_FEWEST, round(moving_s / leg_s)))
+        found.append(select_waypoints(_on_way(problem, share), len(problem.hovers) + enough))
+    return found
+
+
+def _on_way(problem: FitProblem, share: float | None) -> FitProblem:
+    """The problem with the recording as it is flyable with so much of the acceleration, or as it is."""
+    if share is None:
+        return problem
+    way = flyable_motion(problem.recording, share * problem.limits.wp_accel_m_s2)
+    return replace(problem, recording=way)
 
 
 def _moved_on_paper(draft: Draft, recording: LocalTrack) -> Draft:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import MissionError
-from flight_replay.planning.following.smoothing import Knots, Samples, length_bound, nearest_motion
+from flight_replay.planning.smoothing import Knots, Samples, length_bound, nearest_motion
 
 
 def _samples(times_s: np.ndarray, places_m: np.ndarray) -> Samples:
