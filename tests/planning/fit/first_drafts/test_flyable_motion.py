@@ -27,7 +27,7 @@ def test_what_a_vehicle_cannot_do_becomes_a_way_that_it_can_fly() -> None:
     recorded = slalom(2.0)
     assert accelerations_m_s2(recorded)[10:-10].max() > 8.0
     flyable = flyable_motion(recorded, 2.0)
-    assert accelerations_m_s2(flyable).max() < 2.05
+    assert accelerations_m_s2(flyable)[1:-1].max() < 2.05
     assert (flyable.time_s == recorded.time_s).all()
     assert (flyable.up_m == recorded.up_m).all()
 

@@ -17,23 +17,21 @@ from flight_replay.planning.smoothing import Knots, Samples, length_bound, neare
 _KNOT_STEP_S = 0.4
 _SMOOTHNESS_S6 = 1.0
 """As smooth as a curve through waypoints two seconds apart."""
-_WEIGHT_OF_ENDS = 100.0
 
 
 def flyable_motion(recording: LocalTrack, most_m_s2: float) -> LocalTrack:
-    """The same fixes, each where a smooth motion near the recording is at its time.
+    """The same fixes, each where a smooth motion near the recording is at its time; the ends stay.
 
     Args:
         recording: at least two fixes.
-        most_m_s2: the most horizontal acceleration of the motion, which begins and ends at rest, where the
-            recording does.
+        most_m_s2: the most horizontal acceleration of the motion, which begins and ends at rest.
     """
     knots = Knots.between(0.0, float(recording.time_s[-1]), _KNOT_STEP_S)
-    weight = np.ones(len(recording))
-    weight[[0, -1]] = _WEIGHT_OF_ENDS
-    samples = Samples(recording.time_s, recording.north_east_m, weight)
+    samples = Samples(recording.time_s, recording.north_east_m, np.ones(len(recording)))
     try:
         found = nearest_motion(knots, samples, [length_bound(knots, 2, 2, most_m_s2)], _SMOOTHNESS_S6)
     except MissionError:  # It is only where a search begins.
         return recording
-    return replace(recording, north_east_m=knots.values(recording.time_s) @ found)
+    places_m = knots.values(recording.time_s) @ found
+    places_m[[0, -1]] = recording.north_east_m[[0, -1]]
+    return replace(recording, north_east_m=places_m)
