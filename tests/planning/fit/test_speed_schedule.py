@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from flight_replay.planning.fit.speed_schedule import best_lateness_s
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.speed_schedule import best_lateness_s, slowest_m_s
 
 
 def test_lateness_is_spread_where_it_costs_least() -> None:
@@ -24,3 +25,10 @@ def test_lateness_that_cannot_be_made_good_stays() -> None:
     """A route that is too fast from end to end is ever later."""
     late = best_lateness_s(np.full(4, 1.0), np.full(4, 3.0), np.ones(4))
     assert late.tolist() == [0, 2, 4, 6]
+
+
+def test_between_two_waits_a_vehicle_is_not_asked_to_creep() -> None:
+    """There is time enough at both ends; where one is flown through, a slow leg may be what was recorded."""
+    hold_s = np.array([1.0, 3.0, 0.0, 2.0, 4.0])
+    draft = Draft(np.zeros((5, 3)), np.zeros(5, np.bool_), hold_s, np.full(5, np.nan))
+    assert slowest_m_s(draft).tolist() == [0.35, 0.7, 0.35, 0.35, 0.7]

@@ -20,9 +20,9 @@ from flight_replay.planning.fit.reference import Hover, LocalTrack
 
 SLOWEST_M_S = 0.35
 """A little more than creeping (``objective.CREEPING_SPEED_M_S``); ArduCopter ignores less than 0.2 m/s."""
-SLOWEST_FIRST_M_S = 0.7
-"""The same for a first leg that ends with a wait: soon after a take-off a vehicle takes its velocity to be
-centimetres a second off. At 0.35 m/s a real one came up to half a second late, with all that followed."""
+SLOWEST_BETWEEN_WAITS_M_S = 0.7
+"""A vehicle's estimate of its velocity is centimetres a second off, above all soon after a take-off: from
+rest to rest at 0.35 m/s one came up to half a second late, with all that followed. It waits instead."""
 FASTEST_M_S = 30.0
 LEAST_HOLD_S = 1.0
 _LAG_S = 0.5
@@ -89,14 +89,14 @@ def speed_caps_m_s(draft: Draft, recording: LocalTrack) -> Floats:
     for here in np.unique(leg):
         caps[here] = speed[leg == here].max()
     caps = np.where(np.isnan(caps), np.nanmax(caps), caps)
-    return np.clip(_SPEED_HEADROOM * caps + _SPEED_HEADROOM_M_S, SLOWEST_FIRST_M_S, FASTEST_M_S)
+    return np.clip(_SPEED_HEADROOM * caps + _SPEED_HEADROOM_M_S, SLOWEST_BETWEEN_WAITS_M_S, FASTEST_M_S)
 
 
 def slowest_m_s(draft: Draft) -> Floats:
     """Lowest speed to ask for on each leg (n,)."""
-    slowest = np.full(len(draft), SLOWEST_M_S)
-    slowest[1:2] = np.where(draft.hold_s[1:2] > 0, SLOWEST_FIRST_M_S, SLOWEST_M_S)
-    return slowest
+    waits = draft.hold_s > 0
+    between = waits & np.append(False, waits[:-1])
+    return np.where(between, SLOWEST_BETWEEN_WAITS_M_S, SLOWEST_M_S)
 
 
 def with_speeds(draft: Draft, speeds_m_s: Floats) -> Draft:
