@@ -19,7 +19,7 @@ from tests.helpers.fit_tracks import wander
 
 def problem_and_start() -> tuple[FitProblem, State]:
     problem = problem_for(local_track(wander(4), 20.0), 20, Limits(), timed=True)
-    draft = first_draft(problem.recording, 20, [], timed=True)
+    draft = first_draft(problem.recording, 20, [])
     start = timed(problem.exact, draft, {}, budget())
     return problem, State(start, {})
 

@@ -33,6 +33,6 @@ def test_moving_the_places_lowers_the_path_error() -> None:
     """Four steps from a first draft fly nearer to a hand-flown way."""
     recording = local_track(wander(7), 20.0)
     problem = problem_for(recording, 15, Limits(), timed=False)
-    start = problem.evaluate(first_draft(problem.recording, 15, [], timed=False))
+    start = problem.evaluate(first_draft(problem.recording, 15, []))
     found = shaped(problem, start, {}, 4, problem.evaluate, whole=False)
     assert path_error_m(found.flown) < 0.8 * path_error_m(start.flown)

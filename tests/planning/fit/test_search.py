@@ -17,7 +17,7 @@ from tests.helpers.fit_tracks import wander
 def problem_and_starts(*, timed: bool) -> tuple[FitProblem, list[FirstDraft]]:
     recording = local_track(wander(2), 20.0)
     problem = problem_for(recording, 20, Limits(), timed=timed)
-    curved = first_draft(problem.recording, 20, [], timed=timed)
+    curved = first_draft(problem.recording, 20, [])
     straight = straight_draft(recording, douglas_peucker(recording.north_east_m, 20))
     return problem, [FirstDraft(curved, {}), FirstDraft(straight, {})]
 

@@ -136,7 +136,7 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     selected = selections(problem, max_points)
     if problem.timed:
         return [*selected, corner_draft(problem, max_points)]
-    even = first_draft(problem.recording, len(selected[0].draft), problem.hovers, timed=False)
+    even = first_draft(problem.recording, len(selected[0].draft), problem.hovers)
     even = replace(even, spline=flown_through(even.hold_s))
     waits = np.flatnonzero(even.hold_s[1:] > 0) + 1
     line = np.column_stack([recording.north_east_m, recording.up_m])

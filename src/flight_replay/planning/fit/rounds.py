@@ -1,8 +1,9 @@
-"""The steps of a search: the speeds set anew, the places moved, the legs changed one by one."""
+"""The steps of a search: the places moved, the speeds set anew, the legs changed one by one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 
 import numpy as np
@@ -51,8 +52,8 @@ def better(*found: Evaluation) -> Evaluation:
 
 
 def begun(problem: FitProblem, start: FirstDraft, budget: Budget, most_m: float = inf) -> State:
-    """A start with its speeds set, and after a first round unless it costs more than ``most_m`` before."""
-    first = timed(problem, start.draft, start.hovers, budget)
+    """A start as it is flown, and after a first round unless it costs more than ``most_m`` before."""
+    first = flown(problem, start.draft, budget)
     state = State(first, start.hovers)
     if first.objective_m > most_m or not budget.affords(ROUND_FLIGHTS):
         return state
@@ -60,32 +61,24 @@ def begun(problem: FitProblem, start: FirstDraft, budget: Budget, most_m: float 
 
 
 def rounded(problem: FitProblem, state: State, budget: Budget) -> State:
-    """After the places were moved at the speeds there are, and the speeds set anew."""
-
-    def flown(draft: Draft) -> Evaluation:
-        budget.spend(1)
-        return problem.evaluate(draft)
-
-    moved = shaped(problem, state.best, state.hovers, _PATH_STEPS, flown, whole=False)
+    """After the places were moved at the speeds there are, and the speeds set anew if they are to be kept."""
+    fly = partial(flown, problem, budget=budget)
+    moved = shaped(problem, state.best, state.hovers, _PATH_STEPS, fly, whole=False)
     again = timed(problem, moved.draft, state.hovers, budget) if problem.timed else moved
     return replace(state, best=better(state.best, moved, again))
 
 
 def refined(problem: FitProblem, state: State, budget: Budget, steps: int) -> State:
-    """After some steps of the places, with the speeds set anew after each."""
-
-    def flown(draft: Draft) -> Evaluation:
-        return timed(problem, draft, state.hovers, budget)
-
-    return replace(state, best=shaped(problem, state.best, state.hovers, steps, flown, whole=True))
+    """After some steps of the places."""
+    fly = partial(flown, problem, budget=budget)
+    return replace(state, best=shaped(problem, state.best, state.hovers, steps, fly, whole=True))
 
 
 def polished(problem: FitProblem, state: State, budget: Budget) -> State:
     """After small steps of all places at once, longer or shorter as they succeed."""
     best, gain = state.best, 1.0
     while gain >= _LEAST_GAIN and budget.affords(1):
-        budget.spend(1)
-        trial = problem.evaluate(stepped(problem, best, state.hovers, gain))
+        trial = flown(problem, stepped(problem, best, state.hovers, gain), budget)
         if trial.objective_m < best.objective_m:
             best, gain = trial, min(1.0, _MORE * gain)
         else:
@@ -95,16 +88,20 @@ def polished(problem: FitProblem, state: State, budget: Budget) -> State:
 
 def swept(problem: FitProblem, state: State, budget: Budget) -> State:
     """With legs straight or curved, and stops, as the model flies them better, one by one."""
-    budget.spend(1)
-    changed = problem.evaluate(with_better_legs(problem, state.best, state.hovers, budget))
+    changed = flown(problem, with_better_legs(problem, state.best, state.hovers, budget), budget)
     return replace(state, best=better(state.best, changed))
+
+
+def flown(problem: FitProblem, draft: Draft, budget: Budget) -> Evaluation:
+    """A draft evaluated at the speeds it has."""
+    budget.spend(1)
+    return problem.evaluate(draft)
 
 
 def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: Budget) -> Evaluation:
     """A draft evaluated with the speeds and waits that keep it nearest to the recording's times."""
-    if not problem.timed or len(draft) < 2:
-        budget.spend(1)
-        return problem.evaluate(draft)
+    if len(draft) < 2:
+        return flown(problem, draft, budget)
     recording = problem.recording
     caps = speed_caps_m_s(draft, recording)
     plan = schedule(draft, hovers, recording, problem.least_leg_s(draft, caps))

@@ -13,5 +13,5 @@ def test_a_first_draft_stands_closer_where_it_curves() -> None:
     loops = np.column_stack([6.4 * np.sin(turn), 6.4 * (1 - np.cos(turn))])
     line = np.concatenate([straight, loops])
     recording = LocalTrack(np.arange(200.0) / 3, line, np.full(200, 20.0))
-    draft = first_draft(recording, 30, [], timed=False)
+    draft = first_draft(recording, 30, [])
     assert (draft.places_m[:, 0] > -7).sum() > 16

@@ -1,7 +1,6 @@
 """Which parts of the recording get how many of the waypoints: the first draft of a route.
 
-Waypoints stand closer where a draft with evenly spread ones misses the recording most, in space
-or, where the speed is to be kept, because one speed per leg cannot follow it. Hovers get one each.
+Waypoints stand closer where a draft with evenly spread ones misses the recording most. Hovers get one each.
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ ROUNDS = 4
 FIRST_SMOOTHING = 0.001
 """Weight against unevenness in the first draft; the search weighs it anew."""
 _TIME_MIX = 0.8
-_LATE_SHARE = 0.15
 _EAGERNESS = 0.2
 _LEAST_ERROR_SHARE = 0.05
 
@@ -46,14 +44,13 @@ class _Progress:
         return cls(recording, np.append(0.0, np.cumsum(share)), hovers)
 
 
-def first_draft(recording: LocalTrack, places: int, hovers: list[Hover], *, timed: bool) -> Draft:
+def first_draft(recording: LocalTrack, places: int, hovers: list[Hover]) -> Draft:
     """A route of at most ``places`` splines through the recording, denser where it is harder to follow.
 
     Args:
         recording: at least two fixes.
         places: at least two.
         hovers: where to wait; fewer than ``places`` - 2.
-        timed: whether speed changes within a leg are hard to follow too.
     """
     progress = _Progress.of(recording, hovers)
     fixed = np.array([progress.share[hover.first] for hover in hovers])
@@ -61,7 +58,7 @@ def first_draft(recording: LocalTrack, places: int, hovers: list[Hover], *, time
     best: tuple[float, Draft] | None = None
     for _ in range(ROUNDS):
         draft, knots = _drafted(progress, free, fixed)
-        draft, error = _moved_to_fixes(draft, progress, knots, timed=timed)
+        draft, error = _moved_to_fixes(draft, progress.recording)
         score = float(np.sqrt((error**2).mean()))
         if best is None or score < best[0]:
             best = score, draft
@@ -89,9 +86,8 @@ def _drafted(progress: _Progress, free: Floats, fixed: Floats) -> tuple[Draft, F
     return gauss_newton_step(draft, [residual], FIRST_SMOOTHING), knots
 
 
-def _moved_to_fixes(draft: Draft, progress: _Progress, knots: Floats, *, timed: bool) -> tuple[Draft, Floats]:
+def _moved_to_fixes(draft: Draft, recording: LocalTrack) -> tuple[Draft, Floats]:
     """The draft moved towards the fixes beside its path, and the error (n,) that remains at each fix."""
-    recording = progress.recording
     for _ in range(2):
         there, _ = match_to_plan(draft, recording)
         residuals = [
@@ -99,18 +95,7 @@ def _moved_to_fixes(draft: Draft, progress: _Progress, knots: Floats, *, timed: 
         ]
         draft = gauss_newton_step(draft, residuals, FIRST_SMOOTHING)
     there, _ = match_to_plan(draft, recording)
-    leg, part, error = there.leg, there.part, there.apart_m
-    if not timed:
-        return draft, error
-    steps = np.diff(draft.places_m[:, :2], axis=0, prepend=draft.places_m[:1, :2])
-    passing = np.interp(knots, progress.share, recording.time_s)
-    for hover in progress.hovers:
-        at = np.searchsorted(knots, progress.share[hover.first], side="right") - 1
-        passing[at] = recording.time_s[hover.last]
-    length_s = np.maximum(np.diff(passing, prepend=passing[0]), 1e-3)
-    even = (recording.time_s - passing[np.maximum(leg - 1, 0)]) / length_s[leg]
-    late_m = (np.clip(even, 0.0, 1.0) - part) * np.linalg.norm(steps, axis=1)[leg]
-    return draft, np.hypot(error, _LATE_SHARE * np.where(draft.halts[leg], 0.0, late_m))
+    return draft, there.apart_m
 
 
 def _respaced(count: int, knots: Floats, progress: _Progress, error: Floats) -> Floats:
