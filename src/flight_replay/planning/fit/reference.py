@@ -19,8 +19,10 @@ SHORTEST_HOVER_S = 5.0
 """Shorter pauses are flown slowly: to brake, wait and start again takes ArduCopter as long."""
 ROOMY_HOVER_S = 3.5
 """Where legs are long anyway, so much is worth a stop: one speed a leg would smear it over all of a leg."""
-SETTLE_HOLD_S = 1.0
-"""At the first place a vehicle comes to rest before what is timed begins."""
+SETTLE_HOLD_S, TIMED_SETTLE_HOLD_S = 1.0, 6.0
+"""At the first place a vehicle comes to rest before what is timed begins. On the way there its target hardly
+moves, and the noise of the estimated velocity slows it down (_track_scalar_dt), which takes seconds to wear
+off: after 1 s real first legs came up to 0.6 s late, and all else with them, after 6 s give or take 0.1 s."""
 
 _MOST_CORNERS, _PLACES_AT_ONCE = 4000, 8
 """How many distances are found at once: more leave the cache, and would take much memory."""
@@ -110,10 +112,10 @@ def hovers(recording: LocalTrack, most: int, shortest_s: float = SHORTEST_HOVER_
     return sorted(longest, key=lambda hover: hover.first)
 
 
-def holds_s(places: int, hovers: Mapping[int, Hover]) -> Floats:
+def holds_s(places: int, hovers: Mapping[int, Hover], *, timed: bool) -> Floats:
     """How long to wait at each of so many places (n,), whole seconds: at the first, and where it hovers."""
     hold_s = np.zeros(places)
-    hold_s[0] = SETTLE_HOLD_S
+    hold_s[0] = TIMED_SETTLE_HOLD_S if timed else SETTLE_HOLD_S
     for place, hover in hovers.items():
         hold_s[place] = max(1.0, round(hover.seconds))
     return hold_s

@@ -21,8 +21,8 @@ from flight_replay.planning.fit.reference import Hover, LocalTrack
 SLOWEST_M_S = 0.35
 """A little more than creeping (``objective.CREEPING_SPEED_M_S``); ArduCopter ignores less than 0.2 m/s."""
 SLOWEST_BETWEEN_WAITS_M_S = 0.7
-"""A vehicle's estimate of its velocity is centimetres a second off, above all soon after a take-off: from
-rest to rest at 0.35 m/s one came up to half a second late, with all that followed. It waits instead."""
+"""A vehicle's estimate of its velocity is centimetres a second off: from rest to rest at 0.35 m/s a real one
+came 0.2 s late, with all that followed. It waits instead."""
 FASTEST_M_S = 30.0
 LEAST_HOLD_S = 1.0
 _LAG_S = 0.5

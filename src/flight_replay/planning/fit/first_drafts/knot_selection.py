@@ -62,7 +62,7 @@ def select_waypoints(
     knots.thin_out(most)
     kept = np.flatnonzero(knots.alive).tolist()
     hovers = {place: hover for place, knot in enumerate(kept) if (hover := knots.hover[knot]) and place > 0}
-    hold_s = holds_s(len(kept), hovers)
+    hold_s = holds_s(len(kept), hovers, timed=problem.timed)
     level = np.full((len(kept), 3), problem.recording.up_m[0])
     places_m = np.column_stack([knots.place_m[kept], level])[:, :3]
     through = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)

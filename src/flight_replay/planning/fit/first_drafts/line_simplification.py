@@ -74,7 +74,7 @@ def corner_draft(problem: FitProblem, most: int) -> FirstDraft:
     waits = {place: pauses[node] for place, node in enumerate(kept) if node in pauses}
     places_m = places_m[kept]
     places_m[-1, :2] = problem.recording.north_east_m[-1]
-    hold_s = holds_s(len(kept), waits)
+    hold_s = holds_s(len(kept), waits, timed=problem.timed)
     curved = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)
     curved[1:] &= segment_lengths_m(places_m) < _LONG_M
     return FirstDraft(Draft(places_m, curved, hold_s, np.full(len(kept), np.nan)), waits)
