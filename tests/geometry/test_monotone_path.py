@@ -97,3 +97,13 @@ def _apart(some: slice, where: slice) -> Costs:
     """Costs that are least at the third column of each row's band."""
     wanted = np.arange(100)[some] * 3 + 2
     return np.abs(np.arange(where.start, where.stop)[None, :] - wanted[:, None]).astype(float)
+
+
+def test_rows_searched_together_do_not_go_back_behind_those_before() -> None:
+    """Two rows that cross end behind their cheapest columns; two more that cross begin there."""
+    costs = np.ones((4, 10))
+    costs[0, 5] = costs[1, 1] = costs[2, 9] = costs[3, 7] = 0.0
+    costs[1, 7] = costs[2, 6] = 0.1
+    low, high = np.zeros(4, np.intp), np.full(4, 10)
+    chosen = cheapest_monotone_path_in_band(lambda some, where: costs[some, where].copy(), low, high)
+    assert (np.diff(chosen) >= 0).all()

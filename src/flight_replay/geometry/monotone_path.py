@@ -56,7 +56,7 @@ def cheapest_monotone_path_in_band(
     ends = np.append(begins[1:], len(chosen))
     several = ends - begins > 1
     for begin, end in zip(begins[several].tolist(), ends[several].tolist(), strict=True):
-        least = so_far[begin - 1] if begin else 0
+        least = max(so_far[begin - 1], chosen[begin - 1]) if begin else 0
         most = from_here[end] + 1 if end < len(chosen) else high[-1]
         chosen[begin:end] = cheapest_monotone_path(
             _some_rows(costs_of, begin, end),
