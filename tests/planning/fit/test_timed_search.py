@@ -38,6 +38,14 @@ def test_as_many_starts_as_there_is_time_for_are_begun() -> None:
     assert begun == [1, 2, 4]
 
 
+def test_the_first_start_has_its_round_if_there_is_time_for_that_alone() -> None:
+    """As for a recording of hours, which is flown a few times only."""
+    problem, starts = problem_and_starts(9)
+    (as_it_is,) = timed_search_module._begun(problem, starts, budget(5))
+    (after_round,) = timed_search_module._begun(problem, starts, budget(20))
+    assert after_round.best.objective_m < as_it_is.best.objective_m
+
+
 @pytest.mark.parametrize("after_round", [False, True])
 def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch, after_round: bool) -> None:
     """One that is half as bad again as the best is not worth a round, or not worth steps after it."""

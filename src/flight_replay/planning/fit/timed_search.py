@@ -30,6 +30,8 @@ from flight_replay.planning.fit.rounds import (
 _MANY_STEPS = 100
 _EXCHANGE_FLIGHTS = 20
 _GOING_ON_FLIGHTS = 5 * JOINT_FLIGHTS
+_BEGINNING_FLIGHTS = ROUND_FLIGHTS + _EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS
+"""What it takes at least to begin with another start."""
 _ANOTHER_FLIGHTS = 3 * JOINT_FLIGHTS
 """What it takes at least to go on with another start."""
 _HOPELESS = 1.5
@@ -55,14 +57,13 @@ def _begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> lis
     """As many of the starts as may go on, after a first round; those compared are as far."""
     states: list[State] = []
     for start in starts:
-        if not states or budget.affords(ROUND_FLIGHTS + _EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS):
+        if not states or budget.affords(_BEGINNING_FLIGHTS):
             on_time = timed(problem, start.draft, start.hovers, budget)
             states.append(State(on_time, start.hovers))
-    rounds = [
-        rounded(problem, state, budget)
-        for state in _hopeful(states)
-        if budget.affords(ROUND_FLIGHTS + _EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS)
-    ]
+    rounds: list[State] = []
+    for state in _hopeful(states):
+        if budget.affords(_BEGINNING_FLIGHTS if rounds else ROUND_FLIGHTS):
+            rounds.append(rounded(problem, state, budget))
     return _hopeful(rounds or states[:1])
 
 
