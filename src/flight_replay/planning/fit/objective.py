@@ -109,9 +109,9 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
     return cost
 
 
-def objective_lower_bound_m(draft: Draft, recording: LocalTrack, *, timed: bool) -> float:
-    """What the objective of a draft comes to at least, by its planned path alone."""
-    return _plan_share(timed=timed) * path_error_m(match_to_plan(draft, recording))
+def objective_lower_bound_m(draft: Draft, recording: LocalTrack) -> float:
+    """What the objective of a draft comes to at least, at the vehicle's own speed, by its plan alone."""
+    return PLAN_SHARE * path_error_m(match_to_plan(draft, recording))
 
 
 def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> Evaluation:

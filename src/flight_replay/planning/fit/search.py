@@ -64,7 +64,7 @@ def _begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> lis
     states = [begun(problem, starts[0], budget)]
     for start in starts[1:]:
         best_m = min(map(_objective_m, states))
-        least_m = objective_lower_bound_m(start.draft, problem.recording, timed=False)
+        least_m = objective_lower_bound_m(start.draft, problem.recording)
         if least_m < best_m and budget.affords(ROUND_FLIGHTS):
             states.append(begun(problem, start, budget, _HOPELESS * best_m))
     return sorted(states, key=_objective_m)
