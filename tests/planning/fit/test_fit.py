@@ -108,6 +108,15 @@ def test_the_same_answer_every_time() -> None:
 
 
 @pytest.mark.usefixtures("brief_search")
+def test_last_bits_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other processors and libraries solve equations and add up to other last bits, but fit the same mission."""
+    track, solve, interpolate = wander(3), np.linalg.solve, np.interp
+    usual = fit(track, max_points=20, speed_m_s="recorded")
+    monkeypatch.setattr(np.linalg, "solve", lambda *args: solve(*args) * (1 + 1e-13))
+    monkeypatch.setattr(np, "interp", lambda *args: interpolate(*args) * (1 + 1e-15))
+    assert fit(track, max_points=20, speed_m_s="recorded").mission == usual.mission
+
+
 def test_a_given_speed_is_asked_for_once() -> None:
     """One speed change in front of the first waypoint holds for the whole route."""
     items = fit(wander(4, fixes=40), max_points=12, speed_m_s=3.0).mission.items

@@ -11,6 +11,7 @@ from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import FIRST_SEQ, Home, Mission, change_speed, waypoint
 from flight_replay.mission.path import Destination, Path, path_through
+from flight_replay.planning.fit.reference import DECIMALS
 
 _SHAPING_PLACES = 2
 """How many places before and behind legs shape their curves."""
@@ -22,12 +23,18 @@ class Draft:
 
     ``hold_s`` are whole seconds of waiting; ``speed_m_s`` is the ground speed asked for on the way
     to each place, not a number where the one before goes on (at the first: the vehicle's own).
+
+    Places are kept to ``DECIMALS``: what processors and libraries make of their last bits would grow, step by
+    step of a search, to another route.
     """
 
     places_m: Floats
     spline: Flags
     hold_s: Floats
     speed_m_s: Floats
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "places_m", self.places_m.round(DECIMALS))
 
     def __len__(self) -> int:
         return len(self.places_m)

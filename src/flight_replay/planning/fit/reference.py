@@ -24,6 +24,8 @@ SETTLE_HOLD_S, TIMED_SETTLE_HOLD_S = 1.0, 6.0
 moves, and the noise of the estimated velocity slows it down (_track_scalar_dt), which takes seconds to wear
 off: after 1 s real first legs came up to 0.6 s late, and all else with them, after 6 s give or take 0.1 s."""
 
+DECIMALS = 6
+"""Metres and seconds are kept to so many decimals where a search would go on with their last bits."""
 _MOST_CORNERS, _PLACES_AT_ONCE = 4000, 8
 """How many distances are found at once: more leave the cache, and would take much memory."""
 
@@ -151,4 +153,5 @@ def local_track(track: Track, height_m: float | Floats, takeoff_m: float | None 
     times = track.time_s - track.time_s[0]
     heights = np.broadcast_to(np.asarray(height_m, float), len(track))
     places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
-    return LocalTrack(times, places, heights, Takeoff(home_of(track).alt_amsl_m, takeoff_m))
+    columns = (column.round(DECIMALS) for column in (times, places, heights))
+    return LocalTrack(*columns, Takeoff(home_of(track).alt_amsl_m, takeoff_m))

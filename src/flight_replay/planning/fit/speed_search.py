@@ -15,7 +15,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
-from flight_replay.planning.fit.reference import Takeoff
+from flight_replay.planning.fit.reference import DECIMALS, Takeoff
 from flight_replay.planning.fit.simulated_draft import (
     SimulatedDraft,
     copter_after_takeoff,
@@ -77,6 +77,7 @@ class SpeedSearch:
             takeoff: where the vehicle comes from.
         """
         self._plan, self._caps_m_s, self._limits, self._step_s = plan, caps_m_s, limits, step_s
+        self._leave_s = plan.leave_s.round(DECIMALS)
         self._slowest_m_s = slowest_m_s(plan.draft)
         self._guesses = with_every_speed(plan.draft).speed_m_s
         self._items, self._seqs = items_of(replace(plan.draft, speed_m_s=caps_m_s), every_speed=True)
@@ -135,7 +136,7 @@ class SpeedSearch:
     def _tried(self, copter: Copter, place: int, speed_m_s: float) -> _Trial:
         at = self._seqs[place] - 2  # The speed's item, just before the place's.
         self._items[at] = replace(self._items[at], params=(1.0, round(speed_m_s, 2), 0.0, 0.0))
-        leave_s = float(self._plan.leave_s[place])
+        leave_s = float(self._leave_s[place])
         rows = self._fly(copter, place, 3 * max(leave_s - self._now_s, 0.0) + _PATIENCE_S)
         used_m_s = min(speed_m_s, self._top_speed_m_s(rows))
         return _Trial(speed_m_s, used_m_s, copter, rows, passed_s(copter) - self._begin_s - leave_s)
@@ -164,7 +165,7 @@ class SpeedSearch:
     def _moving_s(self, place: int, late_s: float) -> float:
         """How long a leg takes that ends so late, waiting not counted."""
         hold_s = float(self._plan.draft.hold_s[place])
-        return max(float(self._plan.leave_s[place]) + late_s - hold_s - self._now_s, _SHORTEST_S)
+        return max(float(self._leave_s[place]) + late_s - hold_s - self._now_s, _SHORTEST_S)
 
     def _fly(self, copter: Copter, place: int, most_s: float) -> list[Vector]:
         """Where a copter is after each step until the leg to a place is about to end, or for so long."""

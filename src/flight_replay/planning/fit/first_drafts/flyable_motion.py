@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from flight_replay.exceptions import MissionError
-from flight_replay.planning.fit.reference import LocalTrack
+from flight_replay.planning.fit.reference import DECIMALS, LocalTrack
 from flight_replay.planning.smoothing import Knots, Samples, length_bound, nearest_motion
 
 _KNOT_STEP_S = 0.4
@@ -34,4 +34,4 @@ def flyable_motion(recording: LocalTrack, most_m_s2: float) -> LocalTrack:
         return recording
     places_m = knots.values(recording.time_s) @ found
     places_m[[0, -1]] = recording.north_east_m[[0, -1]]
-    return replace(recording, north_east_m=places_m)
+    return replace(recording, north_east_m=places_m.round(DECIMALS))

@@ -160,7 +160,7 @@ class _ChangedLegs:
         begin, end = np.searchsorted(self._passing_leg, [first, last + 1])
         self._add_position(errors.position, flown, first, float(passed_s[last]))
         self._add_path(errors, flown, first, last, slice(int(begin), int(end)))
-        if changed.places_m is not self._flights.draft.places_m:
+        if not np.array_equal(changed.places_m, self._flights.draft.places_m):
             self._add_planned(errors.planned, changed, first, last, slice(int(begin), int(end)))
         return errors.stacked, passed_s
 
