@@ -109,7 +109,7 @@ def test_the_same_answer_every_time() -> None:
 
 @pytest.mark.usefixtures("brief_search")
 def test_last_bits_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Other processors and libraries solve equations and add up to other last bits, but fit the same mission."""
+    """Other processors and libraries come to others, but to the same mission."""
     track, solve, interpolate = wander(3), np.linalg.solve, np.interp
     usual = fit(track, max_points=20, speed_m_s="recorded")
     monkeypatch.setattr(np.linalg, "solve", lambda *args: solve(*args) * (1 + 1e-13))

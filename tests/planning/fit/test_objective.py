@@ -15,6 +15,7 @@ from flight_replay.planning.fit.objective import (
     evaluate,
     objective_lower_bound_m,
     position_offsets_m,
+    seconds_cost_m_s,
 )
 from flight_replay.planning.fit.offsets import Offsets, directions, match_to_plan
 from flight_replay.planning.fit.reference import LocalTrack, local_track
@@ -37,6 +38,21 @@ def test_the_objective_counts_space_plan_and_time() -> None:
     assert late.objective_m > good.objective_m + 0.5
     early = evaluate(good.flight, replace(recording, time_s=recording.time_s * 3), timed=False)
     assert early.late_m[8:].max() == 0
+
+
+@pytest.mark.parametrize("speed_m_s", [1.0, 30.0])
+def test_what_a_second_costs_is_what_the_objective_grows_by(speed_m_s: float) -> None:
+    """A vehicle slower than the recorded one is farther off everywhere for it, a faster one nowhere."""
+    recording = local_track(along([(0, 0), (60, 0)], 4.0), 20.0)
+    line = straight_draft(recording, np.array([0, len(recording) - 1]))
+    line = replace(line, speed_m_s=np.array([speed_m_s, np.nan]))
+    flight = simulate_draft(line, Limits(wp_speed_m_s=30.0, wp_accel_m_s2=9.0), 0.05)
+    usual = evaluate(flight, recording, timed=False)
+    later = evaluate(replace(flight, time_s=flight.time_s + 0.1), recording, timed=False)
+    a_second_m_s = seconds_cost_m_s(usual, recording)
+    assert (usual.late_m[-1] > 0) == (speed_m_s < 4)
+    assert 10 * (later.objective_m - usual.objective_m) == pytest.approx(a_second_m_s[0], rel=0.15, abs=0.01)
+    assert np.diff(a_second_m_s).max() <= 0
 
 
 def evaluation_with(planned_m: list[float], flown_m: list[float], late_m: list[float]) -> Evaluation:

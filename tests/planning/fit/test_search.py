@@ -1,8 +1,11 @@
 """The search among starts, and why it stops."""
 
+from dataclasses import replace
+
 import pytest
 
 import flight_replay.planning.fit.search as search_module
+from flight_replay.planning.fit import untimed_search
 from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
@@ -40,14 +43,13 @@ def test_a_search_says_why_it_stopped() -> None:
 def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """A start that is best after a round is not the answer for that."""
     problem, (curved, _) = problem_and_starts(timed=False)
-    searched = []
+    gone_on = []
 
-    def dead_end_first(problem: FitProblem, state: State, budget: Budget) -> tuple[State, str]:
-        searched.append(state.best.objective_m)
-        return (state, "a dead end") if len(searched) == 1 else search_from(problem, state, budget)
+    def dead_end_first(problem: FitProblem, state: State, budget: Budget) -> State:
+        gone_on.append(state.objective_m)
+        return state if len(gone_on) < 3 else untimed_search.gone_on(problem, state, budget)
 
-    search_from = search_module._searched
-    monkeypatch.setattr(search_module, "_searched", dead_end_first)
-    best, stopped = search(problem, [curved, curved], 20, Budget(150, lambda done, total: None))
-    assert best.objective_m < min(searched)
-    assert stopped != "a dead end"
+    way = replace(search_module._UNTIMED, gone_on=dead_end_first)
+    monkeypatch.setattr(search_module, "_UNTIMED", way)
+    best, _ = search(problem, [curved, curved], 20, Budget(150, lambda done, total: None))
+    assert best.objective_m < min(gone_on[:3])

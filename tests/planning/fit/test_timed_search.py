@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-import flight_replay.planning.fit.timed_search as timed_search_module
+from flight_replay.planning.fit import timed_search
 from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track
-from flight_replay.planning.fit.timed_search import timed_search
+from flight_replay.planning.fit.search import search
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import wander
 
@@ -26,23 +26,23 @@ def budget(flights: int) -> Budget:
 def test_what_several_starts_come_to_is_as_good_as_what_one_does() -> None:
     """They exchange stretches, the best goes on, and so do the others while there is time."""
     problem, starts = problem_and_starts(4)
-    alone, _ = timed_search(problem, starts[:1], 20, budget(80))
-    together, _ = timed_search(problem, starts, 20, budget(160))
+    alone, _ = search(problem, starts[:1], 20, budget(80))
+    together, _ = search(problem, starts, 20, budget(160))
     assert together.objective_m < 1.005 * alone.objective_m
 
 
 def test_as_many_starts_as_there_is_time_for_are_begun() -> None:
     """One always; others only if the best of them can still be searched."""
     problem, starts = problem_and_starts(9)
-    begun = [len(timed_search_module._begun(problem, starts, budget(flights))) for flights in (10, 112, 1000)]
+    begun = [len(timed_search._rounded(problem, starts, budget(flights))) for flights in (10, 112, 1000)]
     assert begun == [1, 2, 4]
 
 
 def test_the_first_start_has_its_round_if_there_is_time_for_that_alone() -> None:
     """As for a recording of hours, which is flown a few times only."""
     problem, starts = problem_and_starts(9)
-    (as_it_is,) = timed_search_module._begun(problem, starts, budget(5))
-    (after_round,) = timed_search_module._begun(problem, starts, budget(20))
+    (as_it_is,) = timed_search._rounded(problem, starts, budget(5))
+    (after_round,) = timed_search._rounded(problem, starts, budget(20))
     assert after_round.best.objective_m < as_it_is.best.objective_m
 
 
@@ -53,8 +53,8 @@ def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch, after
     good, bad = (problem.evaluate(start.draft) for start in starts[:2])
     bad = replace(bad, late_m=bad.late_m + 100.0)
     found, rounds = [good, good if after_round else bad], [good, bad] if after_round else [good]
-    monkeypatch.setattr(timed_search_module, "timed", lambda *_: found.pop(0))
-    monkeypatch.setattr(timed_search_module, "rounded", lambda _p, s, _b: replace(s, best=rounds.pop(0)))
-    (kept,) = timed_search_module._begun(problem, starts[:2], budget(1000))
+    monkeypatch.setattr(timed_search, "timed", lambda *_: found.pop(0))
+    monkeypatch.setattr(timed_search, "rounded", lambda _p, s, _b: replace(s, best=rounds.pop(0)))
+    (kept,) = timed_search._rounded(problem, starts[:2], budget(1000))
     assert kept.best is good
     assert not rounds

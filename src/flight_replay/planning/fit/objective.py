@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import segment_lengths_m
+from flight_replay.geometry.polyline import segment_lengths_m, speeds_m_s
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.offsets import Offsets, match_to_flight, match_to_plan
 from flight_replay.planning.fit.reference import LocalTrack
@@ -107,6 +107,16 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
         late_m = np.bincount(evaluation.planned[0].leg, evaluation.late_m, minlength=legs)
         cost += evaluation.time_share * late_m / len(evaluation.late_m)
     return cost
+
+
+def seconds_cost_m_s(evaluation: Evaluation, recording: LocalTrack) -> Floats:
+    """What being a second later costs of the objective from the time of each fix (n,) on, if late counts."""
+    flight = evaluation.flight
+    speed_m_s = np.interp(
+        recording.time_s, flight.time_s, speeds_m_s(flight.time_s, flight.place_m[:, : recording.axes])
+    )
+    late_m_s = np.where(evaluation.late_m > 0, speed_m_s, 0.0)
+    return np.asarray(evaluation.time_share * np.cumsum(late_m_s[::-1])[::-1] / len(recording))
 
 
 def objective_lower_bound_m(draft: Draft, recording: LocalTrack) -> float:

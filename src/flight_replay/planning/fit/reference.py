@@ -153,5 +153,5 @@ def local_track(track: Track, height_m: float | Floats, takeoff_m: float | None 
     times = track.time_s - track.time_s[0]
     heights = np.broadcast_to(np.asarray(height_m, float), len(track))
     places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
-    columns = (column.round(DECIMALS) for column in (times, places, heights))
-    return LocalTrack(*columns, Takeoff(home_of(track).alt_amsl_m, takeoff_m))
+    times, places, heights = (column.round(DECIMALS) for column in (times, places, heights))
+    return LocalTrack(times, places, heights, Takeoff(home_of(track).alt_amsl_m, takeoff_m))

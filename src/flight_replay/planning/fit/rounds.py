@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf
 
 import numpy as np
 
@@ -21,11 +20,14 @@ from flight_replay.planning.fit.speed_search import SpeedSearch
 _PATH_STEPS = 4
 TIMED_FLIGHTS = 4.5
 """A pass over the speeds costs about as many flights: many a leg is flown several times."""
+MOVING_FLIGHTS = _PATH_STEPS + 1
 ROUND_FLIGHTS = TIMED_FLIGHTS + _PATH_STEPS
 SWEEP_FLIGHTS = 25
 """A way through the legs costs at least about as many: each is flown with those around it."""
 ENOUGH = "so many flights are enough for a recording of this length"
 WORTH_GOING_ON = 0.01
+HOPELESS = 1.5
+"""A start so many times worse than the best goes no further."""
 NO_MORE = f"the last steps gained less than {100 * WORTH_GOING_ON:.0f} %"
 
 FIRST_DAMPING = 0.03
@@ -45,19 +47,26 @@ class State:
     damping: float = FIRST_DAMPING
     joint_steps: int = 0
 
+    @property
+    def objective_m(self) -> float:
+        """That of the best so far."""
+        return self.best.objective_m
+
 
 def better(*found: Evaluation) -> Evaluation:
     """The one with the smallest objective."""
     return min(found, key=lambda each: each.objective_m)
 
 
-def begun(problem: FitProblem, start: FirstDraft, budget: Budget, most_m: float = inf) -> State:
-    """A start as it is flown, and after a first round unless it costs more than ``most_m`` before."""
-    first = flown(problem, start.draft, budget)
-    state = State(first, start.hovers)
-    if first.objective_m > most_m or not budget.affords(ROUND_FLIGHTS):
-        return state
-    return rounded(problem, state, budget)
+def state_of(problem: FitProblem, start: FirstDraft, budget: Budget) -> State:
+    """A start as it is flown."""
+    return State(flown(problem, start.draft, budget), start.hovers)
+
+
+def hopeful(states: list[State]) -> list[State]:
+    """The first of some states, and those that are not much worse than the best."""
+    most_m = HOPELESS * min(state.objective_m for state in states)
+    return [state for state in states if state is states[0] or state.objective_m <= most_m]
 
 
 def rounded(problem: FitProblem, state: State, budget: Budget) -> State:

@@ -1,28 +1,34 @@
-"""From first drafts to the best at the vehicle's own speed: move the places, change the legs, and again."""
+"""From first drafts to the best.
+
+Which waypoints a draft begins with decides where a search ends, and little that can be seen before tells
+which are good. So there are several starts. They exchange stretches, and what comes of that goes on as far as
+it leads; it takes stretches from them once more. So do the others, one by one, while there is time, each
+exchanging with the best.
+"""
 
 from __future__ import annotations
 
-from flight_replay.planning.fit.chains.exchange import exchanged
-from flight_replay.planning.fit.objective import Evaluation, objective_lower_bound_m
-from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
-from flight_replay.planning.fit.rounds import (
-    ENOUGH,
-    NO_MORE,
-    ROUND_FLIGHTS,
-    SWEEP_FLIGHTS,
-    WORTH_GOING_ON,
-    State,
-    begun,
-    polished,
-    refined,
-    swept,
-)
-from flight_replay.planning.fit.timed_search import timed_search
+from collections.abc import Callable
+from dataclasses import dataclass
 
-_STEPS = 5
-_SEARCH_FLIGHTS = 1.5 * SWEEP_FLIGHTS
-_HOPELESS = 1.5
-"""A start so many times worse than the best does not get a round."""
+from flight_replay.planning.fit import timed_search, untimed_search
+from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS, exchanged
+from flight_replay.planning.fit.objective import Evaluation
+from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
+from flight_replay.planning.fit.rounds import ENOUGH, NO_MORE, State
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """How starts are begun with, and what is found goes on, at the recorded or the vehicle's own speed."""
+
+    begun: Callable[[FitProblem, list[FirstDraft], Budget], list[State]]
+    gone_on: Callable[[FitProblem, State, Budget], State]
+    another_flights: float
+
+
+_TIMED = _Way(timed_search.begun, timed_search.gone_on, timed_search.ANOTHER_FLIGHTS)
+_UNTIMED = _Way(untimed_search.begun, untimed_search.gone_on, untimed_search.ANOTHER_FLIGHTS)
 
 
 def search(
@@ -32,50 +38,24 @@ def search(
 
     The first of them has no more places.
     """
-    found = (timed_search if problem.timed else _untimed_search)(problem, starts, most, budget)
+    way = _TIMED if problem.timed else _UNTIMED
+    states = way.begun(problem, starts, budget)
+    small_enough = (state for state in states if len(state.best.draft) <= most)
+    others = sorted(small_enough, key=lambda state: state.objective_m)[1:]
+    best = _exchanged(problem, states, most, budget)
+    if len(states) > 1 and budget.affords(EXCHANGE_FLIGHTS):
+        best = _exchanged(problem, [best, *states], most, budget)
+    for other in others:
+        if not budget.affords(way.another_flights):
+            break
+        best = _exchanged(problem, [best, way.gone_on(problem, other, budget), *states], most, budget)
+    stopped = NO_MORE if budget.affords(way.another_flights) else ENOUGH
     budget.finish()
-    return found
+    return best.best, stopped
 
 
-def _untimed_search(
-    problem: FitProblem, starts: list[FirstDraft], most: int, budget: Budget
-) -> tuple[Evaluation, str]:
-    """The best that comes of the first of some starts, and of the next while there is time, and why it ends.
-
-    The first may be a dead end, as straight legs often are. What was found exchanges stretches.
-    """
-    first, *others = _begun(problem, starts, budget)
-    state, stopped = _searched(problem, first, budget)
-    found = [state]
-    for start in others:
-        best_m = min(map(_objective_m, found))
-        if start.best.objective_m < _HOPELESS * best_m and budget.affords(_SEARCH_FLIGHTS):
-            state, stopped = _searched(problem, start, budget)
-            found.append(state)
-    return polished(problem, exchanged(problem, found, most, budget), budget).best, stopped
-
-
-def _objective_m(state: State) -> float:
-    return state.best.objective_m
-
-
-def _begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> list[State]:
-    """The starts after a first round, but for the hopeless ones, the best first."""
-    states = [begun(problem, starts[0], budget)]
-    for start in starts[1:]:
-        best_m = min(map(_objective_m, states))
-        least_m = objective_lower_bound_m(start.draft, problem.recording)
-        if least_m < best_m and budget.affords(ROUND_FLIGHTS):
-            states.append(begun(problem, start, budget, _HOPELESS * best_m))
-    return sorted(states, key=_objective_m)
-
-
-def _searched(problem: FitProblem, state: State, budget: Budget) -> tuple[State, str]:
-    """The best of places moved, and of legs changed one by one between that; and why it ends."""
-    while budget.affords(SWEEP_FLIGHTS):
-        before_m = state.best.objective_m
-        state = refined(problem, polished(problem, state, budget), budget, _STEPS)
-        state = polished(problem, swept(problem, state, budget), budget)
-        if state.best.objective_m > (1 - WORTH_GOING_ON) * before_m:
-            return state, NO_MORE
-    return state, ENOUGH
+def _exchanged(problem: FitProblem, states: list[State], most: int, budget: Budget) -> State:
+    """The best that comes of some drafts as they exchange stretches, after going on."""
+    way = _TIMED if problem.timed else _UNTIMED
+    found = exchanged(problem.exact if problem.timed else problem, states, most, budget)
+    return way.gone_on(problem, found, budget)

@@ -11,7 +11,7 @@ from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 FIXES, AROUND = 60, 2
 FIRST, LAST = [0, 6, 14, 14, 30, 41, 59], [0, 6, 14, 14, 35, 41, 59]
 STOPS = [True, False, False, False, True, False, True]
-STRAIGHT = [False, False, False, False, True, False, False]
+STRAIGHT = [False, False, True, False, True, False, False]
 WEIGHTS = curve_weights(np.linspace(0, 1, 13))
 
 
@@ -21,7 +21,7 @@ def curve_m(places_m: Floats, before: int, a: int, b: int, after: int) -> Floats
     if STRAIGHT[b]:
         return np.asarray(np.linspace(origin, destination, 13))
     chord = destination - origin
-    leaving = 0 * chord if STOPS[a] else destination - places_m[before]
+    leaving = 0 * chord if STOPS[a] else (origin if STRAIGHT[a] else destination) - places_m[before]
     arriving = 0 * chord if STOPS[b] else places_m[after] - places_m[b if STRAIGHT[after] else a]
     (scale,) = tangent_scale(chord[None], leaving[None], arriving[None])
     return np.asarray(WEIGHTS @ np.array([origin, destination, scale * leaving, scale * arriving]))

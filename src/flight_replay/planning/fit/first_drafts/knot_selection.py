@@ -25,7 +25,7 @@ from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 
 USUAL_CANDIDATES = 2.0
 """Candidates for each place that is kept."""
-_CANDIDATES = (2.0, 4.0, 3.0)
+_CANDIDATES = (2.0, 4.0, 3.0, 1.5, 2.5, 3.5, 5.0)
 _LONG_LEGS = ((None, 1.0, 2.0), (0.9, 1.0, 4.0), (None, 1.1, 3.0))
 """Of what several selections are made: the way, how many places of those there may be, candidates for each.
 

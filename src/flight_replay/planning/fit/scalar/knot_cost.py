@@ -95,7 +95,7 @@ class KnotCost:
             return points_on_leg(origin, destination, chord, chord, self._weights)
         leaving = arriving = (0.0, 0.0, 0.0)
         if not self._stops[a]:
-            leaving = between(self._place[before], destination)
+            leaving = between(self._place[before], origin if self._straight[a] else destination)
         if not self._stops[b]:
             arriving = between(destination if self._straight[after] else origin, self._place[after])
         scale = tangent_factor(chord, leaving, arriving)
