@@ -26,6 +26,8 @@ _EVERY = round(_BACK_SPACING_M / _SPACING_M)
 _PIECE_M = 1.0
 _APART_SHARE, _FLIGHT_NEAR_M, _PLAN_NEAR_M = 1.5, 4.0, 6.0
 """A vehicle flies by a fix about so many times as far along its path as it is from the fix at its time."""
+_BESIDE_PLAN_M = 12.0
+"""A vehicle at 10 m/s passes a place so far before or after its target is there."""
 _NUDGE = 0.01
 _WINDOW_FIXES = 4
 """A point of the path that lies between two fixes in order is compared with the line so many fixes around."""
@@ -71,12 +73,17 @@ def match_to_flight(
     Args:
         flight: in the metres of the recording.
         recording: at least one fix.
-        apart_m: how far the vehicle is from each fix (n,) at its time: it is searched around there first.
+        apart_m: how far the vehicle is from each fix (n,) at its time: it is searched around there first. None:
+            around where the plan has the fix.
     """
     drawn = _DrawnFlight.of(flight, recording.axes)
-    near_m = None if apart_m is None else drawn.near_m(recording.time_s, apart_m)
-    feet = _matched_points(recording.places_m, drawn.line_m, near_m)
-    planned = match_to_plan(flight.draft, recording, drawn.progress(flight.passed_s, feet))
+    if apart_m is None:
+        planned = match_to_plan(flight.draft, recording)
+        near_m = drawn.near_plan_m(flight.passed_s, planned[0])
+        feet = _matched_points(recording.places_m, drawn.line_m, near_m)
+    else:
+        feet = _matched_points(recording.places_m, drawn.line_m, drawn.near_m(recording.time_s, apart_m))
+        planned = match_to_plan(flight.draft, recording, drawn.progress(flight.passed_s, feet))
     flown_s = drawn.times_s(feet)
     marks, marks_s = drawn.line_m[::_EVERY], drawn.time_s[::_EVERY]
     order = np.maximum.accumulate(flown_s)
@@ -161,6 +168,12 @@ class _DrawnFlight:
         """From where to where along the line it may fly by fixes that it is so far from at their times."""
         there_m, around_m = self._along_at(time_s), _APART_SHARE * apart_m + _FLIGHT_NEAR_M
         return there_m - around_m, there_m + around_m
+
+    def near_plan_m(self, passed_s: Floats, planned: Offsets) -> tuple[Floats, Floats]:
+        """From where to where along the line it may fly by fixes for which the plan has such points."""
+        there_s = np.interp(planned.leg + planned.part, np.arange(1, len(passed_s) + 1), passed_s)
+        there_m = self._along_at(there_s)
+        return there_m - _BESIDE_PLAN_M, there_m + _BESIDE_PLAN_M
 
     def progress(self, passed_s: Floats, feet: _Feet) -> Floats:
         """At each of some points of the line (n,): the place that is flown to and how far that is, as one."""
