@@ -73,8 +73,8 @@ def match_to_flight(
     Args:
         flight: in the metres of the recording.
         recording: at least one fix.
-        apart_m: how far the vehicle is from each fix (n,) at its time: it is searched around there first. None:
-            around where the plan has the fix.
+        apart_m: how far the vehicle is from each fix (n,) at its time: it is searched around there first, or
+            else around where the plan has the fix.
     """
     drawn = _DrawnFlight.of(flight, recording.axes)
     if apart_m is None:
