@@ -15,6 +15,8 @@ from flight_replay.planning.fit.objective import Evaluation, leg_costs_m, scales
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.rounds import State
 
+_COST_DECIMALS = 9
+
 
 class LegCosts:
     """What legs cost of the objective, linear about that of the best of some drafts.
@@ -73,8 +75,8 @@ class DraftLegs:
 
     @property
     def cost_m(self) -> Floats:
-        """What each leg (n,) costs."""
-        return np.concatenate([self.costs.costs_m(draft) for draft in self.drafts])
+        """What each leg (n,) costs, without the last bits that would tell chains of one cost apart."""
+        return np.concatenate([self.costs.costs_m(draft) for draft in self.drafts]).round(_COST_DECIMALS)
 
     def cheapest_chain(self, most: int) -> Indices:
         """The legs of the chain of at most ``most`` places that is expected to be the cheapest."""
@@ -99,7 +101,7 @@ class DraftLegs:
         changes = self._changes(chain)
         begins = [0, *(at - 1 for at, _ in changes[1:]), len(chain)]
         for (begin, end), (_, link) in zip(pairwise(begins), changes, strict=True):
-            self.links.price[link] = max(0.0, float(more_m[begin:end].sum()))
+            self.links.price[link] = max(0.0, round(float(more_m[begin:end].sum()), _COST_DECIMALS))
         self.costs.learn(flown)
 
     def _changes(self, chain: Indices) -> list[tuple[int, int]]:
