@@ -76,7 +76,8 @@ class DraftLegs:
     @property
     def cost_m(self) -> Floats:
         """What each leg (n,) costs, without the last bits that would tell chains of one cost apart."""
-        return np.concatenate([self.costs.costs_m(draft) for draft in self.drafts]).round(_COST_DECIMALS)
+        costs_m = np.concatenate([self.costs.costs_m(draft) for draft in self.drafts])
+        return np.asarray(costs_m.round(_COST_DECIMALS))
 
     def cheapest_chain(self, most: int) -> Indices:
         """The legs of the chain of at most ``most`` places that is expected to be the cheapest."""
