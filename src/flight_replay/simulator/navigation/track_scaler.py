@@ -23,6 +23,8 @@ _NOISE_M_S: Final = 0.005
 _NO_NOISE: Final = 0.02
 # A square below 1.2e-7 cm²/s² is none (is_positive in AP_Math.h).
 _NO_SPEED_M_S: Final = 3.45e-6
+_KEEPS_30_BITS: Final = 2.0**22
+"""Added and taken away again it leaves 30 binary places: C libraries differ in the last bits of erf."""
 _SQRT_HALF: Final = sqrt(0.5)
 _DENSITY: Final = 1.0 / sqrt(2.0 * pi)
 # After a stop the estimated speed is off to the left of the track, it seems because SITL's EKF3 takes
@@ -110,4 +112,5 @@ def mean_clamped(mean: float, deviation: float) -> float:
     low, high = mean / deviation, (mean - 1.0) / deviation
     above_low, above_high = 0.5 * (1.0 + erf(low * _SQRT_HALF)), 0.5 * (1.0 + erf(high * _SQRT_HALF))
     density = exp(-0.5 * low * low) - exp(-0.5 * high * high)
-    return clamp(mean * (above_low - above_high) + above_high + deviation * density * _DENSITY, 0.0, 1.0)
+    limited = mean * (above_low - above_high) + above_high + deviation * density * _DENSITY
+    return clamp(limited + _KEEPS_30_BITS - _KEEPS_30_BITS, 0.0, 1.0)
