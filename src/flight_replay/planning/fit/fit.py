@@ -53,7 +53,7 @@ _STEPS_S = ((200.0, 600.0, 2000.0, 4000.0), (0.05, 0.08, 0.1, 0.1))
 _WORK_STEPS, _WORK_STEPS_A_FIX = 1_000_000, 40
 """Steps of the model that the search may take, and more for each fix."""
 _OTHER_STEPS = 600
-"""What is done for each flight beside flying it takes as long as so many steps."""
+"""At the vehicle's own speed, to compare a flight and move its places takes as long as so many steps."""
 _FEWEST_FLIGHTS, _MOST_FLIGHTS = 8, 500
 
 ProgressCallback = Callable[[int, int], None]
@@ -113,8 +113,9 @@ def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed
 
 
 def _budget(problem: FitProblem, fixes: int, progress: ProgressCallback | None) -> Budget:
-    steps_a_flight = problem.recording.time_s[-1] / problem.step_s + _OTHER_STEPS
-    flights = (_WORK_STEPS + _WORK_STEPS_A_FIX * fixes) / steps_a_flight
+    other_steps = 0 if problem.timed else _OTHER_STEPS
+    steps_a_flight = problem.recording.time_s[-1] / problem.step_s + other_steps
+    flights = (_WORK_STEPS + _WORK_STEPS_A_FIX * fixes) / max(steps_a_flight, 1.0)
     most = int(np.clip(flights, _FEWEST_FLIGHTS, _MOST_FLIGHTS))
     return Budget(most, progress or (lambda done, total: None))
 

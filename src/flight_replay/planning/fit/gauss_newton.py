@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.planning.fit.banded import solve_banded
 from flight_replay.planning.fit.basis import shares, weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.objective import path_error_m
 from flight_replay.planning.fit.offsets import Offsets, directions
+from flight_replay.planning.fit.solvers.banded import solve_banded
 
 ALONG_SHARE = 0.05
 """How much a place resists sliding along the path, against moving across it."""

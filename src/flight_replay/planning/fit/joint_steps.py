@@ -1,8 +1,10 @@
 """Steps of all speeds and places of a draft together, by the derivatives of its flight in the model.
 
 A step is that of Levenberg and Marquardt: the least squares of the errors, each weighted by its share in the
-objective, with a damping that grows as steps fail. A leg that takes longer makes all after it
-late, so after the step the speeds are set anew, to leave each place when the step meant it to be left.
+objective, with a damping that grows as steps fail. Near a good draft most changes have a kink: a leg takes
+longer with a place farther to one side, and longer to the other. Then steps go by the derivatives to both.
+A leg that takes longer makes all after it late, so after the step the speeds are set anew, to leave each
+place when the step meant it to be left.
 """
 
 from __future__ import annotations
@@ -29,30 +31,30 @@ from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.rounds import State, flown_on_time
+from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
 from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, Schedule, slowest_m_s, speed_caps_m_s
 
 JOINT_FLIGHTS = 11
 """A step costs about as many flights, most of them for the derivatives."""
 _COARSER = 2.0
 """Derivatives are as good in steps so many times longer, though never longer than those of the search."""
-_SIZES = (1.0, -0.5)
-"""Large changes to one side and small ones to the other, by turns: each misses what the other sees."""
-_MORE, _LESS = 4.0, 0.5
+_SMOOTH_GAIN = 0.02
+"""Steps by changes to one side that gain less of the objective are followed by such to both sides."""
+_MORE, _LESS, _MOST_DAMPING = 4.0, 0.5, 0.3
+_SMALLER = 0.5
+"""Where changes to both sides lead nowhere, smaller ones may."""
 _TRIES = 3
 _PATIENCE_S = 60.0
 """A leg may take so much longer than the flight: the first comes after the climb of a take-off."""
-_MOST_DERIVATIVES = 15_000_000
-"""More would take too much memory; three copies of these take 360 MB."""
+_MOST_DERIVATIVES = 10_000_000
+"""More would take too much memory; four copies of these take 320 MB."""
 _USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
 _MOST_CHANGE = 2 * _USUAL_CHANGE
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 
 
 def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
-    """The best after some steps by the same derivatives, and the damping of the next.
-
-    Where changes to one side lead nowhere, the objective often has a ridge or a step there: then the same
-    changes to the other side are flown as well, and the mean of both is followed.
+    """The best after some steps by the same derivatives, and how the next are to be made.
 
     Args:
         problem: what to fit.
@@ -62,13 +64,19 @@ def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
     if len(state.best.draft) < 2 or _derivatives_count(state.best) > _MOST_DERIVATIVES:
         return state
     steps = _JointSteps(problem, state, budget)
-    size = _SIZES[state.joint_steps % len(_SIZES)]
-    state = replace(state, joint_steps=state.joint_steps + 1)
-    derivatives = steps.derivatives(size)
-    after = steps.taken(state, derivatives)
-    if after.best is not state.best or not budget.affords(JOINT_FLIGHTS):
+    one = steps.derivatives(state.change_size)
+    if not state.both_sides:
+        after = steps.taken(state, _Sides(one))
+        if after.best is not state.best:
+            gained = 1 - after.objective_m / state.objective_m
+            return replace(after, both_sides=gained < _SMOOTH_GAIN)
+        if not budget.affords(JOINT_FLIGHTS):
+            return after
+        state = replace(state, both_sides=True)
+    after = steps.taken(state, _Sides(one, steps.derivatives(-state.change_size)))
+    if after.best is not state.best:
         return after
-    return steps.taken(state, derivatives.mean_with(steps.derivatives(-size)))
+    return replace(after, change_size=_SMALLER * state.change_size)
 
 
 class _JointSteps:
@@ -87,14 +95,15 @@ class _JointSteps:
         self._spend(found.steps)
         return found
 
-    def taken(self, state: State, derivatives: FlightDerivatives) -> State:
+    def taken(self, state: State, sides: _Sides) -> State:
         """After a few steps, those that succeed with less damping after them, those that fail with more."""
+        state = replace(state, damping=min(state.damping, _MOST_DAMPING))
         back_m = self._base.flown[1].off_m
-        model = self._model(state, derivatives, back_m)
+        model = self._model(state, sides, back_m)
         for _ in range(_TRIES):
             changes = model.best_changes(state.damping)
             moved = _changed(state.best.draft, changes, self._caps_m_s)
-            leave_s = state.best.passed_s + derivatives.passed_s @ changes
+            leave_s = state.best.passed_s + sides.passed_s(changes)
             schedule = Schedule(
                 kept_in_corridor(moved, state.hovers, self._recording), np.maximum.accumulate(leave_s)
             )
@@ -104,12 +113,12 @@ class _JointSteps:
                 state = replace(state, damping=_MORE * state.damping)
                 continue
             state = replace(state, best=trial, damping=_LESS * state.damping)
-            back_m = back_m + (derivatives.errors @ changes)[-back_m.size :].reshape(back_m.shape)
-            model = self._model(state, derivatives, back_m)
+            back_m = back_m + sides.errors(changes)[-back_m.size :].reshape(back_m.shape)
+            model = self._model(state, sides, back_m)
         return state
 
-    def _model(self, state: State, derivatives: FlightDerivatives, back_m: Floats) -> _LinearModel:
-        return _LinearModel.of(derivatives.errors, _errors(state.best, self._recording, back_m), state.best)
+    def _model(self, state: State, sides: _Sides, back_m: Floats) -> _LinearModel:
+        return _LinearModel.of(sides, _errors(state.best, self._recording, back_m), state.best)
 
     def _spend(self, steps: int) -> None:
         self._budget.spend(steps / max(self._duration_s / self._exact.step_s, 1.0))
@@ -127,25 +136,61 @@ def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> Er
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Sides:
+    """Derivatives by p changes to one side, taken for those to the other as well unless these are given.
+
+    ``one`` is the side of changes above 0 then, and ``other`` that of changes below.
+    """
+
+    one: FlightDerivatives
+    other: FlightDerivatives | None = None
+
+    def errors(self, changes: Floats) -> Floats:
+        """What the stacked errors (m,) change by."""
+        if self.other is None:
+            return self.one.errors @ changes
+        return self.one.errors @ np.maximum(changes, 0) + self.other.errors @ np.minimum(changes, 0)
+
+    def passed_s(self, changes: Floats) -> Floats:
+        """How much later places (n,) are left."""
+        if self.other is None:
+            return self.one.passed_s @ changes
+        return self.one.passed_s @ np.maximum(changes, 0) + self.other.passed_s @ np.minimum(changes, 0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _LinearModel:
-    """How the weighted squares of errors go with p changes: their normal matrix, and their force."""
+    """How the weighted squares of errors go with p changes: their normal matrix, and their force.
+
+    Changes to both sides are 2 p numbers that are not negative: how far to one side, and to the other.
+    """
 
     normal: Floats
     force: Floats
+    both_sides: bool
 
     @classmethod
-    def of(cls, derivatives: Floats, errors: ErrorVectors, evaluation: Evaluation) -> _LinearModel:
-        """That by the derivatives (m, p) of the stacked errors (m,)."""
+    def of(cls, sides: _Sides, errors: ErrorVectors, evaluation: Evaluation) -> _LinearModel:
+        """That by the derivatives of the stacked errors (m,)."""
         root = np.sqrt(_weights(errors, evaluation))
-        weighted = derivatives * root[:, None]
-        return cls(weighted.T @ weighted, weighted.T @ (root * errors.stacked))
+        pull = root * errors.stacked
+        one = sides.one.errors * root[:, None]
+        if sides.other is None:
+            return cls(one.T @ one, one.T @ pull, both_sides=False)
+        other = sides.other.errors * -root[:, None]
+        across = one.T @ other
+        normal = np.block([[one.T @ one, across], [across.T, other.T @ other]])
+        return cls(normal, np.concatenate([one.T @ pull, other.T @ pull]), both_sides=True)
 
     def best_changes(self, damping: float) -> Floats:
         """The changes (p,) that make them small, none too large."""
         places = len(self.force) // CHANGES_A_PLACE
         usual, most = np.tile(_USUAL_CHANGE, places), np.tile(_MOST_CHANGE, places)
-        found = np.linalg.solve(self.normal + np.diag(damping / usual**2), -self.force)
-        return np.asarray(np.clip(found, -most, most))
+        damped = self.normal + np.diag(damping / usual**2)
+        if not self.both_sides:
+            return np.clip(np.linalg.solve(damped, -self.force), -most, most)
+        one, other = np.split(np.minimum(smallest_nonnegative(damped, -self.force), most), 2)
+        return np.asarray(one - other)
 
 
 def _weights(errors: ErrorVectors, evaluation: Evaluation) -> Floats:

@@ -30,7 +30,7 @@ HOPELESS = 1.5
 """A start so many times worse than the best goes no further."""
 NO_MORE = f"the last steps gained less than {100 * WORTH_GOING_ON:.0f} %"
 
-FIRST_DAMPING = 0.03
+FIRST_DAMPING = 0.01
 _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
 
 
@@ -38,14 +38,15 @@ _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
 class State:
     """Where a search is: the best so far, and the hovers by the place at which they are waited for.
 
-    ``damping`` is how much the next step of all places and speeds together is damped, ``joint_steps`` how
-    many of those there were.
+    The next step of all places and speeds together is damped by ``damping``; its changes are to one side or
+    to both, of ``change_size`` as a share of the usual.
     """
 
     best: Evaluation
     hovers: dict[int, Hover]
     damping: float = FIRST_DAMPING
-    joint_steps: int = 0
+    change_size: float = 1.0
+    both_sides: bool = False
 
     @property
     def objective_m(self) -> float:

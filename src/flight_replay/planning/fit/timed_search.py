@@ -22,10 +22,10 @@ from flight_replay.planning.fit.rounds import (
 )
 
 _MANY_STEPS = 100
-_GOING_ON_FLIGHTS = 5 * JOINT_FLIGHTS
+_GOING_ON_FLIGHTS = 3 * JOINT_FLIGHTS
 _BEGINNING_FLIGHTS = ROUND_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS
 """What it takes at least to begin with another start."""
-ANOTHER_FLIGHTS = 3 * JOINT_FLIGHTS
+ANOTHER_FLIGHTS = 2 * JOINT_FLIGHTS
 """What it takes at least to go on with another start."""
 
 

@@ -55,13 +55,23 @@ def test_times_of_passing_are_finer_than_the_steps_of_the_model() -> None:
     assert np.abs(small - usual).max() < 0.1 * np.abs(usual).max()
 
 
-def test_the_mean_of_both_sides_is_between_them() -> None:
-    """Of the errors and of the times of passing alike; it took as many steps as both."""
-    one, other = (flight_derivatives(PROBLEM, BASE, 600.0, size) for size in (1.0, -1.0))
-    mean = one.mean_with(other)
-    assert np.allclose(2 * mean.errors, one.errors + other.errors)
-    assert np.allclose(2 * mean.passed_s, one.passed_s + other.passed_s)
-    assert mean.steps == one.steps + other.steps
+@pytest.mark.parametrize(("place", "change"), [(2, 0), (2, 1), (3, 2)])
+def test_errors_beside_the_paths_are_foretold(place: int, change: int) -> None:
+    """Those of the fixes beside the flown and the planned path, and of the flown path's own points."""
+    derivatives = flight_derivatives(PROBLEM, BASE, 600.0, 0.25)
+    size = 0.02 if change == 0 else 0.1
+    foretold_m = size * derivatives.errors[:, (place - 1) * CHANGES_A_PLACE + change].reshape(-1, 2)
+    trial, count = PROBLEM.evaluate(changed(place, change, size)), len(PROBLEM.recording)
+    for first, now, before in (
+        (count, trial.flown[0].off_m, BASE.flown[0].off_m),
+        (2 * count, trial.planned[0].off_m, BASE.planned[0].off_m),
+    ):
+        # The fixes at the ends are beside a path that may be shorter or longer.
+        some = slice(5, -5)
+        done_m = np.linalg.norm(now, axis=1)[some] - np.linalg.norm(before, axis=1)[some]
+        there_m = np.linalg.norm(before + foretold_m[first : first + count], axis=1)[some]
+        assert np.abs(there_m - np.linalg.norm(before, axis=1)[some] - done_m).max() < 0.015
+    assert len(foretold_m) == 3 * count + len(BASE.flown[1].off_m)
 
 
 def changed(place: int, change: int, size: float) -> Draft:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flight_replay.planning.fit.banded import solve_banded
+from flight_replay.planning.fit.solvers.banded import solve_banded
 
 
 def test_it_solves_what_a_library_solves() -> None:

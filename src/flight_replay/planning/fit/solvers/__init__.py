@@ -1,0 +1,1 @@
+"""Equations and inequalities with a structure that makes them quick to solve."""
