@@ -207,13 +207,21 @@ def points_along(line_m: Floats, spacing_m: float) -> tuple[Floats, Floats]:
     return np.column_stack([np.interp(marks, along, column) for column in line_m.T]), at
 
 
+def pieces_around(following: Indices, fixes: int) -> Indices:
+    """Which pieces (k, 8) of the line through so many fixes, two or more, are near points (k,) of a path.
+
+    ``following`` (k,) are the fixes that follow them in order.
+    """
+    around = following[:, None] + np.arange(-_WINDOW_FIXES - 1, _WINDOW_FIXES)
+    return np.asarray(np.clip(around, 0, fixes - 2))
+
+
 def _offsets_back(points_m: Floats, following: Indices, recording: LocalTrack) -> Floats:
     """Vectors (k, 2) from points to the recorded line near the fixes (k,) that follow each in order."""
     fixes = recording.north_east_m
     if len(fixes) == 1:
         return np.asarray(fixes - points_m)
-    around = following[:, None] + np.arange(-_WINDOW_FIXES - 1, _WINDOW_FIXES)
-    around = np.clip(around, 0, len(fixes) - 2)
+    around = pieces_around(following, len(fixes))
     start, step = fixes[around], fixes[around + 1] - fixes[around]
     share, apart = nearest_on_segments(points_m[:, None], start, step)
     nearest = apart.argmin(axis=1)

@@ -10,12 +10,11 @@ from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
 from flight_replay.planning.fit.objective import Evaluation, places_at
-from flight_replay.planning.fit.offsets import marks_along
+from flight_replay.planning.fit.offsets import marks_along, pieces_around
 from flight_replay.planning.fit.problem import FitProblem
 
 _AROUND_S = 0.1
 """Ways and velocities are those from so long before to so long after."""
-_AROUND_FIXES = 4
 _SAME_S = 1e-6
 """Times that differ by less are one: steps of the model and fixes often are at the same but for last bits."""
 _ACROSS_SHARE, _ACROSS_M = 0.3, 0.02
@@ -66,8 +65,7 @@ def marks_of_flight(problem: FitProblem, base: Evaluation, flight: LocalFlight, 
     if len(fixes) < 2:
         return FlightPoints(row, time_s, marks_m, np.zeros_like(marks_m))
     following = np.searchsorted(np.maximum.accumulate(base.flown_s), time_s)
-    around = following[:, None] + np.arange(-_AROUND_FIXES - 1, _AROUND_FIXES)
-    around = np.clip(around, 0, len(fixes) - 2)
+    around = pieces_around(following, len(fixes))
     steps = np.diff(fixes, axis=0)
     _, apart = nearest_on_segments((marks_m + off_m)[:, None], fixes[around], steps[around])
     ways = _unit(steps[around[np.arange(len(marks_m)), apart.argmin(axis=1)]])
