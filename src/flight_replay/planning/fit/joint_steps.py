@@ -35,7 +35,7 @@ from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
 from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, Schedule, slowest_m_s, speed_caps_m_s
 
 JOINT_FLIGHTS = 11
-"""A step costs about as many flights, most of them for the derivatives."""
+"""A step costs about as many flights, by changes to both sides half as many again."""
 _COARSER = 2.0
 """Derivatives are as good in steps so many times longer, though never longer than those of the search."""
 _SMOOTH_GAIN = 0.02
@@ -137,10 +137,7 @@ def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> Er
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sides:
-    """Derivatives by p changes to one side, taken for those to the other as well unless these are given.
-
-    ``one`` is the side of changes above 0 then, and ``other`` that of changes below.
-    """
+    """Derivatives by changes above 0, and by those below 0; without these the first stand for both."""
 
     one: FlightDerivatives
     other: FlightDerivatives | None = None

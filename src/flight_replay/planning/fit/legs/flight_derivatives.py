@@ -72,7 +72,7 @@ def flight_derivatives(
     """The derivatives of a draft's flight.
 
     Args:
-        problem: the recording and the vehicle.
+        problem: the recording, at least two fixes, and the vehicle.
         base: the draft as it is flown, at least two places.
         longest_s: what takes longer is taken not to change anything.
         size: how large changes are, as a share of the usual ones; below 0 to the other side.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags, Floats
+from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
 from flight_replay.planning.fit.objective import Evaluation, places_at
@@ -55,21 +55,19 @@ def points_beside_fixes(base: Evaluation, flight: LocalFlight, row: int) -> Flig
     """Where the vehicle flies by each fix, as it was evaluated."""
     time_s, off_m = np.maximum.accumulate(base.flown_s), base.flown[0].off_m
     ways = _unit(_places_m(flight, time_s + _AROUND_S) - _places_m(flight, time_s - _AROUND_S))
-    return FlightPoints(row, time_s, _places_m(flight, time_s), _where(ways, _is_across(off_m, ways)))
+    return FlightPoints(row, time_s, _places_m(flight, time_s), _free_ways(ways, off_m))
 
 
 def marks_of_flight(problem: FitProblem, base: Evaluation, flight: LocalFlight, row: int) -> FlightPoints:
     """The points of the flown path that are compared with the recorded line, as it was evaluated."""
     marks_m, time_s = marks_along(base.flight, problem.recording.axes)
     fixes, off_m = problem.recording.north_east_m, base.flown[1].off_m
-    if len(fixes) < 2:
-        return FlightPoints(row, time_s, marks_m, np.zeros_like(marks_m))
     following = np.searchsorted(np.maximum.accumulate(base.flown_s), time_s)
     around = pieces_around(following, len(fixes))
     steps = np.diff(fixes, axis=0)
     _, apart = nearest_on_segments((marks_m + off_m)[:, None], fixes[around], steps[around])
     ways = _unit(steps[around[np.arange(len(marks_m)), apart.argmin(axis=1)]])
-    return FlightPoints(row, time_s, _places_m(flight, time_s), _where(ways, _is_across(off_m, ways)))
+    return FlightPoints(row, time_s, _places_m(flight, time_s), _free_ways(ways, off_m))
 
 
 def velocities_m_s(points: FlightPoints, flight: LocalFlight) -> Floats:
@@ -86,11 +84,8 @@ def _unit(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9))
 
 
-def _is_across(off_m: Floats, ways: Floats) -> Flags:
-    """Whether errors (k, 2) are across a path with such unit vectors along it (k, 2)."""
-    along_m = np.abs((off_m * ways).sum(axis=1))
-    return np.asarray(along_m <= _ACROSS_SHARE * np.linalg.norm(off_m, axis=1) + _ACROSS_M)
-
-
-def _where(ways: Floats, across: Flags) -> Floats:
-    return np.where(across[:, None], ways, 0.0)
+def _free_ways(ways: Floats, off_m: Floats) -> Floats:
+    """The unit vectors along a path (k, 2) where errors (k, 2) are across it; zero at the other points."""
+    along_m = np.abs((off_m * ways).sum(axis=1, keepdims=True))
+    apart_m = np.linalg.norm(off_m, axis=1, keepdims=True)
+    return np.where(along_m <= _ACROSS_SHARE * apart_m + _ACROSS_M, ways, 0.0)
