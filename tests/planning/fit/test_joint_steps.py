@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flight_replay.planning.fit import joint_steps
-from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
+from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.joint_steps import stepped_jointly
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives, flight_derivatives
@@ -17,10 +17,10 @@ from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import wander
 
 
-def problem_and_start() -> tuple[FitProblem, State]:
-    problem = problem_for(local_track(wander(4), 20.0), 20, Limits(), timed=True)
-    draft = first_draft(problem.recording, 20, [])
-    start = timed(problem.exact, draft, {}, budget())
+def problem_and_start(*, is_timed: bool = True) -> tuple[FitProblem, State]:
+    problem = problem_for(local_track(wander(4), 20.0), 20, Limits(), timed=is_timed)
+    draft = select_waypoints(problem, 20).draft
+    start = timed(problem.exact, draft, {}, budget()) if is_timed else problem.evaluate(draft)
     return problem, State(start, {})
 
 
@@ -39,6 +39,17 @@ def test_a_joint_step_brings_the_flight_nearer_to_the_recording() -> None:
     places = found.best.draft.places_m[:, :2]
     feet = problem.recording.nearest_m(places)
     assert np.linalg.norm(places - feet, axis=1).max() < 4.01
+
+
+def test_at_the_vehicles_own_speed_a_step_moves_the_places_alone() -> None:
+    """It gains, and no speed is asked for."""
+    problem, start = problem_and_start(is_timed=False)
+    spent = budget()
+    found = stepped_jointly(problem, start, spent)
+    assert found.objective_m < 0.9 * start.objective_m
+    assert np.isnan(found.best.draft.speed_m_s).all()
+    assert (found.best.draft.places_m != start.best.draft.places_m).any(axis=1).sum() > 10
+    assert 3 < spent.spent < 20
 
 
 def test_steps_that_fail_are_damped_more(monkeypatch: pytest.MonkeyPatch) -> None:

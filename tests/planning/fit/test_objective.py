@@ -8,8 +8,8 @@ import pytest
 from flight_replay.planning.fit.first_drafts.line_simplification import straight_draft
 from flight_replay.planning.fit.objective import (
     CREEPING_M_S,
-    PLAN_SHARE,
-    TIMED_PLAN_SHARE,
+    PATH_SHARES,
+    TIMED_PATH_SHARES,
     Evaluation,
     creeping_s,
     evaluate,
@@ -84,12 +84,12 @@ def test_creeping_costs_and_stopping_does_not() -> None:
 
 
 def test_the_objective_is_a_sum_with_fixed_shares() -> None:
-    """The flown path error whole, 0.3 of the planned one, 0.25 of the mean position error."""
+    """Where the speed is kept the flown path error whole, 0.3 of the planned one, 0.25 of position error."""
     assert evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]).objective_m == pytest.approx(2.0)
-    assert evaluation_with([1, 1, 1], [0, 0, 0], [0, 0, 0]).objective_m == pytest.approx(TIMED_PLAN_SHARE)
+    assert evaluation_with([1, 1, 1], [0, 0, 0], [0, 0, 0]).objective_m == pytest.approx(TIMED_PATH_SHARES[1])
     assert evaluation_with([0, 0, 0], [0, 0, 0], [5, 10, 15]).objective_m == pytest.approx(2.5)
     assert evaluation_with([1, 1, 1], [2, 2, 2], [5, 10, 15]).objective_m == pytest.approx(
-        4.5 + TIMED_PLAN_SHARE
+        4.5 + TIMED_PATH_SHARES[1]
     )
     creeping = replace(evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]), creeping_s=10.0)
     assert creeping.objective_m == pytest.approx(2.0 + 10.0 * CREEPING_M_S)
@@ -101,7 +101,24 @@ def test_one_fix_at_2_m_counts_as_sixteen_at_1_m() -> None:
     far = evaluation_with([2.0, *zeros[1:]], zeros, zeros)
     many = evaluation_with([1.0] * 16 + zeros[16:], zeros, zeros)
     assert far.objective_m == pytest.approx(many.objective_m)
-    assert far.objective_m == pytest.approx(TIMED_PLAN_SHARE * 0.5**0.25)
+    assert far.objective_m == pytest.approx(TIMED_PATH_SHARES[1] * 0.5**0.25)
+
+
+def test_at_the_vehicles_own_speed_the_worse_of_the_paths_counts_most() -> None:
+    """Two metres beside both paths cost as much as they do at the recorded speed beside twice the flown one.
+
+    The objective's slope by either path error is what its share says, by the cube of how much it is worse.
+    """
+
+    def cost_m(planned_m: float, flown_m: float) -> float:
+        whole = evaluation_with([planned_m] * 3, [flown_m] * 3, [0, 0, 0])
+        return replace(whole, timed=False).objective_m
+
+    assert cost_m(2.0, 2.0) == pytest.approx(4.0)
+    flown, planned = PATH_SHARES
+    by_flown, by_planned = ((cost_m(*errors) - 4.0) / 0.001 for errors in ((2.0, 2.001), (2.001, 2.0)))
+    assert (by_flown, by_planned) == pytest.approx((flown, planned), rel=0.01)
+    assert cost_m(1.0, 3.0) > cost_m(2.0, 2.2)
 
 
 def test_the_planned_path_alone_bounds_the_objective_from_below() -> None:
@@ -109,7 +126,9 @@ def test_the_planned_path_alone_bounds_the_objective_from_below() -> None:
     recording = local_track(along([(0, 0), (60, 0)], 4.0), 20.0)
     line = straight_draft(recording, np.array([0, len(recording) - 1]))
     aside = replace(line, places_m=line.places_m + np.array([0.0, 3.0, 0.0]))
-    assert objective_lower_bound_m(aside, recording) == pytest.approx(3 * PLAN_SHARE)
+    assert objective_lower_bound_m(aside, recording) == pytest.approx(6 * (PATH_SHARES[1] / 2) ** 0.25)
+    flight = simulate_draft(aside, Limits(), 0.05)
+    assert evaluate(flight, recording, timed=False).objective_m > objective_lower_bound_m(aside, recording)
 
 
 def test_fixes_are_matched_to_their_legs() -> None:

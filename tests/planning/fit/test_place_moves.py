@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
+from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.objective import path_error_m
 from flight_replay.planning.fit.place_moves import kept_in_corridor, shaped
@@ -33,6 +33,6 @@ def test_moving_the_places_lowers_the_path_error() -> None:
     """Four steps from a first draft fly nearer to a hand-flown way."""
     recording = local_track(wander(7), 20.0)
     problem = problem_for(recording, 15, Limits(), timed=False)
-    start = problem.evaluate(first_draft(problem.recording, 15, []))
-    found = shaped(problem, start, {}, 4, problem.evaluate, whole=False)
+    start = problem.evaluate(select_waypoints(problem, 15).draft)
+    found = shaped(problem, start, {}, 4, problem.evaluate)
     assert path_error_m(found.flown) < 0.8 * path_error_m(start.flown)

@@ -18,8 +18,6 @@ from flight_replay.geometry.distances import (
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
-from flight_replay.planning.fit.draft import flown_through
-from flight_replay.planning.fit.first_drafts.knot_placement import first_draft
 from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.first_drafts.line_simplification import (
     corner_draft,
@@ -40,12 +38,14 @@ from flight_replay.planning.fit.result import FitResult, lag_notes
 from flight_replay.planning.fit.search import search
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.heights import Heights, heights_of
-from flight_replay.planning.spacing import MAX_POINTS, decimate
+from flight_replay.planning.spacing import MAX_POINTS
 from flight_replay.simulator.dynamics.limits import Limits
 
 WORK_FIXES = 1000
 """Fixes that the search looks at; the errors of the answer are those of all fixes."""
 _HOVER_SHARE = 3
+_CORNER_M = 0.1
+"""A line this near to every fix has no use for more corners to begin with."""
 _ROOMY_LEG_S = 2.0
 """With fewer waypoints than one in so many seconds, stopping for a pause costs less than flying it slowly."""
 # Durations of flights, and the steps of the model that can be afforded for each.
@@ -130,23 +130,16 @@ def _at_speed(speed_m_s: float | Recorded | None, starts: list[FirstDraft]) -> l
 
 
 def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points: int) -> list[FirstDraft]:
-    """What the search begins with: waypoints where they are missed most, evenly, and the classic way."""
+    """What the search begins with: waypoints where they are missed most, and at corners, as of missions."""
     last = len(recording) - 1
     if last == 0 or max_points < 2:
         return [FirstDraft(straight_draft(recording, np.array([last])), {})]
     selected = selections(problem, max_points)
     if problem.timed:
         return [*selected, corner_draft(problem, max_points)]
-    even = first_draft(problem.recording, len(selected[0].draft), problem.hovers)
-    even = replace(even, spline=flown_through(even.hold_s))
-    waits = np.flatnonzero(even.hold_s[1:] > 0) + 1
     line = np.column_stack([recording.north_east_m, recording.up_m])
-    return [
-        *selected,
-        FirstDraft(even, dict(zip(waits.tolist(), problem.hovers, strict=len(waits) > 0))),
-        FirstDraft(straight_draft(recording, douglas_peucker(line, max_points)), {}),
-        FirstDraft(straight_draft(recording, decimate(flown, max_points=max_points)), {}),
-    ]
+    corners = douglas_peucker(line, max_points, _CORNER_M)
+    return [*selected, FirstDraft(straight_draft(recording, corners), {})]
 
 
 def _result(

@@ -16,21 +16,23 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.flight_derivatives import (
-    CHANGES_A_PLACE,
+    EAST,
+    NORTH,
+    SPEED,
     ErrorVectors,
     FlightDerivatives,
+    changes_of,
     flight_derivatives,
+    planned_marks,
 )
 from flight_replay.planning.fit.objective import (
-    TIME_SHARE,
     Evaluation,
-    path_error_m,
     position_offsets_m,
 )
 from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack
-from flight_replay.planning.fit.rounds import State, flown_on_time
+from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown, flown_on_time
 from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
 from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, Schedule, slowest_m_s, speed_caps_m_s
 
@@ -49,19 +51,32 @@ _PATIENCE_S = 60.0
 _MOST_DERIVATIVES = 10_000_000
 """More would take too much memory; four copies of these take 320 MB."""
 _USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
-_MOST_CHANGE = 2 * _USUAL_CHANGE
+_MOST_TIMES = 2
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 
 
-def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
-    """The best after some steps by the same derivatives, and how the next are to be made.
+def stepped(problem: FitProblem, state: State, most: int, budget: Budget) -> State:
+    """After steps of all speeds and places together, while they gain and there is time.
 
     Args:
         problem: what to fit.
-        state: the draft as it is flown in exact steps of the model.
+        state: the draft as it is flown in the exact steps of ``problem``.
+        most: how many times derivatives may be found.
         budget: is told how much was flown.
     """
-    if len(state.best.draft) < 2 or _derivatives_count(state.best) > _MOST_DERIVATIVES:
+    for _ in range(most):
+        before_m = state.objective_m
+        if not budget.affords(JOINT_FLIGHTS):
+            break
+        state = stepped_jointly(problem, state, budget)
+        if state.objective_m >= (1 - WORTH_GOING_ON) * before_m:
+            break
+    return state
+
+
+def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
+    """The best after some steps by the same derivatives, and how the next are to be made."""
+    if not 0 < _derivatives_count(state.best) <= _MOST_DERIVATIVES:
         return state
     steps = _JointSteps(problem, state, budget)
     one = steps.derivatives(state.change_size)
@@ -87,7 +102,8 @@ class _JointSteps:
         self._coarse = replace(self._exact, step_s=min(_COARSER * self._exact.step_s, problem.step_s))
         self._base = self._coarse.evaluate(state.best.draft)
         self._duration_s = float(state.best.flight.time_s[-1])
-        self._caps_m_s = speed_caps_m_s(state.best.draft, self._recording)
+        self._kinds, self._places = changes_of(state.best.draft, timed=problem.timed)
+        self._caps_m_s = speed_caps_m_s(state.best.draft, problem.recording)
 
     def derivatives(self, size: float) -> FlightDerivatives:
         """Those of the draft's flight by changes of such a size; see ``flight_derivatives``."""
@@ -98,27 +114,42 @@ class _JointSteps:
     def taken(self, state: State, sides: _Sides) -> State:
         """After a few steps, those that succeed with less damping after them, those that fail with more."""
         state = replace(state, damping=min(state.damping, _MOST_DAMPING))
-        back_m = self._base.flown[1].off_m
-        model = self._model(state, sides, back_m)
+        back_m = self._base.flown[1].off_m, planned_marks(self._base).off_m
+        errors = _errors(state.best, self._recording, back_m)
         for _ in range(_TRIES):
-            changes = model.best_changes(state.damping)
-            moved = _changed(state.best.draft, changes, self._caps_m_s)
-            leave_s = state.best.passed_s + sides.passed_s(changes)
-            schedule = Schedule(
-                kept_in_corridor(moved, state.hovers, self._recording), np.maximum.accumulate(leave_s)
-            )
-            trial, steps = flown_on_time(self._exact, schedule, self._caps_m_s)
-            self._spend(steps)
+            model = _LinearModel.of(sides, errors, state.best)
+            changes = model.best_changes(state.damping, _USUAL_CHANGE[self._kinds])
+            trial = self._flown(state, changes, state.best.passed_s + sides.passed_s(changes))
             if trial.objective_m >= state.best.objective_m:
                 state = replace(state, damping=_MORE * state.damping)
                 continue
             state = replace(state, best=trial, damping=_LESS * state.damping)
-            back_m = back_m + sides.errors(changes)[-back_m.size :].reshape(back_m.shape)
-            model = self._model(state, sides, back_m)
+            errors = _errors(trial, self._recording, errors.moved_back(sides.errors(changes)))
         return state
 
-    def _model(self, state: State, sides: _Sides, back_m: Floats) -> _LinearModel:
-        return _LinearModel.of(sides, _errors(state.best, self._recording, back_m), state.best)
+    def _flown(self, state: State, changes: Floats, leave_s: Floats) -> Evaluation:
+        """The draft with changes (p,), each place left at such times (n,) if the speeds may be set."""
+        draft = self._changed(state.best.draft, changes)
+        draft = kept_in_corridor(draft, state.hovers, self._recording)
+        if not self._exact.timed:
+            return flown(self._exact, draft, self._budget)
+        schedule = Schedule(draft, np.maximum.accumulate(leave_s))
+        trial, steps = flown_on_time(self._exact, schedule, self._caps_m_s)
+        self._spend(steps)
+        return trial
+
+    def _changed(self, draft: Draft, changes: Floats) -> Draft:
+        """The draft with the logarithms of its speeds, and its places, changed."""
+        by_place = np.zeros((len(draft), len(_USUAL_CHANGE)))
+        by_place[self._places, self._kinds] = changes
+        places = draft.places_m.copy()
+        places[:, :2] += by_place[:, [NORTH, EAST]]
+        moved = replace(draft, places_m=places)
+        if not self._exact.timed:
+            return moved
+        wanted_m_s = with_every_speed(draft).speed_m_s * np.exp(by_place[:, SPEED])
+        speeds = np.clip(wanted_m_s, slowest_m_s(draft), np.minimum(FASTEST_M_S, self._caps_m_s)).round(2)
+        return replace(moved, speed_m_s=speeds)
 
     def _spend(self, steps: int) -> None:
         self._budget.spend(steps / max(self._duration_s / self._exact.step_s, 1.0))
@@ -126,13 +157,17 @@ class _JointSteps:
 
 def _derivatives_count(evaluation: Evaluation) -> int:
     """How many numbers the derivatives of all errors by all changes are."""
-    vectors = 3 * len(evaluation.late_m) + len(evaluation.flown[1].off_m)
-    return 2 * vectors * CHANGES_A_PLACE * (len(evaluation.draft) - 1)
+    vectors = len(evaluation.late_m) + sum(
+        len(offsets.leg) for both_ways in (evaluation.flown, evaluation.planned) for offsets in both_ways
+    )
+    changes, _ = changes_of(evaluation.draft, timed=evaluation.timed)
+    return 2 * vectors * len(changes)
 
 
-def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: Floats) -> ErrorVectors:
+def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: tuple[Floats, Floats]) -> ErrorVectors:
+    """The errors of a draft as it is flown, but for those of its paths' own points, which are given."""
     position_m = position_offsets_m(evaluation.flight, recording)[:, :2]
-    return ErrorVectors(position_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, back_m)
+    return ErrorVectors(position_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, *back_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,41 +214,33 @@ class _LinearModel:
         normal = np.block([[one.T @ one, across], [across.T, other.T @ other]])
         return cls(normal, np.concatenate([one.T @ pull, other.T @ pull]), both_sides=True)
 
-    def best_changes(self, damping: float) -> Floats:
-        """The changes (p,) that make them small, none too large."""
-        places = len(self.force) // CHANGES_A_PLACE
-        usual, most = np.tile(_USUAL_CHANGE, places), np.tile(_MOST_CHANGE, places)
-        damped = self.normal + np.diag(damping / usual**2)
+    def best_changes(self, damping: float, usual: Floats) -> Floats:
+        """The changes (p,) that make them small, none too large against the usual ones (p,)."""
+        most = _MOST_TIMES * usual
+        sizes = np.tile(usual, 2) if self.both_sides else usual
+        damped = self.normal + np.diag(damping / sizes**2)
         if not self.both_sides:
             return np.clip(np.linalg.solve(damped, -self.force), -most, most)
-        one, other = np.split(np.minimum(smallest_nonnegative(damped, -self.force), most), 2)
+        one, other = np.split(np.minimum(smallest_nonnegative(damped, -self.force), np.tile(most, 2)), 2)
         return np.asarray(one - other)
 
 
 def _weights(errors: ErrorVectors, evaluation: Evaluation) -> Floats:
     """What the squares of the errors' components (m,) count, so that their slope is the objective's."""
     apart_m = np.linalg.norm(errors.position, axis=1)
-    position = TIME_SHARE / (len(apart_m) * np.maximum(apart_m, _NEAR_M))
-    flown_m, planned_m = (
-        max(path_error_m(both_ways), _LEAST_PATH_ERROR_M)
-        for both_ways in (evaluation.flown, evaluation.planned)
+    late = evaluation.time_share * (evaluation.late_m > 0) / (len(apart_m) * np.maximum(apart_m, _NEAR_M))
+    flown_m, planned_m = (max(each, _LEAST_PATH_ERROR_M) for each in evaluation.path_errors_m)
+    flown_share, planned_share = evaluation.path_shares
+    flown, flown_back = (
+        flown_share * _path_weights(each, flown_m) for each in (errors.flown, errors.flown_back)
     )
-    there, back = _path_weights(errors.there, flown_m), _path_weights(errors.back, flown_m)
-    planned = evaluation.plan_share * _path_weights(errors.planned, planned_m)
-    return np.repeat(np.concatenate([position, there, planned, back]), 2)
+    planned, planned_back = (
+        planned_share * _path_weights(each, planned_m) for each in (errors.planned, errors.planned_back)
+    )
+    return np.repeat(np.concatenate([late, flown, planned, flown_back, planned_back]), 2)
 
 
 def _path_weights(off_m: Floats, scale_m: float) -> Floats:
     """The same for vectors (k, 2) of one way of a path error, which is ``scale_m``."""
     squares = (off_m**2).sum(axis=1)
     return np.asarray((squares + _LEAST_SQUARE_M2) / (2 * max(len(off_m), 1) * scale_m**3))
-
-
-def _changed(draft: Draft, changes: Floats, caps_m_s: Floats) -> Draft:
-    """The draft with the logarithms of its speeds, and its places, changed."""
-    by_place = np.vstack([np.zeros(CHANGES_A_PLACE), changes.reshape(-1, CHANGES_A_PLACE)])
-    places = draft.places_m.copy()
-    places[:, :2] += by_place[:, 1:]
-    wanted_m_s = with_every_speed(draft).speed_m_s * np.exp(by_place[:, 0])
-    speeds = np.clip(wanted_m_s, slowest_m_s(draft), np.minimum(FASTEST_M_S, caps_m_s)).round(2)
-    return replace(draft, places_m=places, speed_m_s=speeds)

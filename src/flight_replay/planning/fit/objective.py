@@ -2,8 +2,7 @@
 
 The objective, in metres, smaller is better:
 
-    path error, flown
-    + plan share x path error, planned
+    shares x path errors, flown and planned
     + time share x mean position error, flown
     + CREEPING_M_S x seconds of creeping, where the recorded speed is kept
 
@@ -12,10 +11,12 @@ ways, half and half: from every fix to the path, matched in order, and from ever
 back to the recorded line, so that an overshoot costs what it looks like. It is the power mean of
 those distances with exponent 4, so that nothing is left far off: one point at 2 m counts as much as
 sixteen at 1 m. The planned part keeps the route true for vehicles that fly with other gains or in
-wind. ``TIME_SHARE`` is the trade between space and time: four metres behind the recorded vehicle
-cost as much as one metre beside the track. Where the recorded speed is not asked for, only being
-late counts, and less. Where heights are as recorded, a position error is one in space, and fixes are
-matched in space: the path error stays that over the ground.
+wind. Where the recorded speed is not asked for, both path errors are one, such a mean of the two: where
+waypoints abound, the plan would else be followed to the centimetre, and flown twice as badly.
+``TIME_SHARE`` is the trade between space and time: four metres behind the recorded vehicle cost as much
+as one metre beside the track. Where the recorded speed is not asked for, only being late counts, and
+less. Where heights are as recorded, a position error is one in space, and fixes are matched in space: the
+path error stays that over the ground.
 """
 
 from __future__ import annotations
@@ -31,8 +32,10 @@ from flight_replay.planning.fit.offsets import Offsets, match_to_flight, match_t
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
-PLAN_SHARE, TIMED_PLAN_SHARE = 1.0, 0.3
-"""Where the recorded speed is kept, the planned path has to lead the vehicle, which swings out of curves."""
+PATH_SHARES, TIMED_PATH_SHARES = (0.7, 1.3), (1.0, 0.3)
+"""What path errors count, flown and planned, where the recorded speed is not asked for, and where it is kept:
+there the planned path has to lead the vehicle, which swings out of curves.
+"""
 LATE_SHARE, TIME_SHARE = 0.15, 0.25
 """Where the recorded speed is not asked for, and where it is kept."""
 CREEPING_M_S, CREEPING_SPEED_M_S = 0.05, 0.3
@@ -56,8 +59,7 @@ class Evaluation:
     flown_s: Floats
     late_m: Floats
     creeping_s: float
-    plan_share: float
-    time_share: float
+    timed: bool
 
     @property
     def draft(self) -> Draft:
@@ -70,11 +72,29 @@ class Evaluation:
         return self.flight.passed_s
 
     @property
+    def path_shares(self) -> tuple[float, float]:
+        """What the path errors count, flown and planned."""
+        return TIMED_PATH_SHARES if self.timed else PATH_SHARES
+
+    @property
+    def time_share(self) -> float:
+        """What the mean position error counts."""
+        return TIME_SHARE if self.timed else LATE_SHARE
+
+    @property
+    def path_errors_m(self) -> tuple[float, float]:
+        """The path errors that count, flown and planned; at the vehicle's own speed that of both together."""
+        flown, planned = path_error_m(self.flown), path_error_m(self.planned)
+        if self.timed:
+            return flown, planned
+        both = _both_path_errors_m(flown, planned)
+        return both, both
+
+    @property
     def objective_m(self) -> float:
         """The number that the fit makes small; see the module."""
-        planned, flown = path_error_m(self.planned), path_error_m(self.flown)
         late = self.time_share * float(self.late_m.mean()) + CREEPING_M_S * self.creeping_s
-        return flown + self.plan_share * planned + late
+        return float(np.dot(self.path_shares, self.path_errors_m)) + late
 
 
 def path_error_m(both_ways: tuple[Offsets, Offsets]) -> float:
@@ -82,9 +102,14 @@ def path_error_m(both_ways: tuple[Offsets, Offsets]) -> float:
     return float(np.mean([(offsets.apart_m**4).mean() for offsets in both_ways]) ** 0.25)
 
 
+def _both_path_errors_m(flown_m: float, planned_m: float) -> float:
+    """The power mean of both, each counting by its share."""
+    return float(np.average([flown_m**4, planned_m**4], weights=PATH_SHARES) ** 0.25)
+
+
 def scales_of(evaluation: Evaluation) -> tuple[float, float]:
     """The path errors, flown and planned, about which what legs cost is linear; not too small."""
-    flown, planned = (path_error_m(both_ways) for both_ways in (evaluation.flown, evaluation.planned))
+    flown, planned = evaluation.path_errors_m
     return max(flown, _LEAST_SCALE_M), max(planned, _LEAST_SCALE_M)
 
 
@@ -98,7 +123,7 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
     """
     legs = len(evaluation.draft)
     cost = np.zeros(legs)
-    kinds = zip((evaluation.flown, evaluation.planned), (1.0, evaluation.plan_share), scales_m, strict=True)
+    kinds = zip((evaluation.flown, evaluation.planned), evaluation.path_shares, scales_m, strict=True)
     for both_ways, share, scale_m in kinds:
         for offsets in both_ways:
             total = np.bincount(offsets.leg, offsets.apart_m**4, minlength=legs)
@@ -121,7 +146,8 @@ def seconds_cost_m_s(evaluation: Evaluation, recording: LocalTrack) -> Floats:
 
 def objective_lower_bound_m(draft: Draft, recording: LocalTrack) -> float:
     """What the objective of a draft comes to at least, at the vehicle's own speed, by its plan alone."""
-    return PLAN_SHARE * path_error_m(match_to_plan(draft, recording))
+    planned_m = path_error_m(match_to_plan(draft, recording))
+    return sum(PATH_SHARES) * _both_path_errors_m(0.0, planned_m)
 
 
 def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> Evaluation:
@@ -137,8 +163,7 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     if not timed:
         late_m = np.where(matched.flown_s > recording.time_s, late_m, 0.0)
     slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else 0.0
-    shares = _plan_share(timed=timed), TIME_SHARE if timed else LATE_SHARE
-    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_m, slow_s, *shares)
+    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_m, slow_s, timed)
 
 
 def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> float:
@@ -153,10 +178,6 @@ def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> float:
     stops[0] = stops[-1] = True
     apart_m = np.linalg.norm(north_east_m[slow, None] - draft.places_m[stops, :2], axis=2)
     return float(steps_s[slow[apart_m.min(axis=1) > _AT_STOP_M]].sum())
-
-
-def _plan_share(*, timed: bool) -> float:
-    return TIMED_PLAN_SHARE if timed else PLAN_SHARE
 
 
 def position_offsets_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals, with_fitted_heights
-from flight_replay.planning.fit.objective import Evaluation, leg_costs_m, path_error_m, scales_of
+from flight_replay.planning.fit.objective import Evaluation, leg_costs_m, scales_of
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
@@ -28,16 +28,14 @@ _LEGS_BEFORE, _LEGS_AROUND = 1, 5
 """A place shapes the leg before its own, its own, and some after it."""
 
 
-def shaped(  # noqa: PLR0913
+def shaped(
     problem: FitProblem,
     start: Evaluation,
     hovers: dict[int, Hover],
     steps: int,
     flown: Callable[[Draft], Evaluation],
-    *,
-    whole: bool,
 ) -> Evaluation:
-    """The best of the drafts that ``steps`` steps from ``start`` pass.
+    """The one with the smallest path errors of the drafts that ``steps`` steps from ``start`` pass.
 
     A step that makes the flight around a place worse is taken back there, and a shorter one is tried:
     a draft is better in some places and worse in others after every step.
@@ -48,42 +46,39 @@ def shaped(  # noqa: PLR0913
         hovers: the recorded hovers by the place at which they are waited for.
         steps: how many.
         flown: gives a draft as it is flown.
-        whole: whether being late counts, or the path errors only.
     """
     best, scales = start, scales_of(start)
     places, moves = start.draft.places_m, _moves_m(problem, start)
-    costs = _costs_around(start, scales, whole=whole)
+    costs = _costs_around(start, scales)
     gain = np.full(len(places), _FIRST_GAIN)
     for _ in range(steps):
         moved = replace(start.draft, places_m=places + gain[:, None] * moves, speed_m_s=best.draft.speed_m_s)
         trial = flown(kept_in_corridor(moved, hovers, problem.recording))
-        now = _costs_around(trial, scales, whole=whole)
+        now = _costs_around(trial, scales)
         better = now < costs
         places = np.where(better[:, None], trial.draft.places_m, places)
         moves = np.where(better[:, None], _moves_m(problem, trial), moves)
         costs = np.where(better, now, costs)
         gain = np.where(better, np.minimum(1.0, gain * _TRUST_MORE), gain * _TRUST_LESS)
-        if _goal_m(trial, whole=whole) < _goal_m(best, whole=whole):
+        if _goal_m(trial) < _goal_m(best):
             best = trial
     return best
 
 
-def stepped(problem: FitProblem, evaluation: Evaluation, hovers: dict[int, Hover], gain: float) -> Draft:
+def moved(problem: FitProblem, evaluation: Evaluation, hovers: dict[int, Hover], gain: float) -> Draft:
     """The draft after one step of its places, of which ``gain`` is taken."""
     draft = evaluation.draft
-    moved = replace(draft, places_m=draft.places_m + gain * _moves_m(problem, evaluation))
-    return kept_in_corridor(moved, hovers, problem.recording)
+    after = replace(draft, places_m=draft.places_m + gain * _moves_m(problem, evaluation))
+    return kept_in_corridor(after, hovers, problem.recording)
 
 
-def _goal_m(evaluation: Evaluation, *, whole: bool) -> float:
-    if whole:
-        return evaluation.objective_m
-    return path_error_m(evaluation.flown) + evaluation.plan_share * path_error_m(evaluation.planned)
+def _goal_m(evaluation: Evaluation) -> float:
+    return float(np.dot(evaluation.path_shares, evaluation.path_errors_m))
 
 
-def _costs_around(evaluation: Evaluation, scales_m: tuple[float, float], *, whole: bool) -> Floats:
-    """What the errors near each place (n,) add to the objective, linear about path errors of ``scales_m``."""
-    cost = leg_costs_m(evaluation, scales_m, whole=whole)
+def _costs_around(evaluation: Evaluation, scales_m: tuple[float, float]) -> Floats:
+    """What the path errors near each place (n,) add to the objective, linear about those of ``scales_m``."""
+    cost = leg_costs_m(evaluation, scales_m, whole=False)
     padded = np.pad(cost, (_LEGS_BEFORE, _LEGS_AROUND - 1 - _LEGS_BEFORE))
     return np.asarray(np.convolve(padded, np.ones(_LEGS_AROUND), "valid"))
 
@@ -94,9 +89,10 @@ def _moves_m(problem: FitProblem, evaluation: Evaluation) -> Floats:
     if len(draft) < 2:
         return np.zeros_like(draft.places_m)
     power = _TIMED_WEIGHT_POWER if problem.timed else _WEIGHT_POWER
+    flown_share, planned_share = evaluation.path_shares
     residuals = [
-        *weighted_residuals(draft, evaluation.flown, fixes, power),
-        *weighted_residuals(draft, evaluation.planned, evaluation.plan_share * fixes, power),
+        *weighted_residuals(draft, evaluation.flown, flown_share * fixes, power),
+        *weighted_residuals(draft, evaluation.planned, planned_share * fixes, power),
     ]
     moved = gauss_newton_step(draft, residuals, _smoothing_weights(problem, evaluation))
     recording, there = problem.recording, evaluation.planned[0]

@@ -51,7 +51,9 @@ class FitProblem:
 
     @property
     def exact(self) -> FitProblem:
-        """The same in steps that are short enough to tell how late the vehicle will be."""
+        """The same in steps that are short enough to tell how late the vehicle will be, where that counts."""
+        if not self.timed:
+            return self
         exact_step_s = float(np.interp(self.recording.time_s[-1], *_EXACT_STEPS_S))
         return replace(self, step_s=min(self.step_s, exact_step_s))
 

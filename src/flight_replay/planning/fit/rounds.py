@@ -11,7 +11,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.objective import Evaluation
-from flight_replay.planning.fit.place_moves import shaped, stepped
+from flight_replay.planning.fit.place_moves import moved, shaped
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover
 from flight_replay.planning.fit.speed_schedule import Schedule, schedule, speed_caps_m_s
@@ -73,22 +73,16 @@ def hopeful(states: list[State]) -> list[State]:
 def rounded(problem: FitProblem, state: State, budget: Budget) -> State:
     """After the places were moved at the speeds there are, and the speeds set anew if they are to be kept."""
     fly = partial(flown, problem, budget=budget)
-    moved = shaped(problem, state.best, state.hovers, _PATH_STEPS, fly, whole=False)
-    again = timed(problem, moved.draft, state.hovers, budget) if problem.timed else moved
-    return replace(state, best=better(state.best, moved, again))
-
-
-def refined(problem: FitProblem, state: State, budget: Budget, steps: int) -> State:
-    """After some steps of the places."""
-    fly = partial(flown, problem, budget=budget)
-    return replace(state, best=shaped(problem, state.best, state.hovers, steps, fly, whole=True))
+    nearer = shaped(problem, state.best, state.hovers, _PATH_STEPS, fly)
+    again = timed(problem, nearer.draft, state.hovers, budget) if problem.timed else nearer
+    return replace(state, best=better(state.best, nearer, again))
 
 
 def polished(problem: FitProblem, state: State, budget: Budget) -> State:
-    """After small steps of all places at once, longer or shorter as they succeed."""
+    """After steps of all places by what lies beside the paths, longer or shorter as they succeed."""
     best, gain = state.best, 1.0
     while gain >= _LEAST_GAIN and budget.affords(1):
-        trial = flown(problem, stepped(problem, best, state.hovers, gain), budget)
+        trial = flown(problem, moved(problem, best, state.hovers, gain), budget)
         if trial.objective_m < best.objective_m:
             best, gain = trial, min(1.0, _MORE * gain)
         else:

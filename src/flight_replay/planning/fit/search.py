@@ -42,20 +42,22 @@ def search(
     states = way.begun(problem, starts, budget)
     small_enough = (state for state in states if len(state.best.draft) <= most)
     others = sorted(small_enough, key=lambda state: state.objective_m)[1:]
-    best = _exchanged(problem, states, most, budget)
+    best = _exchanged(problem, [], states, most, budget)
     if len(states) > 1 and budget.affords(EXCHANGE_FLIGHTS):
-        best = _exchanged(problem, [best, *states], most, budget)
+        best = _exchanged(problem, [best], states, most, budget)
     for other in others:
         if not budget.affords(way.another_flights):
             break
-        best = _exchanged(problem, [best, way.gone_on(problem, other, budget), *states], most, budget)
+        best = _exchanged(problem, [best, way.gone_on(problem, other, budget)], states, most, budget)
     stopped = NO_MORE if budget.affords(way.another_flights) else ENOUGH
     budget.finish()
     return best.best, stopped
 
 
-def _exchanged(problem: FitProblem, states: list[State], most: int, budget: Budget) -> State:
-    """The best that comes of some drafts as they exchange stretches, after going on."""
+def _exchanged(
+    problem: FitProblem, ended: list[State], begun: list[State], most: int, budget: Budget
+) -> State:
+    """The best that comes of some drafts as they exchange stretches; it goes on if it is new."""
     way = _TIMED if problem.timed else _UNTIMED
-    found = exchanged(problem.exact if problem.timed else problem, states, most, budget)
-    return way.gone_on(problem, found, budget)
+    found = exchanged(problem.exact, [*ended, *begun], most, budget)
+    return found if any(found is each for each in ended) else way.gone_on(problem, found, budget)

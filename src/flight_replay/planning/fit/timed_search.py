@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS
-from flight_replay.planning.fit.joint_steps import JOINT_FLIGHTS, stepped_jointly
+from flight_replay.planning.fit.joint_steps import JOINT_FLIGHTS, stepped
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
     FIRST_DAMPING,
@@ -53,29 +53,17 @@ def _stepped_once(problem: FitProblem, states: list[State], budget: Budget) -> l
     states = [replace(state, best=problem.exact.evaluate(state.best.draft)) for state in states]
     if not budget.affords(len(states) * JOINT_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS):
         return states
-    return [_stepped(problem, state, 1, budget) for state in states]
+    return [stepped(problem, state, 1, budget) for state in states]
 
 
 def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:
     """After as many steps as lead further, and the speeds set anew between them, while that gains."""
-    state = _stepped(problem, state, _MANY_STEPS, budget)
+    state = stepped(problem, state, _MANY_STEPS, budget)
     while budget.affords(TIMED_FLIGHTS + JOINT_FLIGHTS):
         before_m = state.objective_m
         on_time = timed(problem.exact, state.best.draft, state.hovers, budget)
         anew = replace(state, best=on_time, damping=FIRST_DAMPING)
-        state = min(state, _stepped(problem, anew, _MANY_STEPS, budget), key=lambda each: each.objective_m)
+        state = min(state, stepped(problem, anew, _MANY_STEPS, budget), key=lambda each: each.objective_m)
         if state.objective_m > (1 - WORTH_GOING_ON) * before_m:
-            break
-    return state
-
-
-def _stepped(problem: FitProblem, state: State, most: int, budget: Budget) -> State:
-    """After steps of all speeds and places together, while they gain and there is time."""
-    for _ in range(most):
-        before_m = state.objective_m
-        if not budget.affords(JOINT_FLIGHTS):
-            break
-        state = stepped_jointly(problem, state, budget)
-        if state.objective_m >= (1 - WORTH_GOING_ON) * before_m:
             break
     return state

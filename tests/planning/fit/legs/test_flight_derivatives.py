@@ -9,7 +9,12 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.legs.flight_derivatives import CHANGES_A_PLACE, flight_derivatives
+from flight_replay.planning.fit.legs.flight_derivatives import (
+    SPEED,
+    ErrorVectors,
+    changes_of,
+    flight_derivatives,
+)
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
 from flight_replay.planning.fit.objective import Evaluation, position_offsets_m
 from flight_replay.planning.fit.problem import FitProblem
@@ -28,6 +33,9 @@ PROBLEM = replace(
     step_s=0.02,
 )
 BASE = PROBLEM.evaluate(DRAFT)
+
+
+CHANGES_A_PLACE = 3
 
 
 def position(problem: FitProblem, evaluation: Evaluation) -> Floats:
@@ -72,6 +80,33 @@ def test_errors_beside_the_paths_are_foretold(place: int, change: int) -> None:
         there_m = np.linalg.norm(before + foretold_m[first : first + count], axis=1)[some]
         assert np.abs(there_m - np.linalg.norm(before, axis=1)[some] - done_m).max() < 0.015
     assert len(foretold_m) == 3 * count + len(BASE.flown[1].off_m)
+
+
+@pytest.mark.parametrize("north", [True, False])
+def test_at_the_vehicles_own_speed_the_planned_paths_points_count_too(north: bool) -> None:
+    """No speed changes, and the last place stays: two columns for each of the others."""
+    problem = replace(PROBLEM, timed=False)
+    base = problem.evaluate(replace(DRAFT, speed_m_s=np.full(len(DRAFT), np.nan)))
+    derivatives = flight_derivatives(problem, base, 600.0, 0.25)
+    kinds, places = changes_of(DRAFT, timed=False)
+    assert SPEED not in kinds
+    assert derivatives.errors.shape[1] == len(places) == 2 * (len(DRAFT) - 2)
+    place, axis = 2, 0 if north else 1
+    places_m = base.draft.places_m.copy()
+    places_m[place, axis] += 0.1
+    now = problem.evaluate(replace(base.draft, places_m=places_m)).planned[1].off_m[5:-5]
+    before = base.planned[1].off_m
+    foretold_m = before + 0.1 * derivatives.errors[:, 2 * (place - 1) + axis].reshape(-1, 2)[-len(before) :]
+    assert np.abs(np.linalg.norm(foretold_m[5:-5], axis=1) - np.linalg.norm(now, axis=1)).max() < 0.03
+
+
+def test_moves_of_the_paths_points_follow_those_of_the_fixes() -> None:
+    """They are the last of the stacked errors."""
+    one, two = np.ones((4, 2)), np.ones((3, 2))
+    errors = ErrorVectors(one, one, one, one, two)
+    flown, planned = errors.moved_back(np.arange(errors.stacked.size, dtype=float))
+    assert flown[0].tolist() == [25.0, 26.0]
+    assert planned[-1].tolist() == [37.0, 38.0]
 
 
 def changed(place: int, change: int, size: float) -> Draft:

@@ -63,7 +63,7 @@ class DraftLegs:
         lengths = [len(state.best.draft) for state in states]
         best = min(states, key=lambda state: state.objective_m).best
         costs = LegCosts(problem, best)
-        path_share = (1 + best.plan_share) / (8 * costs.scales_m[1] ** 3)
+        path_share = sum(best.path_shares) / (8 * costs.scales_m[1] ** 3)
         return cls(
             [state.best for state in states],
             np.repeat(np.arange(len(states)), lengths),

@@ -17,7 +17,7 @@ from flight_replay.geometry.polyline import lengths_along_m, segment_lengths_m
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.first_drafts.flyable_motion import flyable_motion
 from flight_replay.planning.fit.gauss_newton import gauss_newton_step, weighted_residuals
-from flight_replay.planning.fit.objective import TIME_SHARE
+from flight_replay.planning.fit.objective import TIME_SHARE, path_error_m
 from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack, holds_s
@@ -102,11 +102,17 @@ def _on_way(problem: FitProblem, share: float | None) -> FitProblem:
 
 
 def _moved_on_paper(draft: Draft, recording: LocalTrack) -> Draft:
-    """The draft with its places moved so that its planned path comes nearer to the fixes."""
+    """The draft with its places moved so that its planned path comes nearer to the fixes, if it does.
+
+    Between fixes that are far apart curves swing out farther with each step.
+    """
+    start, moved = match_to_plan(draft, recording), draft
+    found = start
     for _ in range(_PAPER_STEPS):
-        residuals = weighted_residuals(draft, match_to_plan(draft, recording), len(recording))
-        draft = gauss_newton_step(draft, residuals, _PAPER_SMOOTHING, _PAPER_GAIN)
-    return draft
+        residuals = weighted_residuals(moved, found, len(recording))
+        moved = gauss_newton_step(moved, residuals, _PAPER_SMOOTHING, _PAPER_GAIN)
+        found = match_to_plan(moved, recording)
+    return moved if path_error_m(found) < path_error_m(start) else draft
 
 
 class _Knots:

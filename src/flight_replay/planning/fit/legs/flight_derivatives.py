@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flight_replay.exceptions import MissionError
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.flight_points import (
@@ -23,11 +23,11 @@ from flight_replay.planning.fit.legs.flight_points import (
 )
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
 from flight_replay.planning.fit.objective import Evaluation, places_at
-from flight_replay.planning.fit.offsets import directions
+from flight_replay.planning.fit.offsets import Offsets, directions
 from flight_replay.planning.fit.problem import FitProblem
 
-CHANGES_A_PLACE = 3
-"""The logarithm of the speed on the way to it, and how far north and east it is."""
+SPEED, NORTH, EAST = range(3)
+"""What may change of a place: the logarithm of the speed on the way to it, how far north and east it is."""
 _SPEED_CHANGE, _PLACE_CHANGE_M = 0.08, 0.4
 _LEGS_AFTER_SPEED, _LEGS_BEFORE_PLACE, _LEGS_AFTER_PLACE = 1, 1, 2
 _FOLLOWS_S = 0.9
@@ -38,24 +38,32 @@ _FOLLOWS_S = 0.9
 class ErrorVectors:
     """What a flight is off by, as vectors: n fixes at equal times and beside the flown and planned paths.
 
-    ``position`` (n, 2), ``there`` (n, 2) and ``planned`` (n, 2) are those; ``back`` (m, 2) are m points
-    of the flown path beside the recorded line.
+    ``position`` (n, 2), ``flown`` (n, 2) and ``planned`` (n, 2) are those; ``flown_back`` (m, 2) and
+    ``planned_back`` (k, 2) are points of the paths beside the recorded line; see ``planned_marks``.
     """
 
     position: Floats
-    there: Floats
+    flown: Floats
     planned: Floats
-    back: Floats
+    flown_back: Floats
+    planned_back: Floats
 
     @property
     def stacked(self) -> Floats:
-        """All components (6 n + 2 m,)."""
-        return np.concatenate([each.ravel() for each in (self.position, self.there, self.planned, self.back)])
+        """All components (6 n + 2 m + 2 k,)."""
+        kinds = self.position, self.flown, self.planned, self.flown_back, self.planned_back
+        return np.concatenate([each.ravel() for each in kinds])
+
+    def moved_back(self, moves: Floats) -> tuple[Floats, Floats]:
+        """Those of the paths' points after moves of the stacked components."""
+        before = np.concatenate([self.flown_back, self.planned_back])
+        after = before + moves[-before.size :].reshape(-1, 2)
+        return after[: len(self.flown_back)], after[len(self.flown_back) :]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightDerivatives:
-    """By the p = 3 (n - 1) changes of n places, ``CHANGES_A_PLACE`` of each place but the first.
+    """By the p ``changes_of`` a draft of n places.
 
     ``errors`` (m, p) are those of the stacked ``ErrorVectors``, ``passed_s`` (n, p) those of when places
     are left. ``steps`` is how many steps of the model it took.
@@ -64,6 +72,16 @@ class FlightDerivatives:
     errors: Floats
     passed_s: Floats
     steps: int
+
+
+def changes_of(draft: Draft, *, timed: bool) -> tuple[Indices, Indices]:
+    """What may change of a draft (p,), and of which place (p,): of all but the first.
+
+    At the vehicle's own speed no speeds are to be found, and the last place stays where the recording ends.
+    """
+    kinds, last = ([SPEED, NORTH, EAST], len(draft) - 1) if timed else ([NORTH, EAST], len(draft) - 2)
+    places = np.arange(1, last + 1)
+    return np.tile(np.array(kinds, np.intp), len(places)), np.repeat(places, len(kinds))
 
 
 def flight_derivatives(
@@ -78,23 +96,36 @@ def flight_derivatives(
         size: how large changes are, as a share of the usual ones; below 0 to the other side.
     """
     legs = _ChangedLegs(problem, base, longest_s, size)
-    places, count = len(base.draft), len(problem.recording)
-    changes = [(change, place) for place in range(1, places) for change in range(CHANGES_A_PLACE)]
-    errors, passed_s = np.zeros((len(changes), legs.errors_count, 2)), np.zeros((len(changes), places))
-    for row, each in enumerate(changes):
+    kinds, places = changes_of(base.draft, timed=problem.timed)
+    errors, passed_s = np.zeros((len(kinds), legs.errors_count, 2)), np.zeros((len(kinds), len(base.draft)))
+    for row, each in enumerate(zip(kinds.tolist(), places.tolist(), strict=True)):
         legs.add(*each, errors[row], passed_s[row])
-    _add_planned(errors[:, 2 * count : 3 * count], base)
-    return FlightDerivatives(errors.reshape(len(changes), -1).T, passed_s.T, legs.steps)
+    count = len(problem.recording)
+    errors[:, 2 * count : 3 * count] = _of_planned(base, base.planned[0])
+    errors = np.concatenate([errors, _of_planned(base, planned_marks(base))], axis=1)
+    return FlightDerivatives(errors.reshape(len(kinds), -1).T, passed_s.T, legs.steps)
 
 
-def _add_planned(errors: Floats, base: Evaluation) -> None:
-    """The derivatives (p, n, 2) of the errors beside the planned path."""
-    planned = base.planned[0]
-    moves = weights(base.draft, planned.leg, planned.part)[:, 1:].T
-    along = directions(base.draft, planned)
-    for axis in (0, 1):
+def planned_marks(evaluation: Evaluation) -> Offsets:
+    """The planned path's own points that count in steps: none where the recorded speed is kept.
+
+    The plan counts little there, and steps are as good without them.
+    """
+    planned = evaluation.planned[1]
+    count = 0 if evaluation.timed else len(planned.leg)
+    return Offsets(planned.leg[:count], planned.part[:count], planned.off_m[:count])
+
+
+def _of_planned(base: Evaluation, offsets: Offsets) -> Floats:
+    """The derivatives (p, m, 2) of the errors of m points of the planned path, or beside it."""
+    kinds, places = changes_of(base.draft, timed=base.timed)
+    moves = weights(base.draft, offsets.leg, offsets.part)[:, places].T
+    along = directions(base.draft, offsets)
+    found = np.zeros((*moves.shape, 2))
+    for axis, kind in enumerate((NORTH, EAST)):
         across = np.eye(2)[axis] - along * along[:, axis, None]
-        errors[1 + axis :: CHANGES_A_PLACE] = -moves[:, :, None] * across
+        found[kinds == kind] = -moves[kinds == kind, :, None] * across
+    return found
 
 
 class _ChangedLegs:
@@ -114,7 +145,7 @@ class _ChangedLegs:
 
     @property
     def errors_count(self) -> int:
-        """How many vectors the stacked errors have."""
+        """How many vectors the stacked errors have, but for the planned path's own points."""
         return self._marks.row + len(self._marks.time_s)
 
     @property
@@ -122,9 +153,9 @@ class _ChangedLegs:
         """Steps of the model so far."""
         return self._flights.steps
 
-    def add(self, change: int, place: int, errors: Floats, passed_s: Floats) -> None:
+    def add(self, kind: int, place: int, errors: Floats, passed_s: Floats) -> None:
         """Note the derivatives of errors (m, 2) and of when places are left (n,); none if it cannot be."""
-        changed, first, last, size = self._changed(change, place)
+        changed, first, last, size = self._changed(kind, place)
         first, last = max(first, 1), min(last, self._last)
         try:
             flown = self._flights.fly(changed, first, last)
@@ -134,15 +165,15 @@ class _ChangedLegs:
         passed_s[last + 1 :] = passed_s[last]
         self._add_errors(errors, flown, first, last, size)
 
-    def _changed(self, change: int, place: int) -> tuple[Draft, int, int, float]:
+    def _changed(self, kind: int, place: int) -> tuple[Draft, int, int, float]:
         """The draft with a change, the first and last of the legs that it shapes, and how large it is."""
         draft = self._flights.draft
-        if change == 0:
+        if kind == SPEED:
             speeds, size = draft.speed_m_s.copy(), self._speed_change
             speeds[place] *= np.exp(size)
             return replace(draft, speed_m_s=speeds), place, place + _LEGS_AFTER_SPEED, size
         places, size = draft.places_m.copy(), self._place_change_m
-        places[place, change - 1] += size
+        places[place, kind - NORTH] += size
         changed = replace(draft, places_m=places)
         return changed, place - _LEGS_BEFORE_PLACE, place + _LEGS_AFTER_PLACE, size
 
