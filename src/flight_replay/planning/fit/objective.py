@@ -50,7 +50,7 @@ class Evaluation:
 
     ``planned`` and ``flown`` are each the offsets of both ways: of the fixes, and of the path's own points.
     ``flown_s`` (n,) is when the vehicle flies by each fix, ``late_m`` (n,) the position error that counts.
-    ``creeping_s`` is how long it creeps.
+    ``creeping_s`` is how long it creeps, ``timed`` whether the recorded speed is to be kept.
     """
 
     flight: SimulatedDraft

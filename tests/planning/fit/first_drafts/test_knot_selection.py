@@ -5,6 +5,8 @@ import pytest
 
 from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints, selections
 from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.objective import path_error_m
+from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.problem import FirstDraft
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits
@@ -72,3 +74,11 @@ def test_where_there_is_time_for_all_places_the_drafts_differ_in_where_they_stan
     assert all(18 <= len(start.draft) <= 20 for start in starts[:-1])
     assert 20 < len(starts[-1].draft) <= 22
     assert len({start.draft.places_m.tobytes() for start in starts}) == 3
+
+
+def test_waypoints_of_a_fix_a_second_do_not_swing_out_of_the_recording() -> None:
+    """Moved towards fixes 9 m apart, curves may leave the line between them: then they stay."""
+    corners = [(0.0, 0.0), *((8.0 * turn, 60.0 * (turn % 2)) for turn in range(1, 13))]
+    recording = local_track(along(corners, 9.0, rate_hz=1.0), 20.0)
+    draft = select_waypoints(problem_for(recording, 40, Limits(), timed=False), 40).draft
+    assert path_error_m(match_to_plan(draft, recording)) < 0.4
