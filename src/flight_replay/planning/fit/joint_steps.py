@@ -100,7 +100,8 @@ class _JointSteps:
     def __init__(self, problem: FitProblem, state: State, budget: Budget) -> None:
         self._recording, self._exact, self._budget = problem.recording, problem.exact, budget
         self._coarse = replace(self._exact, step_s=min(_COARSER * self._exact.step_s, problem.step_s))
-        self._base = self._coarse.evaluate(state.best.draft)
+        is_exact = self._coarse.step_s == self._exact.step_s
+        self._base = state.best if is_exact else self._coarse.evaluate(state.best.draft)
         self._duration_s = float(state.best.flight.time_s[-1])
         self._kinds, self._places = changes_of(state.best.draft, timed=problem.timed)
         self._caps_m_s = speed_caps_m_s(state.best.draft, problem.recording)

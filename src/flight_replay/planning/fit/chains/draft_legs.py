@@ -41,7 +41,9 @@ class LegCosts:
         return np.asarray(costs + second_m_s * np.diff(evaluation.passed_s, prepend=0.0))
 
     def learn(self, flown: Evaluation) -> None:
-        """Take into account where a draft is late."""
+        """Take into account where a draft is late, at the vehicle's own speed."""
+        if self._timed:
+            return
         self._drafts += 1
         self._second_m_s += (seconds_cost_m_s(flown, self._recording) - self._second_m_s) / self._drafts
 
