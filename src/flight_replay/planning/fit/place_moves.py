@@ -65,7 +65,7 @@ def shaped(
     return best
 
 
-def moved(problem: FitProblem, evaluation: Evaluation, hovers: dict[int, Hover], gain: float) -> Draft:
+def moved_once(problem: FitProblem, evaluation: Evaluation, hovers: dict[int, Hover], gain: float) -> Draft:
     """The draft after one step of its places, of which ``gain`` is taken."""
     draft = evaluation.draft
     after = replace(draft, places_m=draft.places_m + gain * _moves_m(problem, evaluation))

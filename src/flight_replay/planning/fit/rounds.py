@@ -11,7 +11,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.objective import Evaluation
-from flight_replay.planning.fit.place_moves import moved, shaped
+from flight_replay.planning.fit.place_moves import moved_once, shaped
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover
 from flight_replay.planning.fit.speed_schedule import Schedule, schedule, speed_caps_m_s
@@ -82,7 +82,7 @@ def polished(problem: FitProblem, state: State, budget: Budget) -> State:
     """After steps of all places by what lies beside the paths, longer or shorter as they succeed."""
     best, gain = state.best, 1.0
     while gain >= _LEAST_GAIN and budget.affords(1):
-        trial = flown(problem, moved(problem, best, state.hovers, gain), budget)
+        trial = flown(problem, moved_once(problem, best, state.hovers, gain), budget)
         if trial.objective_m < best.objective_m:
             best, gain = trial, min(1.0, _MORE * gain)
         else:
