@@ -105,10 +105,7 @@ def test_one_fix_at_2_m_counts_as_sixteen_at_1_m() -> None:
 
 
 def test_at_the_vehicles_own_speed_the_worse_of_the_paths_counts_most() -> None:
-    """Two metres beside both paths cost as much as they do at the recorded speed beside twice the flown one.
-
-    The objective's slope by either path error is what its share says, by the cube of how much it is worse.
-    """
+    """Alike, they count their shares of two; three and one metres are worse than twice about two."""
 
     def cost_m(planned_m: float, flown_m: float) -> float:
         whole = evaluation_with([planned_m] * 3, [flown_m] * 3, [0, 0, 0])

@@ -44,8 +44,6 @@ from flight_replay.simulator.dynamics.limits import Limits
 WORK_FIXES = 1000
 """Fixes that the search looks at; the errors of the answer are those of all fixes."""
 _HOVER_SHARE = 3
-_CORNER_M = 0.1
-"""A line this near to every fix has no use for more corners to begin with."""
 _ROOMY_LEG_S = 2.0
 """With fewer waypoints than one in so many seconds, stopping for a pause costs less than flying it slowly."""
 # Durations of flights, and the steps of the model that can be afforded for each.
@@ -93,7 +91,7 @@ def fit(  # noqa: PLR0913
     recording = local_track(flown, heights.planned_m, takeoff_m)
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = problem_for(recording, max_points, limits, timed=timed)
-    starts = _at_speed(speed_m_s, _starts(problem, recording, flown, max_points))
+    starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
     budget = _budget(problem, len(flown), progress)
     best, stopped = search(problem, starts, max_points, budget)
     lags = lag_notes(best, problem.recording) if timed else ()
@@ -129,7 +127,7 @@ def _at_speed(speed_m_s: float | Recorded | None, starts: list[FirstDraft]) -> l
     return [replace(start, draft=draft) for start, draft in zip(starts, set_once, strict=True)]
 
 
-def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points: int) -> list[FirstDraft]:
+def _starts(problem: FitProblem, recording: LocalTrack, max_points: int) -> list[FirstDraft]:
     """What the search begins with: waypoints where they are missed most, and at corners, as of missions."""
     last = len(recording) - 1
     if last == 0 or max_points < 2:
@@ -138,8 +136,8 @@ def _starts(problem: FitProblem, recording: LocalTrack, flown: Track, max_points
     if problem.timed:
         return [*selected, corner_draft(problem, max_points)]
     line = np.column_stack([recording.north_east_m, recording.up_m])
-    corners = douglas_peucker(line, max_points, _CORNER_M)
-    return [*selected, FirstDraft(straight_draft(recording, corners), {})]
+    corners = straight_draft(recording, douglas_peucker(line, max_points))
+    return [*selected, FirstDraft(corners, {})]
 
 
 def _result(

@@ -1,5 +1,7 @@
 """Steps of all speeds and places of a draft together, by the derivatives of its flight in the model.
 
+At the vehicle's own speed they are steps of the places alone.
+
 A step is that of Levenberg and Marquardt: the least squares of the errors, each weighted by its share in the
 objective, with a damping that grows as steps fail. Near a good draft most changes have a kink: a leg takes
 longer with a place farther to one side, and longer to the other. Then steps go by the derivatives to both.
@@ -46,6 +48,7 @@ _MORE, _LESS, _MOST_DAMPING = 4.0, 0.5, 0.3
 _SMALLER = 0.5
 """Where changes to both sides lead nowhere, smaller ones may."""
 _TRIES = 3
+_MANY_STEPS = 100
 _PATIENCE_S = 60.0
 """A leg may take so much longer than the flight: the first comes after the climb of a take-off."""
 _MOST_DERIVATIVES = 10_000_000
@@ -55,14 +58,14 @@ _MOST_TIMES = 2
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 
 
-def stepped(problem: FitProblem, state: State, most: int, budget: Budget) -> State:
+def stepped(problem: FitProblem, state: State, budget: Budget, most: int = _MANY_STEPS) -> State:
     """After steps of all speeds and places together, while they gain and there is time.
 
     Args:
         problem: what to fit.
         state: the draft as it is flown in the exact steps of ``problem``.
-        most: how many times derivatives may be found.
         budget: is told how much was flown.
+        most: how many times steps may be made.
     """
     for _ in range(most):
         before_m = state.objective_m

@@ -21,7 +21,6 @@ from flight_replay.planning.fit.rounds import (
     timed,
 )
 
-_MANY_STEPS = 100
 _GOING_ON_FLIGHTS = 3 * JOINT_FLIGHTS
 _BEGINNING_FLIGHTS = ROUND_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS
 """What it takes at least to begin with another start."""
@@ -53,17 +52,17 @@ def _stepped_once(problem: FitProblem, states: list[State], budget: Budget) -> l
     states = [replace(state, best=problem.exact.evaluate(state.best.draft)) for state in states]
     if not budget.affords(len(states) * JOINT_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS):
         return states
-    return [stepped(problem, state, 1, budget) for state in states]
+    return [stepped(problem, state, budget, most=1) for state in states]
 
 
 def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:
     """After as many steps as lead further, and the speeds set anew between them, while that gains."""
-    state = stepped(problem, state, _MANY_STEPS, budget)
+    state = stepped(problem, state, budget)
     while budget.affords(TIMED_FLIGHTS + JOINT_FLIGHTS):
         before_m = state.objective_m
         on_time = timed(problem.exact, state.best.draft, state.hovers, budget)
         anew = replace(state, best=on_time, damping=FIRST_DAMPING)
-        state = min(state, stepped(problem, anew, _MANY_STEPS, budget), key=lambda each: each.objective_m)
+        state = min(state, stepped(problem, anew, budget), key=lambda each: each.objective_m)
         if state.objective_m > (1 - WORTH_GOING_ON) * before_m:
             break
     return state

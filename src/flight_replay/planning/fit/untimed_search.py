@@ -20,7 +20,6 @@ from flight_replay.planning.fit.rounds import (
     swept,
 )
 
-_MANY_STEPS = 100
 ANOTHER_FLIGHTS = 1.5 * SWEEP_FLIGHTS
 """What it takes at least to go on with another start."""
 _BEGINNING_FLIGHTS = MOVING_FLIGHTS + EXCHANGE_FLIGHTS + ANOTHER_FLIGHTS
@@ -44,12 +43,12 @@ def begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> list
 
 def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:
     """After steps of all places, and of legs changed one by one between them, while that gains."""
-    state = stepped(problem, polished(problem, state, budget), _MANY_STEPS, budget)
+    state = stepped(problem, polished(problem, state, budget), budget)
     while budget.affords(SWEEP_FLIGHTS):
         before_m, after = state.objective_m, swept(problem, state, budget)
         if after.best is state.best:
             break
-        state = stepped(problem, after, _MANY_STEPS, budget)
+        state = stepped(problem, after, budget)
         if state.objective_m > (1 - WORTH_GOING_ON) * before_m:
             break
     return state

@@ -15,8 +15,8 @@ from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack, holds_s, hovers
 
-EXACT_M = 0.02
-"""A line this near to every fix has no use for more corners."""
+_NEAR_M = 0.1
+"""A line this near to every fix has no use for more corners: fixes are off by centimetres."""
 _SHORTEST_PAUSE_S = 2.0
 _CORNER_M = 0.3
 _LONG_M = 10.0
@@ -24,7 +24,7 @@ _LONG_M = 10.0
 
 
 def douglas_peucker(
-    points_m: Floats, most: int, near_m: float = EXACT_M, kept: Iterable[int] = ()
+    points_m: Floats, most: int, near_m: float = _NEAR_M, kept: Iterable[int] = ()
 ) -> NDArray[np.intp]:
     """Indices of at most ``most`` of the points (n, d), after Douglas and Peucker (1973).
 
