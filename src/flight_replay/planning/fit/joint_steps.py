@@ -36,6 +36,7 @@ from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown, flown_on_time
 from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
+from flight_replay.planning.fit.solvers.normal_equations import normal_equations
 from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, Schedule, slowest_m_s, speed_caps_m_s
 
 JOINT_FLIGHTS = 11
@@ -208,15 +209,9 @@ class _LinearModel:
     @classmethod
     def of(cls, sides: _Sides, errors: ErrorVectors, evaluation: Evaluation) -> _LinearModel:
         """That by the derivatives of the stacked errors (m,)."""
-        root = np.sqrt(_weights(errors, evaluation))
-        pull = root * errors.stacked
-        one = sides.one.errors * root[:, None]
-        if sides.other is None:
-            return cls(one.T @ one, one.T @ pull, both_sides=False)
-        other = sides.other.errors * -root[:, None]
-        across = one.T @ other
-        normal = np.block([[one.T @ one, across], [across.T, other.T @ other]])
-        return cls(normal, np.concatenate([one.T @ pull, other.T @ pull]), both_sides=True)
+        columns = [sides.one.errors.T] + ([] if sides.other is None else [-sides.other.errors.T])
+        weights = _weights(errors, evaluation)
+        return cls(*normal_equations(columns, weights, errors.stacked), sides.other is not None)
 
     def best_changes(self, damping: float, usual: Floats) -> Floats:
         """The changes (p,) that make them small, none too large against the usual ones (p,)."""

@@ -1,0 +1,44 @@
+"""The normal equations of weighted least squares, where most of the derivatives are zero."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+
+_BLOCK = 64
+"""Rows that are taken together, from the first to the last column in which one of them has anything."""
+
+
+def normal_equations(columns: Sequence[Floats], weights: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """What a step of Gauss and Newton solves, of q groups of p columns each: a matrix, and the right side.
+
+    Rows near each other are taken to be alike, and so are a row's columns in all groups: five to ten times as
+    fast as the whole product, for a thousand fixes and a hundred places.
+
+    Args:
+        columns: the derivatives by each group of changes (p, m), a row for each column of the matrix.
+        weights: what the squares of the m errors count (m,).
+        right: the errors (m,).
+
+    Returns:
+        The normal matrix (q p, q p), and the derivatives' weighted sums of the errors (q p,).
+    """
+    groups, (count, rows) = len(columns), columns[0].shape
+    normal, force = np.zeros((groups, count, groups, count)), np.zeros((groups, count))
+    root = np.sqrt(weights)
+    pull = root * right
+    for begin in range(0, rows, _BLOCK):
+        block = slice(begin, begin + _BLOCK)
+        parts = [group[:, block] for group in columns]
+        some = np.flatnonzero(np.any([part.any(axis=1) for part in parts], axis=0))
+        if not len(some):
+            continue
+        span = slice(some[0], some[-1] + 1)
+        width = span.stop - span.start
+        weighted = np.concatenate([part[span] for part in parts]) * root[block]
+        normal[:, span, :, span] += (weighted @ weighted.T).reshape(groups, width, groups, width)
+        force[:, span] += (weighted @ pull[block]).reshape(groups, width)
+    return normal.reshape(groups * count, -1), force.ravel()
