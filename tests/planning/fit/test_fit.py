@@ -20,10 +20,20 @@ from flight_replay.planning.fit import FitResult, fit
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.spacing import decimate
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import simulate
-from tests.helpers.fit_tracks import FRAME, along, circle, eights, hover, track_through, wander
+from tests.helpers.fit_tracks import (
+    FRAME,
+    along,
+    circle,
+    draft_of,
+    eights,
+    hover,
+    track_through,
+    wander,
+)
 from tests.helpers.paths import SAMPLE, other_log
 
 
@@ -143,6 +153,23 @@ def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
     longest = max(item.hold_s for _, item in result.mission.waypoints)
     assert longest == pytest.approx(30, abs=6)
     assert longest == round(longest)
+
+
+@pytest.mark.slow
+def test_a_flown_mission_is_found_again() -> None:
+    """Its corner that was flown through lies beside the recorded way; its waits are as long, give or take."""
+    corners = [(0.0, 0.0), (0.0, 0.3), (0.0, 40.0), (40.0, 40.0), (40.0, 0.0), (10.0, 0.0)]
+    mission = replace(
+        draft_of(corners, [False] * 6, [6, 8, 7, 0, 9, 0]),
+        speed_m_s=np.array([np.nan, 1.0, 3.0, 4.0, 4.0, 5.0]),
+    )
+    flight = simulate_draft(mission, Limits(), 0.02)
+    every = slice(None, None, 10)
+    track = track_through(flight.place_m[every, :2], flight.time_s[every])
+    found = fit(track, altitude_m=20.0, speed_m_s="recorded")
+    assert found.position_error.mean < 0.3
+    assert found.path_error.max < 0.3
+    assert np.linalg.norm(places_m(found) - [40.0, 40.0], axis=1).min() < 0.2
 
 
 @pytest.mark.usefixtures("brief_search")

@@ -1,5 +1,6 @@
 """Steps of all speeds and places together gain, stay near the recording, and stop where they cannot."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,13 +9,13 @@ import pytest
 from flight_replay.planning.fit import joint_steps
 from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.joint_steps import stepped_jointly
+from flight_replay.planning.fit.joint_steps import stepped, stepped_jointly
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives, flight_derivatives
 from flight_replay.planning.fit.problem import Budget, FitProblem
-from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.reference import LocalTrack, local_track
 from flight_replay.planning.fit.rounds import State, timed
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import wander
+from tests.helpers.fit_tracks import draft_of, wander
 
 
 def problem_and_start(*, is_timed: bool = True) -> tuple[FitProblem, State]:
@@ -50,6 +51,23 @@ def test_at_the_vehicles_own_speed_a_step_moves_the_places_alone() -> None:
     assert np.isnan(found.best.draft.speed_m_s).all()
     assert (found.best.draft.places_m != start.best.draft.places_m).any(axis=1).sum() > 10
     assert 3 < spent.spent < 20
+
+
+@pytest.mark.parametrize("hold_s", [5.0, 11.0])
+def test_waits_become_longer_or_shorter(hold_s: float) -> None:
+    """By three seconds, as the recorded vehicle waited for eight; they stay whole seconds."""
+    draft = draft_of([(0, 0), (30, 0), (30, 30), (60, 30)], [False] * 4, [6, 0, 8, 0])
+    draft = replace(draft, speed_m_s=np.array([np.nan, 3.0, 4.0, 5.0]))
+    problem, start = problem_and_start()
+    flight = problem.exact.simulate(draft)
+    some = slice(None, None, 10)
+    recording = LocalTrack(flight.time_s[some], flight.place_m[some, :2], flight.place_m[some, 2])
+    problem = replace(problem, recording=recording)
+    wrong = replace(draft, hold_s=np.array([6.0, 0.0, hold_s, 0.0]))
+    state = replace(start, best=problem.exact.evaluate(wrong))
+    found = stepped(problem, state, budget()).best
+    assert found.draft.hold_s.tolist() == [6.0, 0.0, 8.0, 0.0]
+    assert found.late_m.mean() < 0.1 * state.best.late_m.mean()
 
 
 def test_steps_that_fail_are_damped_more(monkeypatch: pytest.MonkeyPatch) -> None:

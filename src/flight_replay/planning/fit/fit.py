@@ -24,6 +24,8 @@ from flight_replay.planning.fit.first_drafts.line_simplification import (
     douglas_peucker,
     straight_draft,
 )
+from flight_replay.planning.fit.first_drafts.whole_corners import with_whole_corners
+from flight_replay.planning.fit.item_grid import as_items_hold_it
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import (
@@ -93,9 +95,9 @@ def fit(  # noqa: PLR0913
     problem = problem_for(recording, max_points, limits, timed=timed)
     starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
     budget = _budget(problem, len(flown), progress)
-    best, stopped = search(problem, starts, max_points, budget)
-    lags = lag_notes(best, problem.recording) if timed else ()
-    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lags)
+    found, stopped = search(problem, starts, max_points, budget)
+    best = as_items_hold_it(problem, found, flat_frame(flown))
+    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
     return _result(best, flown, recording, heights, notes)
 
 
@@ -134,7 +136,9 @@ def _starts(problem: FitProblem, recording: LocalTrack, max_points: int) -> list
         return [FirstDraft(straight_draft(recording, np.array([last])), {})]
     selected = selections(problem, max_points)
     if problem.timed:
-        return [*selected, corner_draft(problem, max_points)]
+        cut = corner_draft(problem, max_points)
+        whole = with_whole_corners(cut)
+        return [*selected, cut, whole] if len(whole.draft) < len(cut.draft) else [*selected, cut]
     line = np.column_stack([recording.north_east_m, recording.up_m])
     corners = straight_draft(recording, douglas_peucker(line, max_points))
     return [*selected, FirstDraft(corners, {})]

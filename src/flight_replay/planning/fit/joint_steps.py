@@ -1,4 +1,4 @@
-"""Steps of all speeds and places of a draft together, by the derivatives of its flight in the model.
+"""Steps of all speeds, places and waits of a draft together, by the derivatives of its flight in the model.
 
 At the vehicle's own speed they are steps of the places alone.
 
@@ -19,6 +19,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.legs.flight_derivatives import (
     EAST,
+    HOLD,
     NORTH,
     SPEED,
     ErrorVectors,
@@ -37,7 +38,13 @@ from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown, flown_on_time
 from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
 from flight_replay.planning.fit.solvers.normal_equations import normal_equations
-from flight_replay.planning.fit.speed_schedule import FASTEST_M_S, Schedule, slowest_m_s, speed_caps_m_s
+from flight_replay.planning.fit.speed_schedule import (
+    FASTEST_M_S,
+    LEAST_HOLD_S,
+    Schedule,
+    slowest_m_s,
+    speed_caps_m_s,
+)
 
 JOINT_FLIGHTS = 11
 """A step costs about as many flights, by changes to both sides half as many again."""
@@ -54,7 +61,7 @@ _PATIENCE_S = 60.0
 """A leg may take so much longer than the flight: the first comes after the climb of a take-off."""
 _MOST_DERIVATIVES = 10_000_000
 """More would take too much memory; four copies of these take 320 MB."""
-_USUAL_CHANGE = np.array([0.15, 0.4, 0.4])  # Of a speed's logarithm, and of a place, m.
+_USUAL_CHANGE = np.array([0.15, 0.4, 0.4, 0.5])  # Of a speed's logarithm, of a place, m, and of a wait, s.
 _MOST_TIMES = 2
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 
@@ -144,7 +151,7 @@ class _JointSteps:
         return trial
 
     def _changed(self, draft: Draft, changes: Floats) -> Draft:
-        """The draft with the logarithms of its speeds, and its places, changed."""
+        """The draft with the logarithms of its speeds, its places and its waits changed."""
         by_place = np.zeros((len(draft), len(_USUAL_CHANGE)))
         by_place[self._places, self._kinds] = changes
         places = draft.places_m.copy()
@@ -154,10 +161,17 @@ class _JointSteps:
             return moved
         wanted_m_s = with_every_speed(draft).speed_m_s * np.exp(by_place[:, SPEED])
         speeds = np.clip(wanted_m_s, slowest_m_s(draft), np.minimum(FASTEST_M_S, self._caps_m_s)).round(2)
-        return replace(moved, speed_m_s=speeds)
+        waits = draft.hold_s > 0
+        hold_s = np.where(waits, np.maximum(LEAST_HOLD_S, _whole(draft.hold_s + by_place[:, HOLD])), 0.0)
+        return replace(moved, speed_m_s=speeds, hold_s=hold_s)
 
     def _spend(self, steps: int) -> None:
         self._budget.spend(steps / max(self._duration_s / self._exact.step_s, 1.0))
+
+
+def _whole(seconds: Floats) -> Floats:
+    """Whole seconds, as items wait; the speeds on time make up for the rest."""
+    return np.floor(seconds + 0.5)
 
 
 def _derivatives_count(evaluation: Evaluation) -> int:

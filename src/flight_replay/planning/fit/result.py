@@ -12,7 +12,7 @@ from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.planning.fit.objective import Evaluation
-from flight_replay.planning.fit.reference import LocalTrack
+from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.heights import Heights
 
 MIN_LAG_M = 5.0
@@ -47,18 +47,21 @@ class FitResult:
     notes: tuple[str, ...]
 
 
-def lag_notes(best: Evaluation, recording: LocalTrack) -> tuple[str, ...]:
-    """A sentence on the stretches in which the vehicle is farthest behind the recording, if any.
+def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
+    """A sentence on the stretches in which the vehicle is farthest behind the recording, if it is to keep up.
 
     Args:
         best: the predicted flight.
-        recording: the fixes that it was compared with.
+        problem: what it was compared with.
     """
-    behind_m = np.where(best.flown_s > recording.time_s, best.late_m, 0.0)
+    if not problem.timed:
+        return ()
+    recorded_s = problem.recording.time_s
+    behind_m = np.where(best.flown_s > recorded_s, best.late_m, 0.0)
     lags = np.concatenate([[0], (behind_m > MIN_LAG_M).astype(int), [0]])
     begins, ends = np.flatnonzero(np.diff(lags) == 1), np.flatnonzero(np.diff(lags) == -1)
     stretches = [
-        (float(behind_m[begin:end].max()), float(recording.time_s[begin]), float(recording.time_s[end - 1]))
+        (float(behind_m[begin:end].max()), float(recorded_s[begin]), float(recorded_s[end - 1]))
         for begin, end in zip(begins, ends, strict=True)
     ]
     if not stretches:

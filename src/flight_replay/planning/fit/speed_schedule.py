@@ -27,8 +27,9 @@ FASTEST_M_S = 30.0
 LEAST_HOLD_S = 1.0
 _LAG_S = 0.5
 """The vehicle passes a place so long after its target has reached it."""
-_OFF_S = 0.1
-"""As a hover ends the recorded vehicle has left its circle, ``reference.HOVER_RADIUS_M``, for so long."""
+_OFF_S = 0.6
+"""As a hover ends the recorded vehicle leaves its circle, ``reference.HOVER_RADIUS_M``, and has been on its
+way for about so long: 0.3 m from rest take (6 * 0.3 / 5)^(1/3) = 0.7 s at the 5 m/s³ of PSC_JERK_XY."""
 _SPEED_HEADROOM = 1.4
 _SPEED_HEADROOM_M_S = 1.0
 

@@ -10,13 +10,14 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.legs.flight_derivatives import (
+    HOLD,
     SPEED,
     ErrorVectors,
     changes_of,
     flight_derivatives,
 )
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
-from flight_replay.planning.fit.objective import Evaluation, position_offsets_m
+from flight_replay.planning.fit.objective import Evaluation, places_at, position_offsets_m
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits
@@ -55,6 +56,27 @@ def test_a_small_change_does_what_the_derivatives_say(place: int, change: int, s
     assert np.abs(foretold - done)[moving].max() < 0.2 * np.abs(done[moving]).max() + 0.05
     passed_s = size * derivatives.passed_s[:, column]
     assert np.abs(passed_s - (trial.passed_s - BASE.passed_s)).max() < 0.02
+
+
+def test_a_longer_wait_makes_all_that_follows_later() -> None:
+    """At a place in between; the first is waited at before the clock runs, the last after all."""
+    waits = np.array([6.0, 0.0, 4.0, 0.0, 3.0])
+    base = PROBLEM.evaluate(replace(DRAFT, hold_s=waits))
+    kinds, places = changes_of(base.draft, timed=True)
+    assert places[kinds == HOLD].tolist() == [2]
+    assert HOLD not in changes_of(base.draft, timed=False)[0]
+    derivatives = flight_derivatives(PROBLEM, base, 600.0)
+    (column,) = np.flatnonzero(kinds == HOLD)
+    trial = PROBLEM.evaluate(replace(base.draft, hold_s=waits + np.array([0, 0, 1, 0, 0])))
+    assert derivatives.passed_s[:, column] == pytest.approx(trial.passed_s - base.passed_s, abs=0.03)
+    count = len(PROBLEM.recording)
+    foretold = derivatives.errors[:, column].reshape(-1, 2)
+    left = PROBLEM.recording.time_s > base.passed_s[2]
+    at_s, flight = PROBLEM.recording.time_s, base.flight
+    sooner, later = (places_at(flight.time_s, flight.place_m[:, :2], at_s + s) for s in (-0.2, 0.2))
+    assert foretold[:count][left] == pytest.approx(((sooner - later) / 0.4)[left], abs=0.2)
+    assert not foretold[:count][~left].any()
+    assert not foretold[count:].any()
 
 
 def test_times_of_passing_are_finer_than_the_steps_of_the_model() -> None:

@@ -19,7 +19,7 @@ _NEAR_M = 0.1
 """A line this near to every fix has no use for more corners: fixes are off by centimetres."""
 _SHORTEST_PAUSE_S = 2.0
 _CORNER_M = 0.3
-_LONG_M = 10.0
+LONG_M = 10.0
 """A leg as long is straight; shorter ones between the corners of a curve are curved."""
 
 
@@ -76,7 +76,7 @@ def corner_draft(problem: FitProblem, most: int) -> FirstDraft:
     places_m[-1, :2] = problem.recording.north_east_m[-1]
     hold_s = holds_s(len(kept), waits, timed=problem.timed)
     curved = flown_through(hold_s, timed=problem.timed, straight_starts=problem.straight_starts)
-    curved[1:] &= segment_lengths_m(places_m) < _LONG_M
+    curved[1:] &= segment_lengths_m(places_m) < LONG_M
     return FirstDraft(Draft(places_m, curved, hold_s, np.full(len(kept), np.nan)), waits)
 
 

@@ -1,7 +1,7 @@
 """How the flight of a draft changes with its speeds and places, each changed a little in the model.
 
 A change is flown over the legs that it shapes. All that comes after is flown as before, sooner or later.
-What it does to the planned path needs no flight: that is a sum of places.
+What it does to the planned path needs no flight: that is a sum of places. Nor does a longer wait.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ from flight_replay.planning.fit.objective import Evaluation, places_at
 from flight_replay.planning.fit.offsets import Offsets, directions
 from flight_replay.planning.fit.problem import FitProblem
 
-SPEED, NORTH, EAST = range(3)
-"""What may change of a place: the logarithm of the speed on the way to it, how far north and east it is."""
+SPEED, NORTH, EAST, HOLD = range(4)
+"""What may change of a place: the logarithm of the speed on the way to it, how far north and east it is, and
+how many seconds are waited at it."""
 _SPEED_CHANGE, _PLACE_CHANGE_M = 0.08, 0.4
 _LEGS_AFTER_SPEED, _LEGS_BEFORE_PLACE, _LEGS_AFTER_PLACE = 1, 1, 2
 _FOLLOWS_S = 0.9
@@ -77,11 +78,14 @@ class FlightDerivatives:
 def changes_of(draft: Draft, *, timed: bool) -> tuple[Indices, Indices]:
     """What may change of a draft (p,), and of which place (p,): of all but the first.
 
-    At the vehicle's own speed no speeds are to be found, and the last place stays where the recording ends.
+    At the vehicle's own speed no speeds and waits are to be found, and the last place stays where the
+    recording ends.
     """
     kinds, last = ([SPEED, NORTH, EAST], len(draft) - 1) if timed else ([NORTH, EAST], len(draft) - 2)
     places = np.arange(1, last + 1)
-    return np.tile(np.array(kinds, np.intp), len(places)), np.repeat(places, len(kinds))
+    waits = 1 + np.flatnonzero(timed & (draft.hold_s[1:-1] > 0))
+    changed = np.concatenate([np.tile(np.array(kinds, np.intp), len(places)), np.full(len(waits), HOLD)])
+    return changed, np.concatenate([np.repeat(places, len(kinds)), waits])
 
 
 def flight_derivatives(
@@ -155,6 +159,9 @@ class _ChangedLegs:
 
     def add(self, kind: int, place: int, errors: Floats, passed_s: Floats) -> None:
         """Note the derivatives of errors (m, 2) and of when places are left (n,); none if it cannot be."""
+        if kind == HOLD:
+            self._add_wait(place, errors, passed_s)
+            return
         changed, first, last, size = self._changed(kind, place)
         first, last = max(first, 1), min(last, self._last)
         try:
@@ -164,6 +171,13 @@ class _ChangedLegs:
         passed_s[first : last + 1] = (flown.passed_s - self._passed_s[first : last + 1]) / size
         passed_s[last + 1 :] = passed_s[last]
         self._add_errors(errors, flown, first, last, size)
+
+    def _add_wait(self, place: int, errors: Floats, passed_s: Floats) -> None:
+        """A second more at a place makes all that comes after it a second later, and changes no path."""
+        passed_s[place:] = 1.0
+        fixes = self._at_fixes
+        first = int(np.searchsorted(fixes.time_s, self._passed_s[place]))
+        errors[first : len(fixes.time_s)] = -self._velocity_m_s[first:]
 
     def _changed(self, kind: int, place: int) -> tuple[Draft, int, int, float]:
         """The draft with a change, the first and last of the legs that it shapes, and how large it is."""
