@@ -9,6 +9,8 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import COLUMNS, Armed, Track, track_from_columns
 from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.reference import LocalTrack
+from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
 FRAME = LocalFrame(47.3, 8.5)
 
@@ -74,6 +76,12 @@ def sped_up(track: Track, factor: float) -> Track:
 def draft_of(places: list[tuple[float, float]], spline: list[bool], hold: list[float]) -> Draft:
     flat = np.column_stack([np.array(places, float), np.full(len(places), 20.0)])
     return Draft(flat, np.array(spline), np.array(hold), np.full(len(places), np.nan))
+
+
+def recording_of(flight: SimulatedDraft) -> LocalTrack:
+    """Every tenth position of a draft as the model flew it."""
+    some = slice(None, None, 10)
+    return LocalTrack(flight.time_s[some], flight.place_m[some, :2], flight.place_m[some, 2])
 
 
 MIXED = draft_of(

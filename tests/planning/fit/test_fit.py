@@ -31,6 +31,7 @@ from tests.helpers.fit_tracks import (
     draft_of,
     eights,
     hover,
+    recording_of,
     track_through,
     wander,
 )
@@ -163,9 +164,8 @@ def test_a_flown_mission_is_found_again() -> None:
         draft_of(corners, [False] * 6, [6, 8, 7, 0, 9, 0]),
         speed_m_s=np.array([np.nan, 1.0, 3.0, 4.0, 4.0, 5.0]),
     )
-    flight = simulate_draft(mission, Limits(), 0.02)
-    every = slice(None, None, 10)
-    track = track_through(flight.place_m[every, :2], flight.time_s[every])
+    recording = recording_of(simulate_draft(mission, Limits(), 0.02))
+    track = track_through(recording.north_east_m, recording.time_s)
     found = fit(track, altitude_m=20.0, speed_m_s="recorded")
     assert found.position_error.mean < 0.3
     assert found.path_error.max < 0.3

@@ -10,10 +10,10 @@ from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.item_grid import as_items_hold_it
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.reference import LocalTrack, flat_frame
+from flight_replay.planning.fit.reference import flat_frame
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import along, draft_of
+from tests.helpers.fit_tracks import along, draft_of, recording_of
 
 FRAME = flat_frame(along([(0, 0), (40, 0)], 4.0))
 
@@ -22,9 +22,7 @@ def problem_and_found(apart_m: float, *, timed: bool = True) -> tuple[FitProblem
     """Ten seconds at one place, then a leg; the recording is the draft as it is flown."""
     draft = draft_of([(0, 0), (apart_m, 0), (40, 0)], [False] * 3, [6, 9, 0])
     draft = replace(draft, speed_m_s=np.array([np.nan, 0.7, 4.0]))
-    flight = simulate_draft(draft, Limits(), 0.02)
-    every = slice(None, None, 10)
-    recording = LocalTrack(flight.time_s[every], flight.place_m[every, :2], flight.place_m[every, 2])
+    recording = recording_of(simulate_draft(draft, Limits(), 0.02))
     problem = replace(problem_for(recording, 20, Limits(), timed=timed), step_s=0.02)
     return problem, problem.evaluate(draft)
 

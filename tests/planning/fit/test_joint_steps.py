@@ -12,10 +12,10 @@ from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.joint_steps import stepped, stepped_jointly
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives, flight_derivatives
 from flight_replay.planning.fit.problem import Budget, FitProblem
-from flight_replay.planning.fit.reference import LocalTrack, local_track
+from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.rounds import State, timed
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import draft_of, wander
+from tests.helpers.fit_tracks import draft_of, recording_of, wander
 
 
 def problem_and_start(*, is_timed: bool = True) -> tuple[FitProblem, State]:
@@ -59,10 +59,7 @@ def test_waits_become_longer_or_shorter(hold_s: float) -> None:
     draft = draft_of([(0, 0), (30, 0), (30, 30), (60, 30)], [False] * 4, [6, 0, 8, 0])
     draft = replace(draft, speed_m_s=np.array([np.nan, 3.0, 4.0, 5.0]))
     problem, start = problem_and_start()
-    flight = problem.exact.simulate(draft)
-    some = slice(None, None, 10)
-    recording = LocalTrack(flight.time_s[some], flight.place_m[some, :2], flight.place_m[some, 2])
-    problem = replace(problem, recording=recording)
+    problem = replace(problem, recording=recording_of(problem.exact.simulate(draft)))
     wrong = replace(draft, hold_s=np.array([6.0, 0.0, hold_s, 0.0]))
     state = replace(start, best=problem.exact.evaluate(wrong))
     found = stepped(problem, state, budget()).best

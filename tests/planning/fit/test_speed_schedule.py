@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.reference import LocalTrack, hovers
+from flight_replay.planning.fit.reference import hovers
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.fit.speed_schedule import best_lateness_s, recorded_passing_s, slowest_m_s
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import draft_of
+from tests.helpers.fit_tracks import draft_of, recording_of
 
 
 def test_lateness_is_spread_where_it_costs_least() -> None:
@@ -45,8 +45,7 @@ def test_a_hover_is_left_when_the_recorded_vehicle_began_to_leave_it(speed_m_s: 
     """It was on its way for more than a second as it left the circle in which it hovered."""
     draft = draft_of([(0, 0), (40, 0), (40, 60)], [False] * 3, [6, 9, 0])
     flight = simulate_draft(replace(draft, speed_m_s=np.array([np.nan, 3.0, speed_m_s])), Limits(), 0.02)
-    every = slice(None, None, 10)
-    recording = LocalTrack(flight.time_s[every], flight.place_m[every, :2], flight.place_m[every, 2])
+    recording = recording_of(flight)
     (hover, *_) = hovers(recording, 2)
     assert recording.time_s[hover.last] > flight.passed_s[1] + 1.0
     passing_s = recorded_passing_s(draft, {1: hover}, recording)

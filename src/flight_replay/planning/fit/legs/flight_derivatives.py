@@ -1,7 +1,7 @@
-"""How the flight of a draft changes with its speeds and places, each changed a little in the model.
+"""How the flight of a draft changes with its speeds, places and waits, each changed a little.
 
-A change is flown over the legs that it shapes. All that comes after is flown as before, sooner or later.
-What it does to the planned path needs no flight: that is a sum of places. Nor does a longer wait.
+A change is flown in the model over the legs that it shapes. All that comes after is flown as before, sooner
+or later. What it does to the planned path needs no flight: that is a sum of places. Nor does a longer wait.
 """
 
 from __future__ import annotations
