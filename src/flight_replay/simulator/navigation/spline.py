@@ -22,7 +22,6 @@ from flight_replay.simulator.navigation.spline_end import motion_at_rest
 _LATERAL_SHARE: Final = 0.5
 _TANGENTIAL_SHARE: Final = 0.5
 _ZERO = (0.0, 0.0, 0.0)
-_FOREVER_S: Final = 1e6
 # Of t: a longer step is taken in smaller ones.
 _LONG_STEP: Final = 0.05
 _SMALL_STEPS: Final = 8
@@ -91,6 +90,25 @@ def _direction(n: float, e: float, u: float) -> Vector | None:
     return (n / length, e / length, u / length) if length > 0 else None
 
 
+def _speed_after(speed: float, before: float, after: float, change: float) -> float:
+    """Speed after a step in which it changes by ``change`` at most.
+
+    What is allowed goes from ``before`` to ``after``: the speed falls while it is above that and grows while
+    it is below. It turns where they cross, within the step. On board it turns with a step of 2.5 ms; with one
+    of 20 ms that would leave an error of speed, by where steps happen to fall, up to the next bend.
+    """
+    low, high = speed - change, speed + change
+    if before < speed:
+        if after <= low:
+            return low
+        turns = (speed - before) / (speed - before + after - low)
+        return min(after, high - 2.0 * change * turns)
+    if after >= high:
+        return high
+    turns = (before - speed) / (before - speed + high - after)
+    return max(after, low + 2.0 * change * turns)
+
+
 class Spline(SnapshotPart):
     """Motion along one spline leg; ``speed``, m/s, is what it has now, and may be set to begin with.
 
@@ -117,7 +135,7 @@ class Spline(SnapshotPart):
             return
         self._point = _CurvePoint(self._coefficients, 0.0, limits)
         self.destination_speed = assumed_speed
-        self.origin_speed = self._next_speed(self._point, 0.0, _FOREVER_S, 0.0)
+        self.origin_speed = self._allowed_speed(self._point, self._distance(self._point))
         self.destination_speed = 0.0
         if any(ends.destination_tangent):
             self.destination_speed = _CurvePoint(self._coefficients, 1.0, limits).speed_max
@@ -130,16 +148,16 @@ class Spline(SnapshotPart):
         """End not faster than ``speed`` (SplineCurve::set_destination_speed_max)."""
         self.destination_speed = min(self.destination_speed, speed)
 
-    def _next_speed(self, point: _CurvePoint, speed: float, dt: float, ahead: float) -> float:
-        """Speed after a step from ``speed``: towards what curve and limits allow ``ahead`` m after a point.
-
-        The destination's speed must still be reached over the straight distance to it.
-        """
+    def _distance(self, point: _CurvePoint) -> float:
+        """How far it is from a point straight to the destination, m."""
         n, e, u = point.position
         dn, de, du = self._destination
-        distance = max(0.0, norm(dn - n, de - e, du - u) - ahead)
+        return norm(dn - n, de - e, du - u)
+
+    def _allowed_speed(self, point: _CurvePoint, distance: float) -> float:
+        """What curve and limits allow at a point, so far from the destination with its own speed."""
         braking = sqrt(2.0 * point.accel * distance + self.destination_speed * self.destination_speed)
-        return clamp(min(point.speed_max, braking), speed - point.accel * dt, speed + point.accel * dt)
+        return min(point.speed_max, braking)
 
     def _t_after(self, point: _CurvePoint, distance: float) -> float:
         """The parameter t a distance on; in small steps, as on board, where that is much of the curve.
@@ -177,7 +195,10 @@ class Spline(SnapshotPart):
             return self._destination, _ZERO
         if self.finished:
             return self._destination, self._velocity_at_rest(point, dt)
-        next_speed = self._next_speed(point, speed, dt, speed * dt)
+        distance, change = self._distance(point), point.accel * dt
+        before = self._allowed_speed(point, distance)
+        ahead = self._allowed_speed(point, max(0.0, distance - speed * dt))
+        next_speed = clamp(ahead, speed - change, speed + change)
         delay_s = _DECEL_DELAY_S if next_speed < speed else _ACCEL_DELAY_S
         # With the track's time nearly at a standstill the delay would be the longer of both.
         distance = max(0.0, 0.5 * (speed + next_speed) * dt + (speed - next_speed) * delay_s)
@@ -189,6 +210,7 @@ class Spline(SnapshotPart):
             dt -= self.unused_s
             self._t = 1.0
             self.finished = True
-        self.speed = speed = self._next_speed(point, speed, dt, 0.0)
+        after = self._allowed_speed(point, self._distance(point))
+        self.speed = speed = _speed_after(speed, before, after, point.accel * dt)
         n, e, u = point.unit if point.tangent > 0 or not self.finished else _ZERO
         return point.position, (n * speed, e * speed, u * speed)

@@ -165,8 +165,11 @@ class WaypointNavigation(SnapshotPart):
             corner = self._limits if self.fast_waypoint else None
             position, velocity, accel, finished = self._legs.advance(dt, self._origin, corner)
             unused_s = self._legs.unused_s
-        # What is left of a step at a fast waypoint belongs to the next leg.
-        self.unused_s = unused_s if self.fast_waypoint else 0.0
+        # The rest of a step at a fast waypoint is the next leg's; the target goes straight on till then.
+        self.unused_s = rest_s = unused_s if self.fast_waypoint else 0.0
+        if rest_s > 0.0:
+            (n, e, u), (vn, ve, vu) = position, velocity
+            position = (n + vn * rest_s, e + ve * rest_s, u + vu * rest_s)
         control.set_target(position, velocity, accel)
         if finished and not self.reached:
             self.reached = self.fast_waypoint or self._within_radius()
