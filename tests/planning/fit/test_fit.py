@@ -144,7 +144,7 @@ def test_the_vehicles_own_speed_asks_for_none() -> None:
 
 @pytest.mark.usefixtures("brief_search")
 def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
-    """A flight that hovers for half a minute between two legs holds there for about as long."""
+    """A flight that hovers for half a minute between two legs is there for as long, mostly waiting."""
     out, back = along([(0, 0), (60, 0)], 4.0), along([(60, 0), (60, 60)], 4.0)
     north_east = np.concatenate(
         [out.north_east_m(FRAME), np.tile([60.0, 0.0], (120, 1)), back.north_east_m(FRAME)]
@@ -152,8 +152,10 @@ def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
     track = track_through(north_east, np.arange(len(north_east)) / 4.0)
     result = fit(track, max_points=20, speed_m_s="recorded")
     longest = max(item.hold_s for _, item in result.mission.waypoints)
-    assert longest == pytest.approx(30, abs=6)
-    assert longest == round(longest)
+    there = track.lat_deg[len(out) + 60], track.lon_deg[len(out) + 60]
+    near = np.linalg.norm(result.place_m[:, :2] - result.frame.to_metres(*there), axis=1) < 1.0
+    assert near.sum() * (result.time_s[1] - result.time_s[0]) == pytest.approx(30, abs=3)
+    assert 20 <= longest == round(longest)
 
 
 @pytest.mark.slow

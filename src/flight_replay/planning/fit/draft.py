@@ -12,6 +12,7 @@ from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import FIRST_SEQ, Home, Mission, change_speed, waypoint
 from flight_replay.mission.path import Destination, Path, path_through
 from flight_replay.planning.fit.reference import DECIMALS
+from flight_replay.simulator.navigation.hermite import MAX_TANGENTS_PER_CHORD
 
 _SHAPING_PLACES = 2
 """How many places before and behind legs shape their curves."""
@@ -109,6 +110,25 @@ def flown_through(hold_s: Floats, *, timed: bool = True, straight_starts: bool =
         through[1:] &= hold_s[:-1] == 0
     through[0] = False
     return through
+
+
+def without_hooks(draft: Draft) -> Draft:
+    """The draft with straight legs where splines from stops would begin backwards.
+
+    From rest a curve sets out along 3 d - t, by the way d to its end and the tangent t there, of 4 d at most
+    (SplineCurve::set_origin_and_destination). A real vehicle is through the hook that this makes at another
+    time than the model says, up to half a second sooner, and so is all that follows.
+    """
+    places_m, spline = draft.places_m, draft.spline.copy()
+    ways_m, through = np.diff(places_m, axis=0)[:-1], draft.hold_s[1:-1] == 0
+    tangents_m = places_m[2:] - np.where(spline[2:, None], places_m[:-2], places_m[1:-1])
+    squares = (ways_m**2).sum(axis=1)
+    longest_m = MAX_TANGENTS_PER_CHORD * np.sqrt(squares)
+    share = np.minimum(1.0, longest_m / np.maximum(np.linalg.norm(tangents_m, axis=1), 1e-9))
+    backwards = share * (tangents_m * ways_m).sum(axis=1) > 3.0 * squares
+    from_stop = np.append(True, draft.hold_s[1:] > 0)[: len(through)]
+    spline[1:-1] &= ~(backwards & from_stop & through)
+    return replace(draft, spline=spline)
 
 
 def with_every_speed(draft: Draft) -> Draft:

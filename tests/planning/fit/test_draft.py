@@ -1,0 +1,43 @@
+"""Routes while they are fitted: what is asked of their legs, whatever a search would like."""
+
+import numpy as np
+import pytest
+
+from flight_replay.planning.fit.draft import Draft, without_hooks
+from flight_replay.planning.fit.simulated_draft import simulate_draft
+from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import draft_of
+
+BEHIND_A_STOP: list[tuple[float, float]] = [(0, 0), (20, 0), (25, 0), (49, 4), (70, 0)]
+CURVES = [False, False, True, True, True]
+
+
+def backs_up_m(draft: Draft) -> float:
+    """How far the vehicle flies back from the stop at (20, 0)."""
+    flown = simulate_draft(draft, Limits(), 0.02)
+    return 20.0 - float(flown.place_m[flown.time_s > flown.passed_s[1], 0].min())
+
+
+def test_no_curve_begins_backwards_from_a_stop() -> None:
+    """A short curve from a stop, a long one after it, would back up first: its leg becomes straight."""
+    draft = draft_of(BEHIND_A_STOP, CURVES, [1, 8, 0, 0, 0])
+    straight = without_hooks(draft)
+    assert straight.spline.tolist() == [False, False, False, True, True]
+    assert backs_up_m(draft) > 0.1
+    assert backs_up_m(straight) < 0.02
+
+
+@pytest.mark.parametrize(
+    ("places", "hold"),
+    [
+        (BEHIND_A_STOP, [1, 0, 0, 0, 0]),
+        (BEHIND_A_STOP, [1, 8, 1, 0, 0]),
+        ([(0, 0), (20, 0), (25, 0), (33, 2), (50, 0)], [1, 8, 0, 0, 0]),
+        ([(0, 0), (20, 0), (40, 0)], [1, 8, 0]),
+        ([(0, 0), (20, 0)], [1, 0]),
+    ],
+)
+def test_other_curves_stay(places: list[tuple[float, float]], hold: list[float]) -> None:
+    """Where the vehicle flies through, or stops at the end, where legs are alike, and the last."""
+    curves = CURVES[: len(places)]
+    assert np.array_equal(without_hooks(draft_of(places, curves, hold)).spline, curves)
