@@ -195,9 +195,9 @@ class Spline(SnapshotPart):
             return self._destination, _ZERO
         if self.finished:
             return self._destination, self._velocity_at_rest(point, dt)
-        distance, change = self._distance(point), point.accel * dt
-        before = self._allowed_speed(point, distance)
-        ahead = self._allowed_speed(point, max(0.0, distance - speed * dt))
+        left, change = self._distance(point), point.accel * dt
+        before = self._allowed_speed(point, left)
+        ahead = self._allowed_speed(point, max(0.0, left - speed * dt))
         next_speed = clamp(ahead, speed - change, speed + change)
         delay_s = _DECEL_DELAY_S if next_speed < speed else _ACCEL_DELAY_S
         # With the track's time nearly at a standstill the delay would be the longer of both.
