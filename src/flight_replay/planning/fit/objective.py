@@ -50,7 +50,8 @@ class Evaluation:
 
     ``planned`` and ``flown`` are each the offsets of both ways: of the fixes, and of the path's own points.
     ``flown_s`` (n,) is when the vehicle flies by each fix, ``late_m`` (n,) the position error that counts.
-    ``creeping_s`` is how long it creeps, ``timed`` whether the recorded speed is to be kept.
+    ``creeping_s`` is how much of each step of the flight it creeps, where that counts; ``timed`` whether the
+    recorded speed is to be kept.
     """
 
     flight: SimulatedDraft
@@ -58,7 +59,7 @@ class Evaluation:
     flown: tuple[Offsets, Offsets]
     flown_s: Floats
     late_m: Floats
-    creeping_s: float
+    creeping_s: Floats
     timed: bool
 
     @property
@@ -93,7 +94,7 @@ class Evaluation:
     @property
     def objective_m(self) -> float:
         """The number that the fit makes small; see the module."""
-        late = self.time_share * float(self.late_m.mean()) + CREEPING_M_S * self.creeping_s
+        late = self.time_share * float(self.late_m.mean()) + CREEPING_M_S * float(self.creeping_s.sum())
         return float(np.dot(self.path_shares, self.path_errors_m)) + late
 
 
@@ -119,7 +120,7 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
     Args:
         evaluation: a draft as it is flown.
         scales_m: the path errors, flown and planned.
-        whole: whether being late counts, or the path errors only.
+        whole: whether being late and creeping count, or the path errors only.
     """
     legs = len(evaluation.draft)
     cost = np.zeros(legs)
@@ -131,7 +132,15 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
     if whole:
         late_m = np.bincount(evaluation.planned[0].leg, evaluation.late_m, minlength=legs)
         cost += evaluation.time_share * late_m / len(evaluation.late_m)
+        cost += CREEPING_M_S * _creeping_by_leg_s(evaluation)
     return cost
+
+
+def _creeping_by_leg_s(evaluation: Evaluation) -> Floats:
+    """How long the vehicle creeps on the leg to each place (n,)."""
+    slow, legs = np.flatnonzero(evaluation.creeping_s), len(evaluation.draft)
+    leg = np.searchsorted(evaluation.passed_s, evaluation.flight.time_s[slow]).clip(max=legs - 1)
+    return np.asarray(np.bincount(leg, evaluation.creeping_s[slow], minlength=legs), float)
 
 
 def seconds_cost_m_s(evaluation: Evaluation, recording: LocalTrack) -> Floats:
@@ -162,22 +171,22 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     matched = match_to_flight(flight, recording, late_m if timed else None)
     if not timed:
         late_m = np.where(matched.flown_s > recording.time_s, late_m, 0.0)
-    slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else 0.0
+    slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else np.empty(0)
     return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_m, slow_s, timed)
 
 
-def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> float:
-    """How long a vehicle creeps that is at such places (k, 2) at such times (k,)."""
-    if len(time_s) < 2:
-        return 0.0
+def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> Floats:
+    """How long of each step (k - 1,) a vehicle creeps that is at such places (k, 2) at such times (k,)."""
     steps_s = np.diff(time_s)
     slow = np.flatnonzero(segment_lengths_m(north_east_m) < CREEPING_SPEED_M_S * steps_s)
-    if not len(slow):
-        return 0.0
-    stops = draft.hold_s > 0
-    stops[0] = stops[-1] = True
-    apart_m = np.linalg.norm(north_east_m[slow, None] - draft.places_m[stops, :2], axis=2)
-    return float(steps_s[slow[apart_m.min(axis=1) > _AT_STOP_M]].sum())
+    creeping = np.zeros_like(steps_s)
+    if len(slow):
+        stops = draft.hold_s > 0
+        stops[0] = stops[-1] = True
+        apart_m = np.linalg.norm(north_east_m[slow, None] - draft.places_m[stops, :2], axis=2)
+        away = slow[apart_m.min(axis=1) > _AT_STOP_M]
+        creeping[away] = steps_s[away]
+    return creeping
 
 
 def position_offsets_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS
-from flight_replay.planning.fit.joint_steps import JOINT_FLIGHTS, stepped
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
     FIRST_DAMPING,
@@ -20,6 +19,7 @@ from flight_replay.planning.fit.rounds import (
     rounded,
     timed,
 )
+from flight_replay.planning.fit.steps.joint_steps import JOINT_FLIGHTS, stepped
 
 _GOING_ON_FLIGHTS = 3 * JOINT_FLIGHTS
 _BEGINNING_FLIGHTS = ROUND_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS

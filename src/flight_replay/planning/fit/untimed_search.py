@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import inf
 
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS
-from flight_replay.planning.fit.joint_steps import stepped
 from flight_replay.planning.fit.objective import objective_lower_bound_m
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
@@ -19,6 +18,7 @@ from flight_replay.planning.fit.rounds import (
     state_of,
     swept,
 )
+from flight_replay.planning.fit.steps.joint_steps import stepped
 
 ANOTHER_FLIGHTS = 1.5 * SWEEP_FLIGHTS
 """What it takes at least to go on with another start."""

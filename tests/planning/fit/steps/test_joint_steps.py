@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flight_replay.planning.fit import joint_steps
 from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.joint_steps import stepped, stepped_jointly
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives, flight_derivatives
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.rounds import State, timed
+from flight_replay.planning.fit.steps import joint_steps
+from flight_replay.planning.fit.steps.joint_steps import stepped, stepped_jointly
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import draft_of, recording_of, wander
 

@@ -7,11 +7,14 @@ objective, with a damping that grows as steps fail. Near a good draft most chang
 longer with a place farther to one side, and longer to the other. Then steps go by the derivatives to both.
 A leg that takes longer makes all after it late, so after the step the speeds are set anew, to leave each
 place when the step meant it to be left.
+
+A step that fails as a whole is taken where it leads to something better (``better_parts``), and what made
+it late is reckoned with in the next (``delays``).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,16 +31,11 @@ from flight_replay.planning.fit.legs.flight_derivatives import (
     flight_derivatives,
     planned_marks,
 )
-from flight_replay.planning.fit.objective import (
-    Evaluation,
-    position_offsets_m,
-)
+from flight_replay.planning.fit.objective import Evaluation, position_offsets_m
 from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown, flown_on_time
-from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
-from flight_replay.planning.fit.solvers.normal_equations import normal_equations
 from flight_replay.planning.fit.speed_schedule import (
     FASTEST_M_S,
     LEAST_HOLD_S,
@@ -45,6 +43,9 @@ from flight_replay.planning.fit.speed_schedule import (
     slowest_m_s,
     speed_caps_m_s,
 )
+from flight_replay.planning.fit.steps.better_parts import places_better
+from flight_replay.planning.fit.steps.delays import Delays
+from flight_replay.planning.fit.steps.linear_model import LinearModel, Sides
 
 JOINT_FLIGHTS = 11
 """A step costs about as many flights, by changes to both sides half as many again."""
@@ -52,7 +53,8 @@ _COARSER = 2.0
 """Derivatives are as good in steps so many times longer, though never longer than those of the search."""
 _SMOOTH_GAIN = 0.02
 """Steps by changes to one side that gain less of the objective are followed by such to both sides."""
-_MORE, _LESS, _MOST_DAMPING = 4.0, 0.5, 0.3
+_MORE, _MORE_KNOWING, _LESS, _MOST_DAMPING = 4.0, 1.5, 0.5, 0.3
+"""After a step that failed damping is more, but not much where it is known what made it late."""
 _SMALLER = 0.5
 """Where changes to both sides lead nowhere, smaller ones may."""
 _TRIES = 3
@@ -60,10 +62,8 @@ _MANY_STEPS = 100
 _PATIENCE_S = 60.0
 """A leg may take so much longer than the flight: the first comes after the climb of a take-off."""
 _MOST_DERIVATIVES = 10_000_000
-"""More would take too much memory; four copies of these take 320 MB."""
+"""More would take too much memory; six copies of these take 480 MB."""
 _USUAL_CHANGE = np.array([0.15, 0.4, 0.4, 0.5])  # Of a speed's logarithm, of a place, m, and of a wait, s.
-_MOST_TIMES = 2
-_NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 
 
 def stepped(problem: FitProblem, state: State, budget: Budget, most: int = _MANY_STEPS) -> State:
@@ -92,14 +92,14 @@ def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
     steps = _JointSteps(problem, state, budget)
     one = steps.derivatives(state.change_size)
     if not state.both_sides:
-        after = steps.taken(state, _Sides(one))
+        after = steps.taken(state, Sides(one))
         if after.best is not state.best:
             gained = 1 - after.objective_m / state.objective_m
             return replace(after, both_sides=gained < _SMOOTH_GAIN)
         if not budget.affords(JOINT_FLIGHTS):
             return after
         state = replace(state, both_sides=True)
-    after = steps.taken(state, _Sides(one, steps.derivatives(-state.change_size)))
+    after = steps.taken(state, Sides(one, steps.derivatives(-state.change_size)))
     if after.best is not state.best:
         return after
     return replace(after, change_size=_SMALLER * state.change_size)
@@ -115,6 +115,7 @@ class _JointSteps:
         self._base = state.best if is_exact else self._coarse.evaluate(state.best.draft)
         self._duration_s = float(state.best.flight.time_s[-1])
         self._kinds, self._places = changes_of(state.best.draft, timed=problem.timed)
+        self._usual = _USUAL_CHANGE[self._kinds]
         self._caps_m_s = speed_caps_m_s(state.best.draft, problem.recording)
 
     def derivatives(self, size: float) -> FlightDerivatives:
@@ -123,32 +124,54 @@ class _JointSteps:
         self._spend(found.steps)
         return found
 
-    def taken(self, state: State, sides: _Sides) -> State:
+    def taken(self, state: State, sides: Sides) -> State:
         """After a few steps, those that succeed with less damping after them, those that fail with more."""
         state = replace(state, damping=min(state.damping, _MOST_DAMPING))
         back_m = self._base.flown[1].off_m, planned_marks(self._base).off_m
         errors = _errors(state.best, self._recording, back_m)
+        delays = Delays.none(len(state.best.draft), len(self._places))
         for _ in range(_TRIES):
-            model = _LinearModel.of(sides, errors, state.best)
-            changes = model.best_changes(state.damping, _USUAL_CHANGE[self._kinds])
-            trial = self._flown(state, changes, state.best.passed_s + sides.passed_s(changes))
+            foretold = delays.added_to(sides, state.best, self._recording)
+            changes = LinearModel.of(foretold, errors, state.best).best_changes(state.damping, self._usual)
+            trial, damping = self._flown(state, foretold, changes), _LESS * state.damping
             if trial.objective_m >= state.best.objective_m:
-                state = replace(state, damping=_MORE * state.damping)
+                delays = self._learned(
+                    delays, changes, trial.passed_s - self._leave_s(state, foretold, changes)
+                )
+                changes = changes * places_better(state.best, trial)[self._places]
+                trial, damping = self._flown(state, foretold, changes), state.damping
+            if trial.objective_m >= state.best.objective_m:
+                more = _MORE_KNOWING if delays.are_known else _MORE
+                state = replace(state, damping=more * state.damping)
                 continue
-            state = replace(state, best=trial, damping=_LESS * state.damping)
-            errors = _errors(trial, self._recording, errors.moved_back(sides.errors(changes)))
+            errors = _errors(trial, self._recording, errors.moved_back(foretold.errors(changes)))
+            state = replace(state, best=trial, damping=damping)
         return state
 
-    def _flown(self, state: State, changes: Floats, leave_s: Floats) -> Evaluation:
-        """The draft with changes (p,), each place left at such times (n,) if the speeds may be set."""
+    def _learned(self, delays: Delays, changes: Floats, late_s: Floats) -> Delays:
+        """The delays known after a step that failed; a wait is as long as it is."""
+        if not self._exact.timed:
+            return delays
+        to_blame = np.where(self._kinds == HOLD, 0.0, changes)
+        return delays.learned(to_blame, self._usual, self._places, late_s)
+
+    def _flown(self, state: State, sides: Sides, changes: Floats) -> Evaluation:
+        """The draft with changes (p,), each place left when they lead there, if the speeds may be set."""
+        if not changes.any():
+            return state.best
         draft = self._changed(state.best.draft, changes)
         draft = kept_in_corridor(draft, state.hovers, self._recording)
         if not self._exact.timed:
             return flown(self._exact, draft, self._budget)
-        schedule = Schedule(draft, np.maximum.accumulate(leave_s))
+        schedule = Schedule(draft, np.maximum.accumulate(self._leave_s(state, sides, changes)))
         trial, steps = flown_on_time(self._exact, schedule, self._caps_m_s)
         self._spend(steps)
         return trial
+
+    @staticmethod
+    def _leave_s(state: State, sides: Sides, changes: Floats) -> Floats:
+        """When each place (n,) is left after changes, as foretold."""
+        return state.best.passed_s + sides.passed_s(changes)
 
     def _changed(self, draft: Draft, changes: Floats) -> Draft:
         """The draft with the logarithms of its speeds, its places and its waits changed."""
@@ -187,73 +210,3 @@ def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: tuple[Floats,
     """The errors of a draft as it is flown, but for those of its paths' own points, which are given."""
     position_m = position_offsets_m(evaluation.flight, recording)[:, :2]
     return ErrorVectors(position_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, *back_m)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Sides:
-    """Derivatives by changes above 0, and by those below 0; without these the first stand for both."""
-
-    one: FlightDerivatives
-    other: FlightDerivatives | None = None
-
-    def errors(self, changes: Floats) -> Floats:
-        """What the stacked errors (m,) change by."""
-        if self.other is None:
-            return self.one.errors @ changes
-        return self.one.errors @ np.maximum(changes, 0) + self.other.errors @ np.minimum(changes, 0)
-
-    def passed_s(self, changes: Floats) -> Floats:
-        """How much later places (n,) are left."""
-        if self.other is None:
-            return self.one.passed_s @ changes
-        return self.one.passed_s @ np.maximum(changes, 0) + self.other.passed_s @ np.minimum(changes, 0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _LinearModel:
-    """How the weighted squares of errors go with p changes: their normal matrix, and their force.
-
-    Changes to both sides are 2 p numbers that are not negative: how far to one side, and to the other.
-    """
-
-    normal: Floats
-    force: Floats
-    both_sides: bool
-
-    @classmethod
-    def of(cls, sides: _Sides, errors: ErrorVectors, evaluation: Evaluation) -> _LinearModel:
-        """That by the derivatives of the stacked errors (m,)."""
-        columns = [sides.one.errors.T] + ([] if sides.other is None else [-sides.other.errors.T])
-        weights = _weights(errors, evaluation)
-        return cls(*normal_equations(columns, weights, errors.stacked), sides.other is not None)
-
-    def best_changes(self, damping: float, usual: Floats) -> Floats:
-        """The changes (p,) that make them small, none too large against the usual ones (p,)."""
-        most = _MOST_TIMES * usual
-        sizes = np.tile(usual, 2) if self.both_sides else usual
-        damped = self.normal + np.diag(damping / sizes**2)
-        if not self.both_sides:
-            return np.clip(np.linalg.solve(damped, -self.force), -most, most)
-        one, other = np.split(np.minimum(smallest_nonnegative(damped, -self.force), np.tile(most, 2)), 2)
-        return np.asarray(one - other)
-
-
-def _weights(errors: ErrorVectors, evaluation: Evaluation) -> Floats:
-    """What the squares of the errors' components (m,) count, so that their slope is the objective's."""
-    apart_m = np.linalg.norm(errors.position, axis=1)
-    late = evaluation.time_share * (evaluation.late_m > 0) / (len(apart_m) * np.maximum(apart_m, _NEAR_M))
-    flown_m, planned_m = (max(each, _LEAST_PATH_ERROR_M) for each in evaluation.path_errors_m)
-    flown_share, planned_share = evaluation.path_shares
-    flown, flown_back = (
-        flown_share * _path_weights(each, flown_m) for each in (errors.flown, errors.flown_back)
-    )
-    planned, planned_back = (
-        planned_share * _path_weights(each, planned_m) for each in (errors.planned, errors.planned_back)
-    )
-    return np.repeat(np.concatenate([late, flown, planned, flown_back, planned_back]), 2)
-
-
-def _path_weights(off_m: Floats, scale_m: float) -> Floats:
-    """The same for vectors (k, 2) of one way of a path error, which is ``scale_m``."""
-    squares = (off_m**2).sum(axis=1)
-    return np.asarray((squares + _LEAST_SQUARE_M2) / (2 * max(len(off_m), 1) * scale_m**3))

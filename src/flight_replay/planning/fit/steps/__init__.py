@@ -1,0 +1,1 @@
+"""Steps of all places, speeds and waits of a draft together."""
