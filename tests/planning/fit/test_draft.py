@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from flight_replay.planning.fit.draft import Draft, without_hooks
+from flight_replay.planning.fit.reference import flat_frame
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import draft_of
+from tests.helpers.fit_tracks import along, draft_of
 
 BEHIND_A_STOP: list[tuple[float, float]] = [(0, 0), (20, 0), (25, 0), (49, 4), (70, 0)]
 CURVES = [False, False, True, True, True]
@@ -41,3 +42,15 @@ def test_other_curves_stay(places: list[tuple[float, float]], hold: list[float])
     """Where the vehicle flies through, or stops at the end, where legs are alike, and the last."""
     curves = CURVES[: len(places)]
     assert np.array_equal(without_hooks(draft_of(places, curves, hold)).spline, curves)
+
+
+def test_places_are_where_items_hold_them() -> None:
+    """They come back from the mission as they are, a centimetre from where they were; once is enough."""
+    frame = flat_frame(along([(0, 0), (40, 0)], 4.0))
+    draft = draft_of([(0, 0), (20.0051, 3.0049), (40, -7.123456)], [False, True, False], [1, 0, 0])
+    held = draft.as_items_hold_it(frame)
+    items = [item for _, item in held.mission(frame).waypoints]
+    lat, lon = ([round(getattr(item, each), 7) for item in items] for each in ("lat_deg", "lon_deg"))
+    assert held.places_m[:, :2] == pytest.approx(frame.to_metres(lat, lon), abs=1e-6)
+    assert 0 < np.abs(held.places_m - draft.places_m).max() < 0.01
+    assert held.as_items_hold_it(frame) is held

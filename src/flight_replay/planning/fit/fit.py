@@ -25,7 +25,6 @@ from flight_replay.planning.fit.first_drafts.line_simplification import (
     straight_draft,
 )
 from flight_replay.planning.fit.first_drafts.whole_corners import with_whole_corners
-from flight_replay.planning.fit.item_grid import as_items_hold_it
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import (
@@ -93,10 +92,10 @@ def fit(  # noqa: PLR0913
     recording = local_track(flown, heights.planned_m, takeoff_m)
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = problem_for(recording, max_points, limits, timed=timed)
+    problem = replace(problem, frame=flat_frame(flown))
     starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
     budget = _budget(problem, len(flown), progress)
-    found, stopped = search(problem, starts, max_points, budget)
-    best = as_items_hold_it(problem, found, flat_frame(flown))
+    best, stopped = search(problem, starts, max_points, budget)
     notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
     return _result(best, flown, recording, heights, notes)
 

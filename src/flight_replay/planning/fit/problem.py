@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.objective import Evaluation, evaluate
 from flight_replay.planning.fit.reference import Hover, LocalTrack
@@ -30,7 +31,8 @@ _LEAPING_M_S2 = 5.0
 class FitProblem:
     """What to fit: the recording, its hovers, and what the vehicle may do.
 
-    ``timed`` says whether the recorded speed is to be kept; ``step_s`` is the step of the model.
+    ``timed`` says whether the recorded speed is to be kept; ``step_s`` is the step of the model. With
+    ``frame``, drafts are flown as mission items hold them, the fit's metres around its origin.
     """
 
     recording: LocalTrack
@@ -38,10 +40,15 @@ class FitProblem:
     limits: Limits
     timed: bool
     step_s: float
+    frame: FlatFrame | None = None
+
+    def held(self, draft: Draft) -> Draft:
+        """A draft as mission items hold it."""
+        return draft if self.frame is None else draft.as_items_hold_it(self.frame)
 
     def simulate(self, draft: Draft) -> SimulatedDraft:
-        """A draft as the model flies it, at its own speeds."""
-        return _simulated(draft, self.limits, self.step_s, self.recording.takeoff)
+        """A draft as items hold it and the model flies it, at its own speeds."""
+        return _simulated(self.held(draft), self.limits, self.step_s, self.recording.takeoff)
 
     def least_leg_s(self, draft: Draft, caps_m_s: Floats) -> Floats:
         """What each leg of a draft (n,) takes at the highest speeds (n,), waiting not counted."""

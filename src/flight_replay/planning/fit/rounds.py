@@ -106,7 +106,7 @@ def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: B
     """A draft evaluated with the speeds and waits that keep it nearest to the recording's times."""
     if len(draft) < 2:
         return flown(problem, draft, budget)
-    draft, recording = without_hooks(draft), problem.recording
+    draft, recording = without_hooks(problem.held(draft)), problem.recording
     caps = speed_caps_m_s(draft, recording)
     plan = schedule(draft, hovers, recording, problem.least_leg_s(draft, caps))
     speeds = SpeedSearch(plan, caps, problem.limits, problem.step_s, recording.takeoff)
@@ -123,7 +123,7 @@ def flown_on_time(problem: FitProblem, plan: Schedule, caps_m_s: Floats) -> tupl
         plan: the draft, at least two places, and when they are to be left.
         caps_m_s: the highest speeds (n,), where the draft has none that is higher.
     """
-    plan = replace(plan, draft=without_hooks(plan.draft))
+    plan = replace(plan, draft=without_hooks(problem.held(plan.draft)))
     caps_m_s = np.fmax(caps_m_s, plan.draft.speed_m_s)
     search = SpeedSearch(plan, caps_m_s, problem.limits, problem.step_s, problem.recording.takeoff)
     return problem.compared(search.run()), search.steps
