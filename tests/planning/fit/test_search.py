@@ -10,7 +10,7 @@ from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoi
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
-from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.reference import flat_frame, local_track
 from flight_replay.planning.fit.rounds import State
 from flight_replay.planning.fit.search import search
 from flight_replay.simulator.dynamics.limits import Limits
@@ -31,6 +31,16 @@ def test_no_start_is_better_than_what_is_found() -> None:
         problem, starts = problem_and_starts(timed=timed)
         best, _ = search(problem, starts, 20, Budget(60, lambda done, total: None))
         assert best.objective_m < min(problem.evaluate(start.draft).objective_m for start in starts)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_what_is_found_is_what_items_hold(timed: bool) -> None:
+    """And what was flown: nothing is rounded after the search."""
+    problem, starts = problem_and_starts(timed=timed)
+    problem = replace(problem, frame=flat_frame(wander(2)))
+    best, _ = search(problem, starts, 20, Budget(60, lambda done, total: None))
+    assert problem.held(best.draft) is best.draft
+    assert best.objective_m == problem.exact.evaluate(best.draft).objective_m
 
 
 def test_a_search_says_why_it_stopped() -> None:

@@ -6,12 +6,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives, flight_derivatives
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import local_track
-from flight_replay.planning.fit.rounds import State, timed
+from flight_replay.planning.fit.rounds import State, flown_on_time, timed
+from flight_replay.planning.fit.speed_schedule import Schedule
 from flight_replay.planning.fit.steps import joint_steps
 from flight_replay.planning.fit.steps.joint_steps import stepped, stepped_jointly
 from flight_replay.simulator.dynamics.limits import Limits
@@ -74,6 +78,28 @@ def test_steps_that_fail_are_damped_more(monkeypatch: pytest.MonkeyPatch) -> Non
     found = stepped_jointly(problem, start, budget())
     assert found.best is start.best
     assert found.damping > start.damping
+
+
+def test_a_step_that_fails_is_taken_where_it_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A trial that is far behind in the end alone: all but the places there move."""
+    problem, start = problem_and_start()
+    asked: list[Draft] = []
+
+    def late_at_first(problem: FitProblem, plan: Schedule, caps_m_s: Floats) -> tuple[Evaluation, int]:
+        trial, steps = flown_on_time(problem, plan, caps_m_s)
+        asked.append(plan.draft)
+        if len(asked) == 1:
+            trial = replace(
+                trial, late_m=trial.late_m + np.where(np.arange(len(trial.late_m)) < 70, 0.0, 500.0)
+            )
+        return trial, steps
+
+    monkeypatch.setattr(joint_steps, "flown_on_time", late_at_first)
+    found = stepped_jointly(problem, start, budget())
+    moved = (asked[1].places_m != start.best.draft.places_m).any(axis=1)
+    assert moved[1:10].any()
+    assert not moved[-3:].any()
+    assert found.objective_m < start.objective_m
 
 
 def test_where_changes_to_one_side_lead_nowhere_those_to_the_other_count_too(
