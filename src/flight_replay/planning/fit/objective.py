@@ -42,6 +42,8 @@ CREEPING_M_S, CREEPING_SPEED_M_S = 0.05, 0.3
 _AT_STOP_M = 1.0
 """A vehicle that comes to rest shoots past its stop and comes back slowly: so near it does not creep."""
 _LEAST_SCALE_M = 0.4
+_AROUND_S = 0.1
+"""Velocities are those from so long before to so long after."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,3 +199,9 @@ def position_offsets_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
 def places_at(time_s: Floats, place_m: Floats, at_s: Floats) -> Floats:
     """Places (m, d) at times (m,) of what is at places (k, d) at rising times (k,)."""
     return np.column_stack([np.interp(at_s, time_s, column) for column in place_m.T])
+
+
+def velocities_at_m_s(time_s: Floats, place_m: Floats, at_s: Floats) -> Floats:
+    """Velocities (m, d) at times (m,) of what is at places (k, d) at rising times (k,)."""
+    before_m, later_m = (places_at(time_s, place_m, at_s + shift_s) for shift_s in (-_AROUND_S, _AROUND_S))
+    return np.asarray((later_m - before_m) / (2 * _AROUND_S))

@@ -10,9 +10,9 @@ from flight_replay.planning.fit.legs.flight_points import (
     marks_of_flight,
     points_at_fixes,
     points_beside_fixes,
-    velocities_m_s,
 )
 from flight_replay.planning.fit.legs.local_flights import LocalFlights
+from flight_replay.planning.fit.objective import velocities_at_m_s
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, draft_of
@@ -50,6 +50,6 @@ def test_a_flight_straight_on_has_points_that_may_slide_along_it() -> None:
     assert np.abs(marks.along[5:-5, 0]).min() > 0.999
     assert (beside.row, marks.row) == (7, 9)
     at_fixes = points_at_fixes(problem, flight)
-    speed_m_s = np.linalg.norm(velocities_m_s(at_fixes, flight), axis=1)
+    speed_m_s = np.linalg.norm(velocities_at_m_s(flight.time_s, flight.north_east_m, at_fixes.time_s), axis=1)
     assert not at_fixes.along.any()
     assert 3.0 < speed_m_s[middle // 2] < 12.0

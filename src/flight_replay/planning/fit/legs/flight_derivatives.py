@@ -19,10 +19,9 @@ from flight_replay.planning.fit.legs.flight_points import (
     marks_of_flight,
     points_at_fixes,
     points_beside_fixes,
-    velocities_m_s,
 )
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
-from flight_replay.planning.fit.objective import Evaluation, places_at
+from flight_replay.planning.fit.objective import Evaluation, places_at, velocities_at_m_s
 from flight_replay.planning.fit.offsets import Offsets, directions
 from flight_replay.planning.fit.problem import FitProblem
 
@@ -143,7 +142,7 @@ class _ChangedLegs:
         self._passed_s = np.append(self._flights.left_s(0), whole.passed_s)
         count = len(problem.recording)
         self._at_fixes = points_at_fixes(problem, whole)
-        self._velocity_m_s = velocities_m_s(self._at_fixes, whole)
+        self._velocity_m_s = velocities_at_m_s(whole.time_s, whole.north_east_m, self._at_fixes.time_s)
         self._beside_fixes = points_beside_fixes(base, whole, count)
         self._marks = marks_of_flight(problem, base, whole, 3 * count)
 

@@ -14,7 +14,7 @@ from flight_replay.planning.fit.offsets import marks_along, pieces_around
 from flight_replay.planning.fit.problem import FitProblem
 
 _AROUND_S = 0.1
-"""Ways and velocities are those from so long before to so long after."""
+"""Ways are those from so long before to so long after."""
 _SAME_S = 1e-6
 """Times that differ by less are one: steps of the model and fixes often are at the same but for last bits."""
 _ACROSS_SHARE, _ACROSS_M = 0.3, 0.02
@@ -68,12 +68,6 @@ def marks_of_flight(problem: FitProblem, base: Evaluation, flight: LocalFlight, 
     _, apart = nearest_on_segments((marks_m + off_m)[:, None], fixes[around], steps[around])
     ways = _unit(steps[around[np.arange(len(marks_m)), apart.argmin(axis=1)]])
     return FlightPoints(row, time_s, _places_m(flight, time_s), _free_ways(ways, off_m))
-
-
-def velocities_m_s(points: FlightPoints, flight: LocalFlight) -> Floats:
-    """Velocities (k, 2) of the vehicle at some points of its flight."""
-    later, before = (_places_m(flight, points.time_s + shift_s) for shift_s in (_AROUND_S, -_AROUND_S))
-    return (later - before) / (2 * _AROUND_S)
 
 
 def _places_m(flight: LocalFlight, time_s: Floats) -> Floats:

@@ -14,14 +14,13 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives
-from flight_replay.planning.fit.objective import Evaluation, places_at
+from flight_replay.planning.fit.objective import Evaluation, velocities_at_m_s
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.steps.linear_model import Sides
 
 _LEAST_S = 0.01
 _BEFORE, _AFTER = 2, 1
 """A leg is shaped by its ends, and by one place before and one after them."""
-_AROUND_S = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +67,9 @@ class Delays:
         if not self.are_known:
             return sides
         later_s = _at(self.by_change, evaluation.passed_s, recording.time_s)
-        back_m = _velocities_m_s(evaluation, recording)[:, :, None] * later_s[:, None, :]
+        flight = evaluation.flight
+        velocity_m_s = velocities_at_m_s(flight.time_s, flight.place_m[:, :2], recording.time_s)
+        back_m = velocity_m_s[:, :, None] * later_s[:, None, :]
         other = sides.one if sides.other is None else sides.other
         return Sides(self._later(sides.one, back_m, 1.0), self._later(other, back_m, -1.0))
 
@@ -96,13 +97,3 @@ def _at(columns: Floats, passed_s: Floats, time_s: Floats) -> Floats:
     begin = np.minimum(at.astype(np.intp), len(passed_s) - 2)
     part = (at - begin)[:, None]
     return np.asarray((1 - part) * columns[begin] + part * columns[begin + 1])
-
-
-def _velocities_m_s(evaluation: Evaluation, recording: LocalTrack) -> Floats:
-    """The vehicle's velocity over the ground at the time of each fix (n, 2)."""
-    flight = evaluation.flight
-    before, later = (
-        places_at(flight.time_s, flight.place_m[:, :2], recording.time_s + shift_s)
-        for shift_s in (-_AROUND_S, _AROUND_S)
-    )
-    return np.asarray((later - before) / (2 * _AROUND_S))
