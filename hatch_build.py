@@ -23,9 +23,7 @@ _ROOMS = (
     "simulator/navigation",
     "simulator/flight",
 )
-_NOT_COMPILED = frozenset(
-    {"__init__.py", "hermite.py", "spline_end.py", "trajectory.py", "guided_trajectory.py"}
-)
+_NOT_COMPILED = frozenset({"__init__.py", "spline_end.py", "trajectory.py", "guided_trajectory.py"})
 """What works with numpy's arrays gains nothing."""
 _CORE = "flight_replay/logs/tlog/core/_frame_core"
 _LONGEST_S = 600

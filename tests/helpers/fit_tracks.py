@@ -89,3 +89,23 @@ MIXED = draft_of(
     [False, True, True, False, True, True],
     [1, 0, 0, 0, 2, 0],
 )
+
+
+DIVE = Draft(
+    np.array(
+        [
+            (0, -100, 25),
+            (0, -20, 25),
+            (0, -12, 25),
+            (-2, -14, 20),
+            (-4, -17, 10),
+            (-10, -8, 10),
+            (-12, -20, 10),
+        ],
+        float,
+    ),
+    np.array([False] + [True] * 6),
+    np.zeros(7),
+    np.array([12.0] + [np.nan] * 6),
+)
+"""At 12 m/s a vehicle is far too fast for the bend into the dive from 20 m to 10 m."""

@@ -7,7 +7,15 @@ import pytest
 
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.polyline import nearest_on_segments
-from flight_replay.mission.items import Command, Frame, Mission, MissionItem, change_speed, waypoint
+from flight_replay.mission.items import (
+    Command,
+    Frame,
+    Mission,
+    MissionItem,
+    change_speed,
+    speed_from_the_start,
+    waypoint,
+)
 from flight_replay.mission.path import (
     Destination,
     destinations,
@@ -114,6 +122,13 @@ def test_zeros_mean_here() -> None:
     items = (at(10, 20, 25.0), MissionItem(Command.WAYPOINT, Frame.RELATIVE, (0, 0, 0, 0), 0, 0, 0))
     found = destinations(items, FRAME)
     assert np.allclose(found[0].position_m, found[1].position_m)
+
+
+def test_without_a_start_a_wait_here_leads_nowhere() -> None:
+    """The path of a mission that begins with one begins at the first place that is known."""
+    items = (*speed_from_the_start(2.0), at(10, 0), at(20, 0))
+    assert planned_path(items, FRAME).seq.tolist() == [3, 3, 4]
+    assert planned_path(items, FRAME, (0.0, 0.0, 30.0)).length_m == pytest.approx(20.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("command", [Command.RETURN_TO_LAUNCH, Command.LAND, Command.LOITER_TURNS])

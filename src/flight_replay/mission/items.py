@@ -74,6 +74,10 @@ class MissionItem:
         return self.params[0] if self.is_waypoint else 0.0
 
 
+WAIT_HERE = MissionItem(Command.LOITER_TIME, Frame.RELATIVE, (1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
+"""A wait of a second where the vehicle is, at the height at which it is: zeros mean here."""
+
+
 def waypoint(
     lat_deg: float, lon_deg: float, alt_m: float, *, hold_s: float = 0.0, spline: bool = False
 ) -> MissionItem:
@@ -85,6 +89,16 @@ def waypoint(
 def change_speed(speed_m_s: float) -> MissionItem:
     """DO_CHANGE_SPEED of the horizontal speed (param1 1: ground speed), metres per second."""
     return MissionItem(Command.CHANGE_SPEED, Frame.MISSION, (1.0, float(speed_m_s), 0.0, 0.0), 0.0, 0.0, 0.0)
+
+
+def speed_from_the_start(speed_m_s: float) -> tuple[MissionItem, MissionItem]:
+    """What a mission begins with that is flown at one speed: a wait of a second here, and the speed change.
+
+    As AUTO begins to navigate for the first time, ArduCopter 4.1 and later take WPNAV_SPEED, where it is not
+    the compiled default, for a change of speed in flight: it undoes one that came before, and so does not
+    undo one after a wait (AC_WPNav::update_wpnav). Slowed down later, a leg is first flown too fast.
+    """
+    return WAIT_HERE, change_speed(speed_m_s)
 
 
 def turn_to(heading_deg: float, rate_deg_s: float = 0.0, direction: int = 0) -> MissionItem:

@@ -25,7 +25,7 @@ from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.hermite_curve import curve_weights, steps_within, tangent_scale
 from flight_replay.geometry.polyline import segment_lengths_m
-from flight_replay.mission.items import FIRST_SEQ, WAYPOINT_COMMANDS, Command, Mission, MissionItem
+from flight_replay.mission.items import FIRST_SEQ, WAIT_HERE, WAYPOINT_COMMANDS, Command, Mission, MissionItem
 
 TOLERANCE_M = 0.001
 """How far the lines that stand for a curve may lie from it."""
@@ -86,6 +86,8 @@ def destinations(
 ) -> list[Destination]:
     """Where the items lead, as ArduCopter reads zeros: coordinates 0, 0 are here, altitude 0 stays the same.
 
+    Without a start, the wait that a mission may begin with leads nowhere.
+
     Before anything but a waypoint or a plain loiter, the vehicle halts (``ModeAuto::set_next_wp``).
     """
     found: list[Destination] = []
@@ -95,6 +97,8 @@ def destinations(
             continue
         if item.command not in _FLOWN_INTO and found:
             found[-1] = replace(found[-1], halts=True)
+        if start_m is None and not found and item == WAIT_HERE:
+            continue
         if item.command in _FLOWN_INTO or item.command in _HALTED_AT:
             here = _position_m(item, frame, here)
             found.append(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flight_replay.mission.items import Command, Frame, Home, Mission, MissionItem
+from flight_replay.mission.items import WAIT_HERE, Command, Frame, Home, Mission, MissionItem
 
 
 def standalone(mission: Mission, takeoff_m: float) -> Mission:
@@ -27,4 +27,6 @@ def standalone(mission: Mission, takeoff_m: float) -> Mission:
         Command.TAKEOFF, Frame.RELATIVE, (0.0, 0.0, 0.0, 0.0), home.lat_deg, home.lon_deg, takeoff_m
     )
     come_home = MissionItem(Command.RETURN_TO_LAUNCH, Frame.MISSION, (0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
-    return replace(mission, items=(takeoff, *mission.items, come_home))
+    # After a take-off a speed change holds (ModeAuto::wp_start); stations draw a wait at its place, 0, 0.
+    items = mission.items[mission.items[0] == WAIT_HERE :]
+    return replace(mission, items=(takeoff, *items, come_home))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.logs.track import Track
-from flight_replay.mission.items import Mission, MissionItem, change_speed, waypoint
+from flight_replay.mission.items import Mission, MissionItem, change_speed, speed_from_the_start, waypoint
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
 from flight_replay.planning.heights import heights_of
 from flight_replay.planning.route import Route, route_of
@@ -104,7 +104,7 @@ def _with_speeds(
     if speed_m_s is None:
         return waypoints
     if speed_m_s != RECORDED:
-        return [change_speed(float(speed_m_s)), *waypoints]
+        return [*speed_from_the_start(float(speed_m_s)), *waypoints]
     items, in_force = waypoints[:1], np.inf
     for item, speed in zip(waypoints[1:], _leg_speeds_m_s(fixes), strict=True):
         if max(speed / in_force, in_force / speed) > SPEED_RATIO:

@@ -77,7 +77,7 @@ def test_waypoints_are_counted_as_waypoints() -> None:
     series = replay_series(spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0))
     drawn: list[Any] = map_chart(series).renderers
     texts = [each for each in drawn if isinstance(each.glyph, Text)]
-    assert series.waypoint_seqs[0] == 2
+    assert series.waypoint_seqs[0] == 3
     assert texts[0].data_source.data["text"][0] == "1"
 
 

@@ -132,7 +132,8 @@ def test_a_plan_has_a_report(tmp_path: Path) -> None:
     assert "Plan only: nothing was flown." in page.texts
     assert "Flight" not in page.texts
     assert "Events" not in page.texts
-    assert ["1", "change speed to 3 m/s"] in page.rows
+    assert ["1", "wait here for 1 s"] in page.rows
+    assert ["2", "change speed to 3 m/s"] in page.rows
 
 
 def test_an_unplanned_end_is_at_the_top(tmp_path: Path) -> None:

@@ -123,13 +123,13 @@ def test_a_plan_has_heights_and_what_is_predicted() -> None:
 
 
 def test_only_waypoints_count_as_reached() -> None:
-    """A speed change does not; if the first waypoint was not reached, time counts from the start of AUTO."""
+    """Waits and speed changes do not. Before the first waypoint, time counts from the start of AUTO."""
     _, record, _ = made_replay()
     route = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0)
     series = replay_series(route, record)
-    assert series.waypoint_seqs[0] == 2
+    assert series.waypoint_seqs[0] == 3
     assert series.reached[0] == (0.0, 30.0)
-    assert len(series.reached) == len(record.reached) - 1
+    assert len(series.reached) == len(record.reached) - 2
 
 
 def test_long_tracks_are_thinned_but_keep_their_ends() -> None:

@@ -14,7 +14,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.flights import select
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.track import Track
-from flight_replay.mission.items import Command
+from flight_replay.mission.items import Command, speed_from_the_start
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.fit import FitResult, fit
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
@@ -128,11 +128,10 @@ def test_last_bits_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert fit(track, max_points=20, speed_m_s="recorded").mission == usual.mission
 
 
-def test_a_given_speed_is_asked_for_once() -> None:
-    """One speed change in front of the first waypoint holds for the whole route."""
+def test_a_given_speed_is_asked_for_once_after_a_second_here() -> None:
+    """Then it holds for the whole route, also on a vehicle that would undo the first item of a mission."""
     items = fit(wander(4, fixes=40), max_points=12, speed_m_s=3.0).mission.items
-    assert items[0].command == Command.CHANGE_SPEED
-    assert items[0].params[:2] == (1.0, 3.0)
+    assert items[:2] == speed_from_the_start(3.0)
     assert [item.command for item in items].count(Command.CHANGE_SPEED) == 1
 
 

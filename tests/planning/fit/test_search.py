@@ -2,9 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import flight_replay.planning.fit.search as search_module
+from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit import untimed_search
 from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
@@ -13,8 +15,9 @@ from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import flat_frame, local_track
 from flight_replay.planning.fit.rounds import State
 from flight_replay.planning.fit.search import search
+from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import wander
+from tests.helpers.fit_tracks import DIVE, recording_of, wander
 
 
 def problem_and_starts(*, timed: bool) -> tuple[FitProblem, list[FirstDraft]]:
@@ -64,3 +67,16 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
     best, _ = search(problem, [curved, curved], 20, Budget(150, lambda done, total: None))
     assert best.objective_m < gone_on[0]
     assert len(gone_on) == 2, "what exchanging leaves as it was does not go on again"
+
+
+def test_where_the_vehicle_comes_down_no_search_goes_on() -> None:
+    """Of a dive at 12 m/s and one at 3 m/s the slow one does; if there is none, that is said."""
+    slow = replace(DIVE, speed_m_s=np.where(np.isnan(DIVE.speed_m_s), np.nan, 3.0))
+    recording = recording_of(simulate_draft(slow, Limits(), 0.05))
+    problem = problem_for(recording, 20, Limits(), timed=False)
+    budget = Budget(20, lambda done, total: None)
+    best, _ = search(problem, [FirstDraft(DIVE, {}), FirstDraft(slow, {})], 20, budget)
+    assert best.flight.stays_up
+    assert best.objective_m < 1.0
+    with pytest.raises(MissionError, match="come down to less than half of its lowest planned height"):
+        search(problem, [FirstDraft(DIVE, {})], 20, budget)

@@ -14,7 +14,7 @@ from flight_replay.planning.fit.simulated_draft import (
 )
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import simulate
-from tests.helpers.fit_tracks import FRAME, draft_of
+from tests.helpers.fit_tracks import DIVE, FRAME, draft_of
 
 DRAFT = draft_of([(0, 0), (30, 0), (60, 10), (90, 0)], [False, True, True, True], [1, 0, 0, 0])
 
@@ -67,3 +67,22 @@ def test_only_the_end_of_the_way_from_take_off_is_flown() -> None:
         for up_m in (None, 0.0, DRAFT.places_m[0, 2] + 0.5, 200.0)
     ]
     assert heights_m == [0.0, -2.0, 0.5, 2.0]
+
+
+def test_a_flight_may_end_on_the_ground() -> None:
+    """There it stays: what comes after is never reached. A real ArduCopter 4.6 came down on it, too."""
+    flight = simulate_draft(DIVE, Limits(wp_accel_m_s2=1.0), 0.02)
+    assert not flight.stays_up
+    assert flight.place_m[-1, 2] == 0.0
+    assert flight.passed_s[-1] == flight.time_s[-1] < 60.0
+
+
+def test_a_flight_far_below_its_places_does_not_stay_up() -> None:
+    """At 9 m/s it flies on, but goes down to 3 m instead of 10 m; at 3 m/s all is well."""
+    lowest_m = {}
+    for speed_m_s, stays_up in ((9.0, False), (3.0, True)):
+        draft = replace(DIVE, speed_m_s=np.array([speed_m_s] + [np.nan] * 6))
+        flight = simulate_draft(draft, Limits(wp_accel_m_s2=2.5), 0.02)
+        assert flight.stays_up == stays_up
+        lowest_m[speed_m_s] = float(flight.place_m[:, 2].min())
+    assert 0 < lowest_m[9.0] < 5 < lowest_m[3.0]

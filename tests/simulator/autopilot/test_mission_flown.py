@@ -54,6 +54,34 @@ def test_a_mission_is_flown_item_by_item() -> None:
     assert math.dist((north_m, east_m, up_m), (0, 40, 20)) < 1
 
 
+@pytest.mark.parametrize(("speed_cm_s", "flown_m_s"), [(500, 5.0), (1000, 2.0)])
+def test_the_first_mission_may_not_heed_its_first_speed(speed_cm_s: float, flown_m_s: float) -> None:
+    """After a start, where WPNAV_SPEED is not the compiled default, as of 4.6; the next mission does."""
+    autopilot, station = sim(WPNAV_SPEED=speed_cm_s, MIS_RESTART=1)
+    station.fly()
+    station.upload([act(178, 1, 2, -1), item_at(160, 0)])
+    for fastest_m_s in (flown_m_s, 2.0):
+        assert station.mode(AUTO) == ACCEPTED
+        station.run(12)
+        assert math.hypot(*autopilot.flight.velocity_m_s) == pytest.approx(fastest_m_s, abs=0.1)
+        station.mode(LOITER)
+        station.run(5)
+
+
+def test_a_speed_from_the_start_is_heeded() -> None:
+    """A second's wait, and the speed change holds from the first leg on."""
+    autopilot, station = sim(WPNAV_SPEED=500)
+    station.fly()
+    station.upload([item_at(0, 0, command=19, hold_s=1), act(178, 1, 2, -1), item_at(160, 0)])
+    assert station.mode(AUTO) == ACCEPTED
+    speeds_m_s = []
+    for _ in range(15):
+        station.run(1)
+        speeds_m_s.append(math.hypot(*autopilot.flight.velocity_m_s))
+    assert speeds_m_s[-1] == pytest.approx(2.0, abs=0.1)
+    assert max(speeds_m_s) < 2.2
+
+
 def test_do_items_take_the_place_of_the_item_before_in_the_report() -> None:
     """A DO item that is done at once hides the item before it; those that wait are reported each."""
     _, station = sim()

@@ -317,6 +317,8 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
 def _item_text(item: MissionItem) -> str:
     if item.command == Command.CHANGE_SPEED:
         return f"change speed to {item.params[1]:g} m/s"
+    if item.command == Command.LOITER_TIME:
+        return f"wait here for {item.params[0]:g} s"
     if item.command == Command.CONDITION_YAW:
         return f"turn to {item.params[0]:g}°" + (f" at {item.params[1]:g}°/s" if item.params[1] else "")
     if item.command == Command.CONDITION_DELAY:

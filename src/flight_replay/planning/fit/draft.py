@@ -9,7 +9,15 @@ import numpy as np
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.mission.items import FIRST_SEQ, Home, Mission, change_speed, waypoint
+from flight_replay.mission.items import (
+    FIRST_SEQ,
+    Home,
+    Mission,
+    MissionItem,
+    change_speed,
+    speed_from_the_start,
+    waypoint,
+)
 from flight_replay.mission.path import Destination, Path, path_through
 from flight_replay.planning.fit.reference import DECIMALS
 from flight_replay.simulator.navigation.hermite import MAX_TANGENTS_PER_CHORD
@@ -51,10 +59,11 @@ class Draft:
     def mission(self, frame: LocalFrame | FlatFrame) -> Mission:
         """The mission items of this route, with home at the origin of ``frame``."""
         lat, lon = frame.to_degrees(self.places_m[:, :2])
-        items = []
+        items: list[MissionItem] = []
         for i in range(len(self)):
-            if np.isfinite(self.speed_m_s[i]):
-                items.append(change_speed(round(float(self.speed_m_s[i]), 2)))
+            speed_m_s = round(float(self.speed_m_s[i]), 2)
+            if np.isfinite(speed_m_s):
+                items += speed_from_the_start(speed_m_s) if i == 0 else [change_speed(speed_m_s)]
             items.append(
                 waypoint(
                     float(lat[i]),
@@ -69,8 +78,10 @@ class Draft:
     @property
     def seqs(self) -> list[int]:
         """Sequence number on board of every place."""
-        numbers = np.arange(len(self)) + np.cumsum(np.isfinite(self.speed_m_s)) + FIRST_SEQ
-        return [int(number) for number in numbers]
+        asked = np.isfinite(self.speed_m_s)
+        numbers = np.arange(len(self)) + np.cumsum(asked) + FIRST_SEQ
+        waits = len(speed_from_the_start(0.0)) - 1 if asked[0] else 0
+        return [int(number) + waits for number in numbers]
 
     def as_items_hold_it(self, frame: FlatFrame) -> Draft:
         """The draft with its places at degrees to 1e-7, in steps of a centimetre; itself if they are there.

@@ -83,6 +83,7 @@ def fit(  # noqa: PLR0913
 
     Raises:
         LogError: the track holds no fix.
+        MissionError: whatever is tried, the vehicle would come down to less than half of its lowest height.
     """
     if not len(track):
         raise LogError("the log has no position to follow; choose another log or vehicle")
@@ -91,8 +92,7 @@ def fit(  # noqa: PLR0913
     heights = heights_of(flown, altitude_m, floor_m, limits if timed else None)
     recording = local_track(flown, heights.planned_m, takeoff_m)
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
-    problem = problem_for(recording, max_points, limits, timed=timed)
-    problem = replace(problem, frame=flat_frame(flown))
+    problem = replace(problem_for(recording, max_points, limits, timed=timed), frame=flat_frame(flown))
     starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
     budget = _budget(problem, len(flown), progress)
     best, stopped = search(problem, starts, max_points, budget)

@@ -22,6 +22,7 @@ path error stays that over the ground.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -95,7 +96,9 @@ class Evaluation:
 
     @property
     def objective_m(self) -> float:
-        """The number that the fit makes small; see the module."""
+        """The number that the fit makes small, see the module; infinite if the vehicle does not stay up."""
+        if not self.flight.stays_up:
+            return inf
         late = self.time_share * float(self.late_m.mean()) + CREEPING_M_S * float(self.creeping_s.sum())
         return float(np.dot(self.path_shares, self.path_errors_m)) + late
 

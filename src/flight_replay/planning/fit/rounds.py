@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, without_hooks
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
@@ -29,6 +30,10 @@ WORTH_GOING_ON = 0.01
 HOPELESS = 1.5
 """A start so many times worse than the best goes no further."""
 NO_MORE = f"the last steps gained less than {100 * WORTH_GOING_ON:.0f} %"
+COMES_DOWN = (
+    "flown like this the vehicle would come down to less than half of its lowest planned height; "
+    "ask for a lower --speed or another --altitude"
+)
 
 FIRST_DAMPING = 0.01
 _LEAST_GAIN, _MORE, _LESS = 0.1, 1.5, 0.5
@@ -65,9 +70,16 @@ def state_of(problem: FitProblem, start: FirstDraft, budget: Budget) -> State:
 
 
 def hopeful(states: list[State]) -> list[State]:
-    """The first of some states, and those that are not much worse than the best."""
-    most_m = HOPELESS * min(state.objective_m for state in states)
-    return [state for state in states if state is states[0] or state.objective_m <= most_m]
+    """The first of the states in which the vehicle stays up, and those not much worse than the best.
+
+    Raises:
+        MissionError: there are none.
+    """
+    up = [state for state in states if state.best.flight.stays_up]
+    if not up:
+        raise MissionError(COMES_DOWN)
+    most_m = HOPELESS * min(state.objective_m for state in up)
+    return [state for state in up if state is up[0] or state.objective_m <= most_m]
 
 
 def rounded(problem: FitProblem, state: State, budget: Budget) -> State:

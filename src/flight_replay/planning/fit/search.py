@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit import timed_search, untimed_search
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS, exchanged
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
-from flight_replay.planning.fit.rounds import ENOUGH, NO_MORE, State
+from flight_replay.planning.fit.rounds import COMES_DOWN, ENOUGH, NO_MORE, State
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +38,15 @@ def search(
     """The best draft of at most ``most`` places that comes of some starts, and why the search stopped.
 
     The first of them has no more places.
+
+    Raises:
+        MissionError: in none of them the vehicle stays up.
     """
     way = _TIMED if problem.timed else _UNTIMED
     states = way.begun(problem, starts, budget)
-    small_enough = (state for state in states if len(state.best.draft) <= most)
+    small_enough = [state for state in states if len(state.best.draft) <= most]
+    if not small_enough:
+        raise MissionError(COMES_DOWN)
     others = sorted(small_enough, key=lambda state: state.objective_m)[1:]
     best = _exchanged(problem, [], states, most, budget)
     if len(states) > 1 and budget.affords(EXCHANGE_FLIGHTS):

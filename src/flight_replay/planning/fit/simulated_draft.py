@@ -21,19 +21,23 @@ from flight_replay.simulator.flight.flown_positions import positions_to_end
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _LAST_PART_M = 2.0
+_LEAST_UP_SHARE = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedDraft:
     """Where the vehicle was: times (k,) from reaching the first place, places (k, 3) north, east, up.
 
-    ``passed_s`` (n,) is when each of the draft's n places was reached.
+    ``passed_s`` (n,) is when each of the draft's n places was reached, those after an end on the ground at
+    the end. ``stays_up`` says whether there was no such end, and the vehicle nowhere below half of the
+    height of the lowest place: a fast one may fall out of the curves of a spline that dives.
     """
 
     draft: Draft
     time_s: Floats
     place_m: Floats
     passed_s: Floats
+    stays_up: bool = True
 
 
 def simulate_draft(
@@ -48,7 +52,7 @@ def simulate_draft(
         takeoff: where the vehicle comes from.
 
     Raises:
-        MissionError: the flight does not end.
+        MissionError: the vehicle neither reaches the last place nor the ground.
     """
     items, seqs = items_of(draft)
     copter = copter_after_takeoff(draft, limits, step_s, takeoff)
@@ -61,10 +65,13 @@ def flight_of(
     draft: Draft, run: MissionRun, seqs: list[int], rows: list[Vector], step_s: float
 ) -> SimulatedDraft:
     """A draft's flight from its mission, flown to the end, and the positions before and after each step."""
-    passed_s = np.array([_reached_s(run.reached, seq) for seq in seqs])
+    end_s = step_s * (len(rows) - 1)
+    passed_s = np.array([_reached_s(run.reached, seq, end_s) for seq in seqs])
     place_m = places_of(rows[round(passed_s[0] / step_s) :])
     times_s = step_s * np.arange(len(place_m), dtype=float)
-    return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0])
+    least_up_m = _LEAST_UP_SHARE * float(draft.places_m[:, 2].min())
+    stays_up = run.completed and bool(place_m[:, 2].min() >= least_up_m)
+    return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0], stays_up)
 
 
 def places_of(rows: list[Vector]) -> Floats:
@@ -134,5 +141,5 @@ def _waypoint(seq: int, place_m: Vector, hold_s: float, is_spline: bool) -> Loca
     return LocalItem(seq, command, (hold_s, 0.0, 0.0, 0.0), (north, east), up)
 
 
-def _reached_s(reached: list[tuple[int, float]], seq: int) -> float:
-    return next(time_s for item, time_s in reached if item == seq)
+def _reached_s(reached: list[tuple[int, float]], seq: int, never_s: float) -> float:
+    return next((time_s for item, time_s in reached if item == seq), never_s)

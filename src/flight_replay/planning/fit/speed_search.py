@@ -14,7 +14,6 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import with_every_speed
-from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.reference import DECIMALS, Takeoff
 from flight_replay.planning.fit.simulated_draft import (
     SimulatedDraft,
@@ -26,6 +25,7 @@ from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, slo
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.flight.copter_copy import copter_copy
 from flight_replay.simulator.flight.flown_positions import (
     longest_step_m,
     passed_s,
@@ -114,12 +114,11 @@ class SpeedSearch:
     def _best(self, place: int, guess_m_s: float) -> _Trial:
         """The speed that ends a leg nearest to when it ought to end; rather the guess than another."""
         low, high = float(self._slowest_m_s[place]), float(self._caps_m_s[place])
-        snapshot = CopterSnapshot(self._copter, self._items)
         speed = min(guess_m_s, high) if isfinite(guess_m_s) else high
         best: _Trial | None = None
         trials: list[_Trial] = []
         for _ in range(_MOST_TRIALS):
-            trial = self._tried(snapshot.copy(), place, speed)
+            trial = self._tried(copter_copy(self._copter, self._items), place, speed)
             trials.append(trial)
             if best is None or abs(trial.late_s) < abs(best.late_s) - _NEARER_S:
                 best = trial

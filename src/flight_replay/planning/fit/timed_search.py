@@ -37,19 +37,20 @@ def _rounded(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> l
     """As many of the starts as may go on, after a first round; those compared are as far."""
     states: list[State] = []
     for start in starts:
-        if not states or budget.affords(_BEGINNING_FLIGHTS):
+        some_stay_up = any(state.best.flight.stays_up for state in states)
+        if not some_stay_up or budget.affords(_BEGINNING_FLIGHTS):
             on_time = timed(problem, start.draft, start.hovers, budget)
             states.append(State(on_time, start.hovers))
     rounds: list[State] = []
     for state in hopeful(states):
         if budget.affords(_BEGINNING_FLIGHTS if rounds else ROUND_FLIGHTS):
             rounds.append(rounded(problem, state, budget))
-    return hopeful(rounds or states[:1])
+    return hopeful(rounds) if rounds else hopeful(states)[:1]
 
 
 def _stepped_once(problem: FitProblem, states: list[State], budget: Budget) -> list[State]:
     """The states in exact steps of the model, after a step each where there is time for that."""
-    states = [replace(state, best=problem.exact.evaluate(state.best.draft)) for state in states]
+    states = hopeful([replace(state, best=problem.exact.evaluate(state.best.draft)) for state in states])
     if not budget.affords(len(states) * JOINT_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS):
         return states
     return [stepped(problem, state, budget, most=1) for state in states]

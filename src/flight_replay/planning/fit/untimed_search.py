@@ -32,13 +32,13 @@ def begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> list
     for start in starts:
         best_m = min((state.objective_m for state in states), default=inf)
         least_m = objective_lower_bound_m(start.draft, problem.recording)
-        if not states or (least_m < best_m and budget.affords(_BEGINNING_FLIGHTS)):
+        if best_m == inf or (least_m < best_m and budget.affords(_BEGINNING_FLIGHTS)):
             states.append(state_of(problem, start, budget))
     rounds: list[State] = []
     for state in hopeful(states):
         if budget.affords(_BEGINNING_FLIGHTS if rounds else MOVING_FLIGHTS):
             rounds.append(rounded(problem, state, budget))
-    return hopeful(rounds or states[:1])
+    return hopeful(rounds) if rounds else hopeful(states)[:1]
 
 
 def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:

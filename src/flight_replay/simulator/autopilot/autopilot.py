@@ -65,7 +65,12 @@ class Autopilot:
         self.ekf_frame = EkfFrame(at)
         self.sensors = Sensors()
         self.battery = Battery(self.parameters)
-        self.flight = FlightModel(self.parameters, at, takeoff_climbs=self.faults.takeoff_climbs)
+        self.flight = FlightModel(
+            self.parameters,
+            at,
+            takeoff_climbs=self.faults.takeoff_climbs,
+            checks_speed=self.faults.firmware.checks_speed,
+        )
         self.mission = MissionControl(self)
         self.modes = ModeSwitch(self, self.mission)
         self.failsafes = Failsafes(self)

@@ -91,6 +91,8 @@ class Firmware:
     """Whether SET_MODE, a message, is answered with a COMMAND_ACK of its message number."""
     auto_needs_takeoff: bool = True
     """Whether AUTO is refused on the ground without a take-off item."""
+    checks_speed: bool = True
+    """Whether the first mission after a start goes on at WPNAV_SPEED if that is not the compiled default."""
     arming_delay_s: float = 0.0
     """Time between the accepted command and the armed flag."""
     capabilities: int = _CAPABILITIES
@@ -122,6 +124,7 @@ COPTER_3_3 = Firmware(
     unknown_messages=frozenset({"TIMESYNC"}),
     acks_set_mode=True,
     auto_needs_takeoff=False,
+    checks_speed=False,
     arming_delay_s=2.5,
     capabilities=2947,
     guided=GuidedSupport(acceleration=False, yaw=False, stops_at_nonsense=False),

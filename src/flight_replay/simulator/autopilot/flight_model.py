@@ -13,11 +13,13 @@ from math import radians
 from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot.flight_parameters import limits_of, wind_m_s
 from flight_replay.simulator.autopilot.location import Start
+from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.shaping import wrap_pi
 from flight_replay.simulator.dynamics.vector import Vector, minus
 from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import STEP_S, Copter
 from flight_replay.simulator.flight.guided import GuidedTarget
+from flight_replay.simulator.flight.rtl import ReturnToLaunch
 from flight_replay.simulator.flight.takeoff import TakeOff
 from flight_replay.simulator.mission.local_items import LocalItem
 
@@ -25,17 +27,28 @@ from flight_replay.simulator.mission.local_items import LocalItem
 class FlightModel:
     """The simulated copter as the autopilot sees it."""
 
-    def __init__(self, parameters: Mapping[str, float], start: Start, *, takeoff_climbs: bool = True) -> None:
+    def __init__(
+        self,
+        parameters: Mapping[str, float],
+        start: Start,
+        *,
+        takeoff_climbs: bool = True,
+        checks_speed: bool = True,
+    ) -> None:
         """On the ground.
 
         Args:
             parameters: the autopilot's table, read at every use.
             start: where the copter is.
             takeoff_climbs: whether a take-off leaves the ground.
+            checks_speed: whether the first mission goes on at WPNAV_SPEED, whatever speed its first items
+                ask for, if that is not the compiled default: AC_WPNav::update_wpnav compares the two the
+                first time that it runs, and takes the parameter for changed in flight.
         """
         self._parameters, self._start, self._takeoff_climbs = parameters, start, takeoff_climbs
         self._home_m: Vector = (0.0, 0.0, 0.0)
         self._limits_changed = False
+        self._speed_unchecked = checks_speed
         self._copter = self._new_copter((0.0, 0.0, 0.0), radians(start.heading_deg))
         self._last_attitude = self._copter.attitude_rad
         self._destination_m: Vector | None = None
@@ -140,6 +153,13 @@ class FlightModel:
         self._copter.change_wind(wind_m_s(self._parameters, self.position_m[2]))
         self._last_attitude = self._copter.attitude_rad
         self._copter.step()
+        if self._speed_unchecked and isinstance(self._copter.submode, MissionRun | ReturnToLaunch):
+            self._check_speed()
+
+    def _check_speed(self) -> None:
+        self._speed_unchecked, speed_m_s = False, self._copter.limits.wp_speed_m_s
+        if speed_m_s != Limits().wp_speed_m_s:
+            self._copter.change_speed(1, speed_m_s)
 
     def parameters_changed(self) -> None:
         """Read the parameters again at the next step."""

@@ -15,8 +15,8 @@ from flight_replay.mavlink import dialect
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.simulator.autopilot.context import AutopilotContext
 from flight_replay.simulator.flight.auto import MissionRun
+from flight_replay.simulator.flight.item_order import ItemOrder
 from flight_replay.simulator.mission.item_names import REPORTED_AS_REACHED, name_of
-from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _NO_MISSION, _NOT_STARTED = dialect.MISSION_STATE_NO_MISSION, dialect.MISSION_STATE_NOT_STARTED

@@ -14,11 +14,11 @@ from flight_replay.simulator.flight.auto_do_commands import DoCommands
 from flight_replay.simulator.flight.auto_legs import MissionLegs
 from flight_replay.simulator.flight.circle import Circle
 from flight_replay.simulator.flight.flight_control import FlightControl
+from flight_replay.simulator.flight.item_order import ItemOrder
 from flight_replay.simulator.flight.landing import Landing
 from flight_replay.simulator.flight.rtl import ReturnToLaunch
 from flight_replay.simulator.flight.submode import SubMode
 from flight_replay.simulator.flight.takeoff import TakeOff
-from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _FIRST_CLIMB_M = 1.0

@@ -9,7 +9,7 @@ from flight_replay.mission.items import Command
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import Vector, minus
 from flight_replay.simulator.flight.flight_control import FlightControl
-from flight_replay.simulator.mission.item_order import ItemOrder
+from flight_replay.simulator.flight.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _STRAIGHT_NEXT = frozenset({Command.WAYPOINT, Command.LOITER_UNLIMITED, Command.LOITER_TIME})

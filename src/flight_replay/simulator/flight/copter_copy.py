@@ -11,7 +11,6 @@ from flight_replay.simulator.dynamics.auto_yaw import YawMode
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.flight.copter import Copter
-from flight_replay.simulator.mission.item_order import ItemOrder
 from flight_replay.simulator.mission.local_items import LocalItem
 from flight_replay.simulator.navigation.hermite import Ends
 from flight_replay.simulator.navigation.path_limits import PathLimits
@@ -53,7 +52,7 @@ def _copied(value: object, known: dict[int, object]) -> object:
     before = known.get(id(value))
     if before is not None:
         return before
-    if isinstance(value, (SnapshotPart, ItemOrder)):
+    if isinstance(value, SnapshotPart):
         return _copied_part(value, known)
     if isinstance(value, (MethodType, BuiltinMethodType)):
         return getattr(_copied(value.__self__, known), value.__name__)
@@ -68,7 +67,7 @@ def _copied(value: object, known: dict[int, object]) -> object:
     return copied
 
 
-def _copied_part(part: SnapshotPart | ItemOrder, known: dict[int, object]) -> object:
+def _copied_part(part: SnapshotPart, known: dict[int, object]) -> object:
     kind: Any = type(part)
     copied: object = kind.__new__(kind)
     known[id(part)] = copied

@@ -27,14 +27,14 @@ def positions_on_leg(copter: Copter, seq: int, most_steps: float) -> list[Vector
 
 
 def positions_to_end(copter: Copter) -> list[Vector]:
-    """The positions until the mission is completed.
+    """The positions until the mission is completed, or the vehicle is on the ground before.
 
     Raises:
-        MissionError: it does not end.
+        MissionError: neither comes about.
     """
     run = _mission_of(copter)
     positions: list[Vector] = []
-    while not run.completed:
+    while not run.completed and not copter.landed:
         copter.step()
         positions.append(copter.position_m)
         if copter.time_s > _LONGEST_S:

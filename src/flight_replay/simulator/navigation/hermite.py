@@ -8,17 +8,13 @@ holds both together.
 from __future__ import annotations
 
 from math import hypot
-from typing import NamedTuple, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Final, NamedTuple
 
 from flight_replay.simulator.dynamics.vector import Vector, minus
 
-MAX_TANGENTS_PER_CHORD = 4.0
+MAX_TANGENTS_PER_CHORD: Final = 4.0
 """Together the tangents are at most so many chords long (SplineCurve::set_origin_and_destination)."""
 
-Axis = TypeVar("Axis", float, NDArray[np.float32])
 Coefficients = tuple[Vector, Vector, Vector, Vector]
 
 
@@ -32,21 +28,37 @@ class Ends(NamedTuple):
 
 
 def hermite(ends: Ends) -> Coefficients:
-    """Coefficients c0 to c3 of the curve; tangents too long for the chord are scaled down."""
-    longest = MAX_TANGENTS_PER_CHORD * hypot(*minus(ends.destination, ends.origin))
-    tangents = hypot(*ends.origin_tangent) + hypot(*ends.destination_tangent)
+    """Coefficients c0 to c3 of the curve; tangents too long for the chord are scaled down.
+
+    They are added up in the order of SplineCurve::update_solution.
+    """
+    origin, destination = ends.origin, ends.destination
+    longest = MAX_TANGENTS_PER_CHORD * _length(minus(destination, origin))
+    tangents = _length(ends.origin_tangent) + _length(ends.destination_tangent)
     scale = longest / tangents if tangents > longest else 1.0
-    n, e, u = (axis_coefficients(a, b, m * scale, k * scale) for a, b, m, k in zip(*ends, strict=True))
-    return ((n[0], e[0], u[0]), (n[1], e[1], u[1]), (n[2], e[2], u[2]), (n[3], e[3], u[3]))
-
-
-def axis_coefficients(
-    origin: Axis, destination: Axis, origin_tangent: Axis, destination_tangent: Axis
-) -> tuple[Axis, Axis, Axis, Axis]:
-    """Coefficients c0 to c3 on one axis, added up in the order of SplineCurve::update_solution."""
+    n0, e0, u0 = origin
+    n1, e1, u1 = destination
+    mn, me, mu = _scaled(ends.origin_tangent, scale)
+    kn, ke, ku = _scaled(ends.destination_tangent, scale)
     return (
         origin,
-        origin_tangent,
-        -3.0 * origin - 2.0 * origin_tangent + 3.0 * destination - destination_tangent,
-        2.0 * origin + origin_tangent - 2.0 * destination + destination_tangent,
+        (mn, me, mu),
+        (
+            -3.0 * n0 - 2.0 * mn + 3.0 * n1 - kn,
+            -3.0 * e0 - 2.0 * me + 3.0 * e1 - ke,
+            -3.0 * u0 - 2.0 * mu + 3.0 * u1 - ku,
+        ),
+        (
+            2.0 * n0 + mn - 2.0 * n1 + kn,
+            2.0 * e0 + me - 2.0 * e1 + ke,
+            2.0 * u0 + mu - 2.0 * u1 + ku,
+        ),
     )
+
+
+def _length(vector: Vector) -> float:
+    return hypot(vector[0], vector[1], vector[2])
+
+
+def _scaled(vector: Vector, scale: float) -> Vector:
+    return vector[0] * scale, vector[1] * scale, vector[2] * scale

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.simulator.dynamics.vector import Vector
-from flight_replay.simulator.navigation.hermite import MAX_TANGENTS_PER_CHORD, Ends, axis_coefficients
+from flight_replay.simulator.navigation.hermite import MAX_TANGENTS_PER_CHORD, Ends
 from flight_replay.simulator.navigation.path_limits import PathLimits
 
 _CM = 100.0
@@ -41,10 +41,11 @@ def motion_at_rest(ends: Ends, limits: PathLimits) -> tuple[Vector, float]:
     tangents = _length(origin_tangent) + _length(stop)
     if tangents > longest:
         origin_tangent = origin_tangent * (longest / tangents)
-    c0, c1, c2, c3 = axis_coefficients(origin, destination, origin_tangent, stop)
-    velocity = c1 + c2 * _TWO + c3 * _THREE
+    c2 = -_THREE * origin - _TWO * origin_tangent + _THREE * destination - stop
+    c3 = _TWO * origin + origin_tangent - _TWO * destination + stop
+    velocity = origin_tangent + c2 * _TWO + c3 * _THREE
     accel = c2 * _TWO + c3 * _SIX
-    position_error = destination - (c0 + c1 + c2 + c3)
+    position_error = destination - (origin + origin_tangent + c2 + c3)
     return _target_motion(_vector(velocity), _vector(accel), _vector(position_error), limits)
 
 

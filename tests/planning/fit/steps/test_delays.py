@@ -71,3 +71,8 @@ def test_the_vehicle_is_farther_back_by_how_much_later_it_is() -> None:
         assert moved_m[after:fixes][flying[after:], 0] == pytest.approx(-0.5 / speed_m_s, rel=0.05)
         assert now.passed_s(way * changes) == pytest.approx(late_s)
     assert Delays.none(8, len(PLACES)).added_to(sides, base, problem.recording) is sides
+
+
+def test_a_change_of_nothing_is_not_to_blame() -> None:
+    """What were learned from it would be so large that no equation with it can be solved."""
+    assert not Delays.none(8, len(PLACES)).learned(step((4, 1e-20)), USUAL, PLACES, LATE_S).are_known

@@ -19,6 +19,8 @@ from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.steps.linear_model import Sides
 
 _LEAST_S = 0.01
+_LEAST_SIZE = 0.01
+"""Changes that come to less of the usual together are not to blame: what is told from so little is noise."""
 _BEFORE, _AFTER = 2, 1
 """A leg is shaped by its ends, and by one place before and one after them."""
 
@@ -51,8 +53,9 @@ class Delays:
         by_change, by_leg_s, shares = self.by_change.copy(), _by_leg_s(late_s), np.abs(changes) / usual
         for leg in np.flatnonzero(by_leg_s.max(axis=0) > _LEAST_S).tolist():
             around = (changes != 0) & (places >= leg - _BEFORE) & (places <= leg + _AFTER)
-            if around.any():
-                by_size = around / (usual * shares[around].sum())
+            size = shares[around].sum()
+            if size > _LEAST_SIZE:
+                by_size = around / (usual * size)
                 by_change += by_leg_s[:, leg, None] * by_size
         return Delays(by_change)
 
@@ -75,7 +78,7 @@ class Delays:
 
     def _later(self, derivatives: FlightDerivatives, back_m: Floats, side: float) -> FlightDerivatives:
         """Derivatives by changes to a side: the vehicle is so much farther back at the fixes (n, 2, p)."""
-        errors = derivatives.errors.copy()
+        errors = derivatives.errors.copy(order="K")
         errors[: 2 * len(back_m)] -= side * back_m.reshape(-1, errors.shape[1])
         passed_s = derivatives.passed_s + side * self.by_change
         return replace(derivatives, errors=errors, passed_s=passed_s)

@@ -90,6 +90,8 @@ def stepped_jointly(problem: FitProblem, state: State, budget: Budget) -> State:
     if not 0 < _derivatives_count(state.best) <= _MOST_DERIVATIVES:
         return state
     steps = _JointSteps(problem, state, budget)
+    if not steps.can_be_made:
+        return state
     one = steps.derivatives(state.change_size)
     if not state.both_sides:
         after = steps.taken(state, Sides(one))
@@ -117,6 +119,11 @@ class _JointSteps:
         self._kinds, self._places = changes_of(state.best.draft, timed=problem.timed)
         self._usual = _USUAL_CHANGE[self._kinds]
         self._caps_m_s = speed_caps_m_s(state.best.draft, problem.recording)
+
+    @property
+    def can_be_made(self) -> bool:
+        """Whether the vehicle stays up also in steps of the model that are longer."""
+        return self._base.flight.stays_up
 
     def derivatives(self, size: float) -> FlightDerivatives:
         """Those of the draft's flight by changes of such a size; see ``flight_derivatives``."""

@@ -53,9 +53,14 @@ class LinearModel:
     @classmethod
     def of(cls, sides: Sides, errors: ErrorVectors, evaluation: Evaluation) -> LinearModel:
         """That by the derivatives of the stacked errors (m,)."""
-        columns = [sides.one.errors.T] + ([] if sides.other is None else [-sides.other.errors.T])
-        weights = _weights(errors, evaluation)
-        return cls(*normal_equations(columns, weights, errors.stacked), sides.other is not None)
+        columns = [sides.one.errors.T] + ([] if sides.other is None else [sides.other.errors.T])
+        normal, force = normal_equations(columns, _weights(errors, evaluation), errors.stacked)
+        if sides.other is not None:
+            count = len(force) // 2
+            normal[:count, count:] *= -1
+            normal[count:, :count] *= -1
+            force[count:] *= -1
+        return cls(normal, force, sides.other is not None)
 
     def best_changes(self, damping: float, usual: Floats) -> Floats:
         """The changes (p,) that make them small, none too large against the usual ones (p,)."""

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import Final
 
 from flight_replay.mission.items import FIRST_SEQ
+from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.mission.local_items import DO_JUMP, FLOWN, LocalItem
 
 # AP_Mission.cpp gives up after so many items without one to fly to.
-_MAX_ITEMS = 255
+_MAX_ITEMS: Final = 255
 
 
-class ItemOrder:
+class ItemOrder(SnapshotPart):
     """The items of a mission, and how often each jump was taken."""
 
     def __init__(self, items: Sequence[LocalItem]) -> None:
@@ -24,14 +26,14 @@ class ItemOrder:
         DO items after a navigation item that is skipped are left out, unless they are the first of
         their group (AP_Mission::advance_current_do_cmd).
         """
-        return self._next(seq, self._jumped, lambda item: item.command in FLOWN)
+        return self._next(seq, self._jumped, flown=True)
 
     def peek(self, seq: int) -> LocalItem | None:
         """The next navigation item from item ``seq`` on, flown or not, without going there."""
-        return self._next(seq, self._jumped.copy(), lambda item: item.is_navigation)[1]
+        return self._next(seq, self._jumped.copy(), flown=False)[1]
 
     def _next(
-        self, seq: int, jumped: dict[int, int], ends: Callable[[LocalItem], bool]
+        self, seq: int, jumped: dict[int, int], *, flown: bool
     ) -> tuple[list[LocalItem], LocalItem | None]:
         passed: list[LocalItem] = []
         complete = False
@@ -40,10 +42,11 @@ class ItemOrder:
             if not 0 <= index < len(self._items):
                 break
             item = self._items[index]
-            if ends(item):
+            is_navigation = item.is_navigation
+            if item.command in FLOWN if flown else is_navigation:
                 return passed, item
             seq += 1
-            if item.is_navigation:
+            if is_navigation:
                 complete = any(not each.is_navigation for each in passed)
                 passed.append(item)
             elif item.command != DO_JUMP:
