@@ -94,9 +94,9 @@ def change_speed(speed_m_s: float) -> MissionItem:
 def speed_from_the_start(speed_m_s: float) -> tuple[MissionItem, MissionItem]:
     """What a mission begins with that is flown at one speed: a wait of a second here, and the speed change.
 
-    As AUTO begins to navigate for the first time, ArduCopter 4.1 and later take WPNAV_SPEED, where it is not
-    the compiled default, for a change of speed in flight: it undoes one that came before, and so does not
-    undo one after a wait (AC_WPNav::update_wpnav). Slowed down later, a leg is first flown too fast.
+    As AUTO navigates for the first time after a start, ArduCopter 4.1 and later take WPNAV_SPEED, where it is
+    not the compiled default, for changed in flight, and undo a speed change that came before
+    (AC_WPNav::update_wpnav). The wait lets that happen first: a leg that has begun would keep its speed.
     """
     return WAIT_HERE, change_speed(speed_m_s)
 

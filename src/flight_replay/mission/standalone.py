@@ -28,5 +28,5 @@ def standalone(mission: Mission, takeoff_m: float) -> Mission:
     )
     come_home = MissionItem(Command.RETURN_TO_LAUNCH, Frame.MISSION, (0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
     # After a take-off a speed change holds (ModeAuto::wp_start); stations draw a wait at its place, 0, 0.
-    items = mission.items[mission.items[0] == WAIT_HERE :]
+    items = mission.items[1:] if mission.items[0] == WAIT_HERE else mission.items
     return replace(mission, items=(takeoff, *items, come_home))
