@@ -8,6 +8,7 @@ import pytest
 
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
+from flight_replay.mission.items import speed_from_the_start
 from tests.helpers.sim_station import (
     AUTO,
     LOITER,
@@ -69,17 +70,21 @@ def test_the_first_mission_may_not_heed_its_first_speed(speed_cm_s: float, flown
 
 
 def test_a_speed_from_the_start_is_heeded() -> None:
-    """A second's wait, and the speed change holds from the first leg on."""
+    """A second's wait here, and the speed change holds from the first leg on."""
     autopilot, station = sim(WPNAV_SPEED=500)
     station.fly()
-    station.upload([item_at(0, 0, command=19, hold_s=1), act(178, 1, 2, -1), item_at(160, 0)])
+    wait, change = speed_from_the_start(2.0)
+    here = int(wait.command), int(wait.frame), wait.params, 0, 0, wait.alt_m
+    station.upload([here, act(change.command, *change.params), item_at(160, 0)])
     assert station.mode(AUTO) == ACCEPTED
-    speeds_m_s = []
+    speeds_m_s, heights_m = [], []
     for _ in range(15):
         station.run(1)
         speeds_m_s.append(math.hypot(*autopilot.flight.velocity_m_s))
+        heights_m.append(autopilot.flight.position_m[2])
     assert speeds_m_s[-1] == pytest.approx(2.0, abs=0.1)
     assert max(speeds_m_s) < 2.2
+    assert min(heights_m) > 19.0
 
 
 def test_do_items_take_the_place_of_the_item_before_in_the_report() -> None:

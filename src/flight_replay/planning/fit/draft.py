@@ -79,9 +79,8 @@ class Draft:
     def seqs(self) -> list[int]:
         """Sequence number on board of every place."""
         asked = np.isfinite(self.speed_m_s)
-        numbers = np.arange(len(self)) + np.cumsum(asked) + FIRST_SEQ
-        waits = len(speed_from_the_start(0.0)) - 1 if asked[0] else 0
-        return [int(number) + waits for number in numbers]
+        first = FIRST_SEQ + int(asked[0])  # A speed from the start comes with a wait.
+        return [int(number) for number in first + np.arange(len(self)) + np.cumsum(asked)]
 
     def as_items_hold_it(self, frame: FlatFrame) -> Draft:
         """The draft with its places at degrees to 1e-7, in steps of a centimetre; itself if they are there.
