@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.monotone_path import cheapest_monotone_path, cheapest_monotone_path_in_band
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
+from flight_replay.geometry.scalar.segments import Columns, nearest_in_bands
 
 SHORTEST_PIECE_M, LONGEST_PIECE_M = 0.01, 0.25
 """Within a piece of path the order of fixes is left to a second step, which costs less than its length."""
@@ -131,6 +132,11 @@ class _Pieces:
     def __len__(self) -> int:
         return len(self.length_m)
 
+    @property
+    def step_m(self) -> Floats:
+        """From where they begin to where they end (w, d)."""
+        return self.length_m[:, None] * self.unit
+
     @classmethod
     def of(cls, path_m: Floats, piece_m: float) -> _Pieces:
         """Cut the lines through the points into pieces of at most ``piece_m``."""
@@ -153,10 +159,16 @@ def _distances(fixes_m: Floats, start_m: Floats, step_m: Floats) -> Callable[[sl
     ]
 
 
+def _columns(places_m: Floats) -> Columns:
+    """North, east and up of places or steps (n, d)."""
+    north, east, *up = places_m.T.tolist()
+    return north, east, up[0] if up else [0.0] * len(north)
+
+
 def _best_pieces(fixes: Floats, pieces: _Pieces, *, quick: bool) -> Indices:
     """The piece of every fix, never falling, that gives the smallest sum of distances."""
     n, m = len(fixes), len(pieces)
-    distances = _distances(fixes, pieces.start_m, pieces.length_m[:, None] * pieces.unit)
+    distances = _distances(fixes, pieces.start_m, pieces.step_m)
     if n * m <= (QUICK_MAX_PAIRS if quick else MAX_PAIRS_SEARCHED_WHOLE):
         return cheapest_monotone_path(distances, np.zeros(n, np.intp), np.full(n, m))
     size = (QUICK_FIXES, QUICK_PIECES) if quick else (COARSE_FIXES, COARSE_PIECES)
@@ -176,9 +188,12 @@ def _pieces_near(fixes: Floats, pieces: _Pieces, near_m: tuple[Floats, Floats]) 
     low = np.minimum.accumulate(begin[::-1])[::-1]
     high = np.maximum.accumulate(np.maximum(end, begin + 1))
     high = np.maximum(high, np.append(low[1:] + 1, 0))
-    distances = _distances(fixes, pieces.start_m, pieces.length_m[:, None] * pieces.unit)
+    step_m = pieces.step_m
+    distances = _distances(fixes, pieces.start_m, step_m)
+    columns = _columns(fixes), _columns(pieces.start_m), _columns(step_m)
     while True:
-        chosen = cheapest_monotone_path_in_band(distances, low, high)
+        nearest = np.array(nearest_in_bands(*columns, low.tolist(), high.tolist()))
+        chosen = cheapest_monotone_path_in_band(distances, nearest, low, high)
         widened = _widened_band(chosen, low, high, len(pieces))
         if widened is None:
             return chosen

@@ -42,14 +42,14 @@ def cheapest_monotone_path(
 
 
 def cheapest_monotone_path_in_band(
-    costs_of: Callable[[slice, slice], Floats], low: Indices, high: Indices
+    costs_of: Callable[[slice, slice], Floats], cheapest: Indices, low: Indices, high: Indices
 ) -> Indices:
-    """The same, sooner where the bands are so narrow that few rows' cheapest columns go back.
+    """The same, sooner where the bands are so narrow that few rows' cheapest columns (n,) go back.
 
     Only where they do are the rows searched together, between the columns of those around: seldom is there
     another answer that costs less.
     """
-    chosen = _cheapest_columns(costs_of, low, high)
+    chosen = cheapest.copy()
     so_far = np.maximum.accumulate(chosen)
     from_here = np.minimum.accumulate(chosen[::-1])[::-1]
     begins = np.append(0, np.flatnonzero(so_far[:-1] <= from_here[1:]) + 1)
@@ -63,18 +63,6 @@ def cheapest_monotone_path_in_band(
             np.maximum(low[begin:end], least),
             np.minimum(high[begin:end], most),
         )
-    return chosen
-
-
-def _cheapest_columns(costs_of: Callable[[slice, slice], Floats], low: Indices, high: Indices) -> Indices:
-    """The cheapest column (n,) of each row by itself."""
-    chosen = np.empty(len(low), np.intp)
-    for first in range(0, len(low), _BLOCK):
-        rows = slice(first, first + _BLOCK)
-        left = int(low[first])
-        costs = costs_of(rows, slice(left, int(high[rows][-1])))
-        _forbid(costs, low[rows] - left, high[rows] - left)
-        chosen[rows] = left + costs.argmin(axis=1)
     return chosen
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.reference import hovers
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.fit.speed_schedule import best_lateness_s, recorded_passing_s, slowest_m_s
@@ -48,5 +49,6 @@ def test_a_hover_is_left_when_the_recorded_vehicle_began_to_leave_it(speed_m_s: 
     recording = recording_of(flight)
     (hover, *_) = hovers(recording, 2)
     assert recording.time_s[hover.last] > flight.passed_s[1] + 1.0
-    passing_s = recorded_passing_s(draft, {1: hover}, recording)
+    planned, _ = match_to_plan(draft, recording)
+    passing_s = recorded_passing_s(planned, len(draft), {1: hover}, recording)
     assert passing_s[1] == pytest.approx(flight.passed_s[1], abs=0.5)

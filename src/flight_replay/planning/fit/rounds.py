@@ -12,6 +12,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, without_hooks
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.objective import Evaluation
+from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.place_moves import moved_once, shaped
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import Hover
@@ -119,8 +120,9 @@ def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: B
     if len(draft) < 2:
         return flown(problem, draft, budget)
     draft, recording = without_hooks(problem.held(draft)), problem.recording
-    caps = speed_caps_m_s(draft, recording)
-    plan = schedule(draft, hovers, recording, problem.least_leg_s(draft, caps))
+    planned, _ = match_to_plan(draft, recording)
+    caps = speed_caps_m_s(planned, len(draft), recording)
+    plan = schedule(draft, hovers, recording, planned, problem.least_leg_s(draft, caps))
     speeds = SpeedSearch(plan, caps, problem.limits, problem.step_s, recording.takeoff)
     found = problem.compared(speeds.run())
     budget.spend(2 + speeds.steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))

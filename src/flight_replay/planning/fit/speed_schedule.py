@@ -15,7 +15,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, match_to_plan
+from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, Offsets
 from flight_replay.planning.fit.reference import Hover, LocalTrack
 
 SLOWEST_M_S = 0.35
@@ -42,16 +42,19 @@ class Schedule:
     leave_s: Floats
 
 
-def schedule(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack, least_s: Floats) -> Schedule:
+def schedule(
+    draft: Draft, hovers: dict[int, Hover], recording: LocalTrack, planned: Offsets, least_s: Floats
+) -> Schedule:
     """When to leave each place so that the vehicle is as little late or early as it can be.
 
     Args:
         draft: whose places are to be passed.
         hovers: the recorded hovers by the place (from 1) at which they are waited for.
         recording: at least one fix.
+        planned: where the planned path has the fixes.
         least_s: what each leg takes at least, waiting not counted (n,).
     """
-    wanted_s = recorded_passing_s(draft, hovers, recording)
+    wanted_s = recorded_passing_s(planned, len(draft), hovers, recording)
     floor_s = least_s + np.minimum(draft.hold_s, LEAST_HOLD_S)
     weight = np.maximum(leg_lengths_m(draft), 0.1)
     late_s = best_lateness_s(np.diff(wanted_s, prepend=0.0), floor_s, weight)
@@ -63,11 +66,19 @@ def schedule(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack, leas
     return Schedule(replace(draft, hold_s=hold_s), leave_s)
 
 
-def recorded_passing_s(draft: Draft, hovers: dict[int, Hover], recording: LocalTrack) -> Floats:
-    """When the target would pass each place (n,) if the vehicle flew as recorded."""
-    fixes, _ = match_to_plan(draft, recording)
-    progress = np.maximum.accumulate(fixes.leg + fixes.part) + 1e-9 * np.arange(len(recording))
-    passing_s = np.interp(np.arange(1, len(draft) + 1), progress, recording.time_s)
+def recorded_passing_s(
+    planned: Offsets, places: int, hovers: dict[int, Hover], recording: LocalTrack
+) -> Floats:
+    """When the target would pass each of the places (n,) if the vehicle flew as recorded.
+
+    Args:
+        planned: where the planned path has the fixes.
+        places: how many the draft has.
+        hovers: the recorded hovers by the place at which they are waited for.
+        recording: at least one fix.
+    """
+    progress = np.maximum.accumulate(planned.leg + planned.part) + 1e-9 * np.arange(len(recording))
+    passing_s = np.interp(np.arange(1, places + 1), progress, recording.time_s)
     for place, hover in hovers.items():
         passing_s[place] = recording.time_s[hover.last] - _OFF_S
     passing_s = np.maximum.accumulate(passing_s) - _LAG_S
@@ -82,13 +93,18 @@ def leg_lengths_m(draft: Draft) -> Floats:
     return np.bincount(path.seq, steps, minlength=len(draft)).astype(float)
 
 
-def speed_caps_m_s(draft: Draft, recording: LocalTrack) -> Floats:
-    """Highest speed worth asking for on each leg (n,): half as fast again as recorded there."""
-    leg = match_to_plan(draft, recording)[0].leg
+def speed_caps_m_s(planned: Offsets, legs: int, recording: LocalTrack) -> Floats:
+    """Highest speed worth asking for on each of the legs (n,): half as fast again as recorded there.
+
+    Args:
+        planned: where the planned path has the fixes.
+        legs: how many there are.
+        recording: at least one fix.
+    """
     speed = recording.speed_m_s
-    caps = np.full(len(draft), np.nan)
-    for here in np.unique(leg):
-        caps[here] = speed[leg == here].max()
+    caps = np.full(legs, np.nan)
+    for here in np.unique(planned.leg):
+        caps[here] = speed[planned.leg == here].max()
     caps = np.where(np.isnan(caps), np.nanmax(caps), caps)
     return np.clip(_SPEED_HEADROOM * caps + _SPEED_HEADROOM_M_S, SLOWEST_BETWEEN_WAITS_M_S, FASTEST_M_S)
 

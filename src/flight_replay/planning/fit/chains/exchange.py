@@ -21,6 +21,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.chains.draft_legs import DraftLegs
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
+from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.rounds import FIRST_DAMPING, State, flown_on_time
 from flight_replay.planning.fit.speed_schedule import Schedule, speed_caps_m_s
@@ -82,7 +83,8 @@ def _flown(problem: FitProblem, draft: Draft, leave_s: Floats, budget: Budget) -
     if not problem.timed:
         budget.spend(1)
         return problem.evaluate(draft)
-    caps_m_s = speed_caps_m_s(draft, problem.recording)
+    planned, _ = match_to_plan(draft, problem.recording)
+    caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
     found, steps = flown_on_time(problem, Schedule(draft, leave_s), caps_m_s)
     budget.spend(1 + steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))
     return found

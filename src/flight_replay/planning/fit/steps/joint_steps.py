@@ -118,7 +118,8 @@ class _JointSteps:
         self._duration_s = float(state.best.flight.time_s[-1])
         self._kinds, self._places = changes_of(state.best.draft, timed=problem.timed)
         self._usual = _USUAL_CHANGE[self._kinds]
-        self._caps_m_s = speed_caps_m_s(state.best.draft, problem.recording)
+        planned, _ = state.best.planned
+        self._caps_m_s = speed_caps_m_s(planned, len(state.best.draft), problem.recording)
 
     @property
     def can_be_made(self) -> bool:
