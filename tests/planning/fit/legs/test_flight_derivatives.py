@@ -13,6 +13,7 @@ from flight_replay.planning.fit.legs.flight_derivatives import (
     HOLD,
     SPEED,
     ErrorVectors,
+    FlightDerivatives,
     changes_of,
     flight_derivatives,
 )
@@ -49,8 +50,7 @@ def test_a_small_change_does_what_the_derivatives_say(place: int, change: int, s
     derivatives = flight_derivatives(PROBLEM, BASE, 600.0, np.sign(size))
     trial = PROBLEM.evaluate(changed(place, change, size))
     column = (place - 1) * CHANGES_A_PLACE + change
-    count = len(PROBLEM.recording)
-    foretold = size * derivatives.errors[: 2 * count, column].reshape(-1, 2)
+    foretold = size * derivatives.at_fixes[:, column].reshape(-1, 2)
     done = position(PROBLEM, trial) - position(PROBLEM, BASE)
     moving = PROBLEM.recording.time_s < BASE.passed_s[-1] - 1.0
     assert np.abs(foretold - done)[moving].max() < 0.2 * np.abs(done[moving]).max() + 0.05
@@ -70,7 +70,7 @@ def test_a_longer_wait_makes_all_that_follows_later() -> None:
     trial = PROBLEM.evaluate(replace(base.draft, hold_s=waits + np.array([0, 0, 1, 0, 0])))
     assert derivatives.passed_s[:, column] == pytest.approx(trial.passed_s - base.passed_s, abs=0.03)
     count = len(PROBLEM.recording)
-    foretold = derivatives.errors[:, column].reshape(-1, 2)
+    foretold = errors_of(derivatives)[:, column].reshape(-1, 2)
     left = PROBLEM.recording.time_s > base.passed_s[2]
     at_s, flight = PROBLEM.recording.time_s, base.flight
     sooner, later = (places_at(flight.time_s, flight.place_m[:, :2], at_s + s) for s in (-0.2, 0.2))
@@ -90,7 +90,7 @@ def test_errors_beside_the_paths_are_foretold(place: int, change: int) -> None:
     """Those of the fixes beside the flown and the planned path, and of the flown path's own points."""
     derivatives = flight_derivatives(PROBLEM, BASE, 600.0, 0.25)
     size = 0.02 if change == 0 else 0.1
-    foretold_m = size * derivatives.errors[:, (place - 1) * CHANGES_A_PLACE + change].reshape(-1, 2)
+    foretold_m = size * errors_of(derivatives)[:, (place - 1) * CHANGES_A_PLACE + change].reshape(-1, 2)
     trial, count = PROBLEM.evaluate(changed(place, change, size)), len(PROBLEM.recording)
     for first, now, before in (
         (count, trial.flown[0].off_m, BASE.flown[0].off_m),
@@ -112,13 +112,15 @@ def test_at_the_vehicles_own_speed_the_planned_paths_points_count_too(north: boo
     derivatives = flight_derivatives(problem, base, 600.0, 0.25)
     kinds, places = changes_of(DRAFT, timed=False)
     assert SPEED not in kinds
-    assert derivatives.errors.shape[1] == len(places) == 2 * (len(DRAFT) - 2)
+    assert errors_of(derivatives).shape[1] == len(places) == 2 * (len(DRAFT) - 2)
     place, axis = 2, 0 if north else 1
     places_m = base.draft.places_m.copy()
     places_m[place, axis] += 0.1
     now = problem.evaluate(replace(base.draft, places_m=places_m)).planned[1].off_m[5:-5]
     before = base.planned[1].off_m
-    foretold_m = before + 0.1 * derivatives.errors[:, 2 * (place - 1) + axis].reshape(-1, 2)[-len(before) :]
+    foretold_m = (
+        before + 0.1 * errors_of(derivatives)[:, 2 * (place - 1) + axis].reshape(-1, 2)[-len(before) :]
+    )
     assert np.abs(np.linalg.norm(foretold_m[5:-5], axis=1) - np.linalg.norm(now, axis=1)).max() < 0.03
 
 
@@ -129,6 +131,10 @@ def test_moves_of_the_paths_points_follow_those_of_the_fixes() -> None:
     flown, planned = errors.moved_back(np.arange(errors.stacked.size, dtype=float))
     assert flown[0].tolist() == [25.0, 26.0]
     assert planned[-1].tolist() == [37.0, 38.0]
+
+
+def errors_of(derivatives: FlightDerivatives) -> Floats:
+    return np.concatenate([derivatives.at_fixes, derivatives.beside])
 
 
 def changed(place: int, change: int, size: float) -> Draft:
@@ -153,6 +159,6 @@ def test_a_change_that_cannot_be_flown_changes_nothing(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(LocalFlights, "fly", refuse)
     derivatives = flight_derivatives(PROBLEM, BASE, 600.0)
-    moved = np.abs(derivatives.errors).max(axis=0).reshape(-1, CHANGES_A_PLACE)
+    moved = np.abs(errors_of(derivatives)).max(axis=0).reshape(-1, CHANGES_A_PLACE)
     assert moved[1, 0] == 0.0
     assert (moved[0] > 0).all()

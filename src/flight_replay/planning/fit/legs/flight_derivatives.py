@@ -65,13 +65,19 @@ class ErrorVectors:
 class FlightDerivatives:
     """By the p ``changes_of`` a draft of n places.
 
-    ``errors`` (m, p) are those of the stacked ``ErrorVectors``, ``passed_s`` (n, p) those of when places
-    are left. ``steps`` is how many steps of the model it took.
+    ``at_fixes`` (2 k, p) are those of the errors at equal times, ``beside`` (m, p) those of the rest of the
+    stacked ``ErrorVectors``, ``passed_s`` (n, p) those of when places are left. ``steps`` is how many steps
+    of the model it took.
     """
 
-    errors: Floats
+    at_fixes: Floats
+    beside: Floats
     passed_s: Floats
     steps: int
+
+    def errors_by(self, changes: Floats) -> Floats:
+        """What changes (p,) make of the stacked errors."""
+        return np.concatenate([self.at_fixes @ changes, self.beside @ changes])
 
 
 def changes_of(draft: Draft, *, timed: bool) -> tuple[Indices, Indices]:
@@ -100,13 +106,15 @@ def flight_derivatives(
     """
     legs = _ChangedLegs(problem, base, longest_s, size)
     kinds, places = changes_of(base.draft, timed=problem.timed)
-    errors, passed_s = np.zeros((len(kinds), legs.errors_count, 2)), np.zeros((len(kinds), len(base.draft)))
+    marks, flown_count, count = planned_marks(base), legs.errors_count, len(problem.recording)
+    errors = np.zeros((len(kinds), flown_count + len(marks.leg), 2))
+    passed_s = np.zeros((len(kinds), len(base.draft)))
     for row, each in enumerate(zip(kinds.tolist(), places.tolist(), strict=True)):
         legs.add(*each, errors[row], passed_s[row])
-    count = len(problem.recording)
     errors[:, 2 * count : 3 * count] = _of_planned(base, base.planned[0])
-    errors = np.concatenate([errors, _of_planned(base, planned_marks(base))], axis=1)
-    return FlightDerivatives(errors.reshape(len(kinds), -1).T, passed_s.T, legs.steps)
+    errors[:, flown_count:] = _of_planned(base, marks)
+    at_fixes, beside = np.split(errors.reshape(len(kinds), -1).T, [2 * count])
+    return FlightDerivatives(at_fixes, beside, passed_s.T, legs.steps)
 
 
 def planned_marks(evaluation: Evaluation) -> Offsets:

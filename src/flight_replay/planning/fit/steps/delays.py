@@ -78,10 +78,9 @@ class Delays:
 
     def _later(self, derivatives: FlightDerivatives, back_m: Floats, side: float) -> FlightDerivatives:
         """Derivatives by changes to a side: the vehicle is so much farther back at the fixes (n, 2, p)."""
-        errors = derivatives.errors.copy(order="K")
-        errors[: 2 * len(back_m)] -= side * back_m.reshape(-1, errors.shape[1])
+        at_fixes = derivatives.at_fixes - side * back_m.reshape(len(derivatives.at_fixes), -1)
         passed_s = derivatives.passed_s + side * self.by_change
-        return replace(derivatives, errors=errors, passed_s=passed_s)
+        return replace(derivatives, at_fixes=at_fixes, passed_s=passed_s)
 
 
 def _by_leg_s(late_s: Floats) -> Floats:

@@ -29,8 +29,8 @@ class Sides:
     def errors(self, changes: Floats) -> Floats:
         """What the stacked errors (m,) change by."""
         if self.other is None:
-            return self.one.errors @ changes
-        return self.one.errors @ np.maximum(changes, 0) + self.other.errors @ np.minimum(changes, 0)
+            return self.one.errors_by(changes)
+        return self.one.errors_by(np.maximum(changes, 0)) + self.other.errors_by(np.minimum(changes, 0))
 
     def passed_s(self, changes: Floats) -> Floats:
         """How much later places (n,) are left."""
@@ -53,7 +53,8 @@ class LinearModel:
     @classmethod
     def of(cls, sides: Sides, errors: ErrorVectors, evaluation: Evaluation) -> LinearModel:
         """That by the derivatives of the stacked errors (m,)."""
-        columns = [sides.one.errors.T] + ([] if sides.other is None else [sides.other.errors.T])
+        groups = [sides.one] if sides.other is None else [sides.one, sides.other]
+        columns = [(each.at_fixes.T, each.beside.T) for each in groups]
         normal, force = normal_equations(columns, _weights(errors, evaluation), errors.stacked)
         if sides.other is not None:
             count = len(force) // 2
