@@ -26,6 +26,9 @@ _ROOMS = (
 _NOT_COMPILED = frozenset({"__init__.py", "spline_end.py", "trajectory.py", "guided_trajectory.py"})
 """What works with numpy's arrays gains nothing."""
 _CORE = "flight_replay/logs/tlog/core/_frame_core"
+_C_FLAGS = "-ffp-contract=off -fno-semantic-interposition"
+"""Multiplications and additions in one, which some processors have, would change the last bits. Functions
+that another library may replace are called in a roundabout way, which takes the model a tenth longer."""
 _LONGEST_S = 600
 _CORE_SETUP = """
 from setuptools import Extension, setup
@@ -92,8 +95,7 @@ def compiled(setup: str, source: Path, scratch: Path) -> dict[str, str]:
     """
     libraries = scratch / "libraries"
     arguments = ["build_ext", "--build-lib", str(libraries), "--build-temp", str(scratch / "objects")]
-    # Multiplications and additions in one, which some processors have, would change the last bits.
-    flags = {} if os.name == "nt" else {"CFLAGS": f"{os.environ.get('CFLAGS', '')} -ffp-contract=off"}
+    flags = {} if os.name == "nt" else {"CFLAGS": f"{os.environ.get('CFLAGS', '')} {_C_FLAGS}"}
     subprocess.run(
         [sys.executable, "-c", setup, *arguments],
         cwd=source, env={**os.environ, **flags}, timeout=_LONGEST_S,
