@@ -16,9 +16,9 @@ from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.vehicle.identity import Identity
 
 
-def vehicle(parameters: dict[str, float], *, simulated: bool = True) -> Any:
+def vehicle(parameters: dict[str, float], *, simulated: bool = True, version: str = "4.6.0") -> Any:
     """A vehicle that has some parameters."""
-    identity = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=simulated)
+    identity = Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=simulated)
 
     def read(names: Iterable[str]) -> dict[str, float]:
         return {name: parameters[name] for name in names if name in parameters}
@@ -43,6 +43,25 @@ def test_a_vehicle_that_does_not_answer_is_planned_for_with_the_defaults() -> No
     assert isinstance(warning, Notice)
     assert warning.warning
     assert "defaults of ArduCopter 4.6" in warning.text
+
+
+@pytest.mark.parametrize(
+    ("version", "simulated", "mode", "turn_deg_s"),
+    [
+        ("4.6.0", True, "guided", 10.0),
+        ("3.3.0", True, "guided", 60.0),
+        ("3.3.0", False, "guided", 10.0),
+        ("3.3.0", True, "auto", 10.0),
+    ],
+)
+def test_headings_are_planned_with_the_turn_rate_that_is_flown(
+    version: str, simulated: bool, mode: str, turn_deg_s: float
+) -> None:
+    """Where a simulated vehicle's is raised while it follows, with that."""
+    own = {"WPNAV_SPEED": 1000.0, "ATC_SLEW_YAW": 1000.0}
+    connected = vehicle(own, simulated=simulated, version=version)
+    found = vehicle_step.vehicle_limits(connected, parse_options(["--mode", mode]), ignore)
+    assert found.values["yaw_slew_deg_s"] == pytest.approx(turn_deg_s)
 
 
 DRAG = {"EK3_DRAG_BCOEF_X": 12.0, "EK3_DRAG_BCOEF_Y": 10.0, "EK3_DRAG_MCOEF": 0.2}

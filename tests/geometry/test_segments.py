@@ -45,8 +45,8 @@ def test_the_nearest_of_a_band_is_found_though_most_are_not_looked_at(
     low = random.integers(0, 250, 80)
     high = low + random.integers(1, 49, 80)
     apart_m = nearest_on_segments(points_m[:, None], line_m[:-1], np.diff(line_m, axis=0))[1]
-    columns = [_columns(each) for each in (points_m, line_m[:-1], np.diff(line_m, axis=0))]
-    found = nearest_in_bands(*columns, low.tolist(), high.tolist())
+    line = _columns(line_m[:-1]), _columns(np.diff(line_m, axis=0))
+    found = nearest_in_bands(_columns(points_m), *line, low.tolist(), high.tolist())
     wanted = [a + row[a:b].argmin() for row, a, b in zip(apart_m, low, high, strict=True)]
     apart = apart_m[np.arange(80), found]
     assert apart == pytest.approx(apart_m[np.arange(80), wanted], abs=1e-12)

@@ -79,6 +79,8 @@ def test_the_limits_of_a_plan_are_told() -> None:
         "yaw_behavior": 2.0,
         "shaping_jerk_m_s3": 5.0,
         "lean_angle_deg": 30.0,
+        "yaw_slew_deg_s": pytest.approx(60.0),
+        "yaw_accel_deg_s2": pytest.approx(270.0),
         "mount_type": 0.0,
     }
     told = replace(route, limits=VehicleLimits(Limits(wp_speed_m_s=4.0), "ArduCopter 4.6.0"))

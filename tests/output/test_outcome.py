@@ -172,6 +172,15 @@ def test_a_flight_in_step_is_compared_by_the_recordings_clock() -> None:
     assert coverage.fly_all == ("--duration all",)
 
 
+def test_what_is_flown_beyond_the_last_fix_has_no_error() -> None:
+    """The vehicle is on its way as the recording ends, and comes to rest behind that."""
+    route, record, outcome = made_following(end_s=152.0)
+    assert record.recording_s is not None and record.recording_s[-1] > route.wanted.time_s[-1] + 1.0
+    ends_m = outcome.errors.path_m.place_m[-1] - route.wanted.north_east_m[-1]
+    beyond_m = record.flown.north_east_m(route.frame)[-1] - route.wanted.north_east_m[-1]
+    assert np.linalg.norm(ends_m) < 1.2 < np.linalg.norm(beyond_m)
+
+
 def test_waiting_is_no_error_but_is_told() -> None:
     """A recording that waits 7 s has the same errors as one that does not."""
     _, _, free = made_following()

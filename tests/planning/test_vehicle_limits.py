@@ -68,6 +68,21 @@ def test_what_differs_is_read_and_said(changed: dict[str, float]) -> None:
     assert found.values["lean_angle_deg"] == pytest.approx(20.0)
 
 
+@pytest.mark.parametrize(
+    "changed",
+    [{"ATC_SLEW_YAW": 1500.0, "ATC_ACCEL_Y_MAX": 9000.0}, {"ATC_RATE_WPY_MAX": 15.0, "ATC_ACC_Y_MAX": 90.0}],
+)
+def test_how_fast_the_vehicle_turns_is_read_and_said(changed: dict[str, float]) -> None:
+    """A heading that turns faster is not followed."""
+    assert set(changed) <= set(PARAMETER_NAMES)
+    found = limits_of(DEFAULTS_46 | changed, "ArduCopter")
+    assert found is not None
+    assert found.notes == (
+        "Planned with the vehicle's limits: turn rate 15 deg/s (default 60), "
+        "turn acceleration 90 deg/s² (default 270).",
+    )
+
+
 def test_firmware_without_a_jerk_limit_has_none() -> None:
     """ArduCopter 3.3: 5 m/s, 1 m/s², and the jerk of its position controller."""
     found = limits_of({"WPNAV_SPEED": 500.0, "WPNAV_ACCEL": 100.0}, "ArduCopter 3.3.0")

@@ -24,6 +24,21 @@ def test_half_a_metre_a_minute_is_progress(item_s: float, ended: str) -> None:
     assert record.problem in (None, "the vehicle stopped on its way to item 1; find out why")
 
 
+def test_a_long_descent_is_progress() -> None:
+    """On the spot, at 0.3 m/s, to a waypoint that is reached after 100 s."""
+    vehicle = FakeVehicle(FakeClock(), item_s=1e9)
+    flight = fake_flight(vehicle, duration_s=100.0, takeoff_altitude_m=50.0)
+    move = vehicle._move
+
+    def sink(step_s: float) -> None:
+        move(step_s)
+        if vehicle.mode == "AUTO":
+            vehicle.altitude_m -= 0.3 * step_s
+
+    vehicle._move = sink  # type: ignore[method-assign]
+    assert flight.fly().ended == "duration"
+
+
 def test_a_new_item_is_progress_even_without_a_position() -> None:
     """Five commands that take 50 s each, and a waypoint."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=6, item_s=50.0), duration_s=None)

@@ -119,9 +119,21 @@ BEYOND = {
         FENCE,
         r"150 m from the vehicle, outside the vehicle's fence \(FENCE_RADIUS 150 m",
     ),
-    "ceiling": (route(1, alt_m=99.0), FENCE, "FENCE_ALT_MAX 100 m, margin 2 m"),
-    "floor": (route(1, alt_m=30.0), FENCE | {"FENCE_ALT_MIN": 29.0}, "FENCE_ALT_MIN 29 m"),
-    "take-off": (route(1, alt_m=10.0), FENCE | {"FENCE_ALT_MAX": 25.0}, "30 m above home"),
+    "ceiling": (
+        route(1, alt_m=99.0),
+        FENCE,
+        r"route reaches 99 m above home.* \(FENCE_ALT_MAX 100 m, margin 2 m\); fly lower with --altitude,",
+    ),
+    "floor": (
+        route(1, alt_m=29.5),
+        FENCE | {"FENCE_ALT_MIN": 28.0},
+        r"FENCE_ALT_MIN 28 m.*; fly higher with --altitude,",
+    ),
+    "take-off": (
+        route(1, alt_m=10.0),
+        FENCE | {"FENCE_ALT_MAX": 25.0},
+        "the take-off reaches 30 m above home.*; fly lower with --takeoff-altitude,",
+    ),
 }
 
 
@@ -155,6 +167,16 @@ def test_an_invalid_fence_is_an_error(name: str, value: float) -> None:
 def test_a_disabled_fence_refuses_nothing(fence: dict[str, float]) -> None:
     """Only enabled fences of the types that are set count."""
     checked(route(1, 40, alt_m=200.0), replace(COPTER, parameters=fence))
+
+
+@pytest.mark.parametrize(("name", "value"), [("RTL_ALT_FINAL", 500.0), ("RTL_ALT_FINAL_M", 5.0)])
+def test_a_landing_that_never_comes_is_not_waited_for(name: str, value: float) -> None:
+    """RTL may end in the air: that is said before the vehicle arms, where its landing is asked for."""
+    hovering = replace(COPTER, parameters={name: value})
+    check(hovering, route(1), HERE, takeoff_altitude_m=30.0)
+    check(replace(COPTER, parameters={name: 0.0}), route(1), HERE, takeoff_altitude_m=30.0, lands=True)
+    with pytest.raises(VehicleError, match=f"would not land: {name} {value:g} .*; set it to 0, or leave out"):
+        check(hovering, route(1), HERE, takeoff_altitude_m=30.0, lands=True)
 
 
 def test_absolute_altitudes_are_measured_from_home() -> None:

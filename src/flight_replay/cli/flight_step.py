@@ -119,4 +119,5 @@ def _briefing(options: Options, route: Route, connected: ConnectedVehicle, liste
         max_distance_m=options.max_distance_m,
         areas=connected.fence_areas(),
         words=flown_as(options, route).words,
+        lands=options.land,
     )

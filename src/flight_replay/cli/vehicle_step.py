@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flight_replay.logs.tlog.writer import Recorder
     from flight_replay.vehicle import ConnectedVehicle
 
-
+_TURN_RATE = "ATC_SLEW_YAW"
 _DRAG_UNKNOWN = (
     " The vehicle does not tell its drag (EK3_DRAG_BCOEF_X, _Y, EK3_DRAG_MCOEF); planned with that of SITL's "
     "quadcopter, about 4 m/s² at 8 m/s. With more of it, follow slower, such as with --speed 0.5x."
@@ -101,7 +101,10 @@ def vehicle_limits(connected: ConnectedVehicle, options: Options, listener: List
         if options.mode == "guided"
         else PARAMETER_NAMES
     )
-    limits = limits_of(connected.parameters(names), connected.identity.name)
+    parameters: Mapping[str, float] = connected.parameters(names)
+    if options.mode == "guided":
+        parameters = _as_followed(connected, parameters)
+    limits = limits_of(parameters, connected.identity.name)
     if limits is None:
         listener(
             Notice(
@@ -113,3 +116,13 @@ def vehicle_limits(connected: ConnectedVehicle, options: Options, listener: List
     if options.mode == "guided" and limits.drag is None and not connected.identity.simulated:
         listener(Notice(_DRAG_UNKNOWN))
     return limits
+
+
+def _as_followed(connected: ConnectedVehicle, parameters: Mapping[str, float]) -> Mapping[str, float]:
+    """Parameters with the turn rate that is raised while following."""
+    from flight_replay.vehicle.following import raised_for_following
+
+    raised = raised_for_following(connected.identity).get(_TURN_RATE, 0.0)
+    if parameters.get(_TURN_RATE, raised) >= raised:
+        return parameters
+    return {**parameters, _TURN_RATE: raised}

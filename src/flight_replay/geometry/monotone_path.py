@@ -49,7 +49,7 @@ def cheapest_monotone_path_in_band(
     Only where they do are the rows searched together, between the columns of those around: seldom is there
     another answer that costs less.
     """
-    chosen = cheapest.copy()
+    chosen: Indices = cheapest.copy()
     so_far = np.maximum.accumulate(chosen)
     from_here = np.minimum.accumulate(chosen[::-1])[::-1]
     begins = np.append(0, np.flatnonzero(so_far[:-1] <= from_here[1:]) + 1)

@@ -112,7 +112,8 @@ def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) 
     end_s = float(recording_s.max(initial=0.0))
     fixes = _count_up_to(route.wanted.time_s, end_s)
     # The vehicle may be on its way to the next fix: its path is measured from the line to that one too.
-    errors = flight_errors(route.wanted, movement, last_s=end_s, fixes=fixes, line=fixes + 1)
+    last_s = min(end_s, float(route.wanted.time_s[-1]))
+    errors = flight_errors(route.wanted, movement, last_s=last_s, fixes=fixes, line=fixes + 1)
     begun_s = (flown.time_s - recording_s)[recording_s >= 0.0]
     return Outcome(
         errors,

@@ -22,6 +22,8 @@ _FIELDS: dict[str, tuple[str, str]] = {
     "wp_yaw_behavior": ("yaw behaviour", ""),
     "shaping_jerk_m_s3": ("controller jerk", "m/s³"),
     "lean_angle_rad": ("lean angle", "deg"),
+    "yaw_slew_rad_s": ("turn rate", "deg/s"),
+    "yaw_accel_rad_s2": ("turn acceleration", "deg/s²"),
     "mount_type": ("gimbal type", ""),
 }
 """Fields of ``Limits`` that are read from the vehicle, their names and units for people."""
@@ -82,7 +84,7 @@ def _value(limits: Limits, limit: str) -> float:
     if limit == "wp_accel_corner_m_s2":
         return limits.corner_accel_m_s2
     value = float(getattr(limits, limit))
-    return degrees(value) if limit.endswith("_rad") else value
+    return degrees(value) if limit.endswith(("_rad", "_rad_s", "_rad_s2")) else value
 
 
 def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | None:

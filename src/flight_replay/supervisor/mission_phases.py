@@ -36,7 +36,7 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
     """
     progress = ProgressTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + _longest_wait_s(plan))
-    total, before = None, (-1, 0.0)
+    total, before = None, (-1, 0.0, 0.0)
     while True:
         ended = _planned_end(monitor, plan, start_s)
         if ended and not monitor.unexpected_mode:
@@ -49,8 +49,8 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
                 "mission changed", "another ground station changed the mission in flight; disconnect it"
             )
         seq, ahead_m = monitor.mission.seq, distance_to_item_m(monitor, plan)
-        now = (seq, ahead_m or 0.0)
-        if now[0] != before[0] or abs(now[1] - before[1]) > _MIN_MOVE_M:
+        now = (seq, ahead_m or 0.0, monitor.altitude_m)
+        if any(abs(after - then) > _MIN_MOVE_M for after, then in zip(now, before, strict=True)):
             before = now
             deadline.restart()
         if deadline.passed:

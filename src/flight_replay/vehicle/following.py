@@ -51,6 +51,12 @@ def tuning_of(identity: Identity) -> Tuning:
     return _WITHOUT_ACCELERATION if identity.version_numbers >= _AFTER_3_3 else _OF_3_3
 
 
+def raised_for_following(identity: Identity) -> Mapping[str, float]:
+    """The parameters of a simulated vehicle that are raised while it follows, in its own units."""
+    old = identity.version_numbers < TAKES_ACCELERATION
+    return _RAISED_WITHOUT_ACCELERATION if old and identity.simulated else {}
+
+
 def parameters_for_following(connected: ConnectedVehicle) -> Mapping[str, float]:
     """Parameters to set while following, in the vehicle's own units.
 
@@ -58,8 +64,7 @@ def parameters_for_following(connected: ConnectedVehicle) -> Mapping[str, float]
     such parameter. The limits of a simulated vehicle whose firmware bounds targets by them are raised.
     """
     wanted = {"GUID_TIMEOUT": TARGET_TIMEOUT_S}
-    old = connected.identity.version_numbers < TAKES_ACCELERATION
-    raised = _RAISED_WITHOUT_ACCELERATION if old and connected.identity.simulated else {}
+    raised = raised_for_following(connected.identity)
     now = connected.parameters([*wanted, *raised])
     higher = {name: value for name, value in raised.items() if name in now and value > now[name]}
     return {name: value for name, value in wanted.items() if name in now} | higher

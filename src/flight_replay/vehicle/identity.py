@@ -27,6 +27,9 @@ FENCE_PARAMETERS = (
     "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "FENCE_MARGIN",
 )  # fmt: skip
 """Metres; 3.3 has no FENCE_ALT_MIN, and FENCE_AUTOENABLE exists since 4.6."""
+RTL_END_PARAMETERS = ("RTL_ALT_FINAL", "RTL_ALT_FINAL_M")
+"""Where RTL ends, 0 on the ground: cm, or in 4.7 metres."""
+_CHECKED_PARAMETERS = (*FENCE_PARAMETERS, *RTL_END_PARAMETERS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +115,7 @@ def find_vehicle(
 def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
     """What a vehicle is and can do, from its heartbeat, AUTOPILOT_VERSION and parameters."""
     version = _request_version(link)
-    parameters = read_parameters(link, [*_SIMULATOR_PARAMETERS, *FENCE_PARAMETERS])
+    parameters = read_parameters(link, [*_SIMULATOR_PARAMETERS, *_CHECKED_PARAMETERS])
     capabilities = version.capabilities if version else 0
     return Identity(
         system=vehicle.system,
@@ -123,7 +126,7 @@ def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
         takes_item_int=bool(capabilities & dialect.MAV_PROTOCOL_CAPABILITY_MISSION_INT),
         simulated=any(name in parameters for name in _SIMULATOR_PARAMETERS),
         builtin=version is not None and bytes(version.flight_custom_version) == _BUILTIN,
-        parameters={name: parameters[name] for name in FENCE_PARAMETERS if name in parameters},
+        parameters={name: parameters[name] for name in _CHECKED_PARAMETERS if name in parameters},
     )
 
 

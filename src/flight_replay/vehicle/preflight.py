@@ -7,7 +7,7 @@ when it arms.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntFlag
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.fence import FenceArea, active_fence_types
 from flight_replay.mission.items import Frame, Mission, MissionItem
+from flight_replay.vehicle.identity import RTL_END_PARAMETERS
 from flight_replay.vehicle.route_words import MissionWords, RouteWords
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ def check(  # noqa: PLR0913
     max_distance_m: float = MAX_DISTANCE_M,
     areas: Sequence[FenceArea] = (),
     words: RouteWords | None = None,
+    lands: bool = False,
 ) -> Briefing:
     """Refuse a vehicle or route that must not be flown; otherwise the briefing.
 
@@ -91,21 +93,25 @@ def check(  # noqa: PLR0913
         max_distance_m: How far from the vehicle the first waypoint may be, metres.
         areas: The polygons and circles of the vehicle's fence.
         words: What its places are called; those of a mission if None.
+        lands: Whether the landing is waited for.
 
     Raises:
-        VehicleError: The vehicle is not a multicopter with ArduPilot, or is already armed.
+        VehicleError: The vehicle is not a multicopter with ArduPilot, is already armed, or would not land.
         MissionError: The route starts too far away, leaves the fence, or has an invalid waypoint.
     """
     words = words or MissionWords()
     _check_vehicle(identity, state)
+    if lands:
+        _check_rtl_lands(identity.parameters)
     for seq, item in mission.waypoints:
         _check_waypoint(words.place(seq), item)
     distances_m = _distances_m(mission, state)
     _check_distance(float(distances_m[0]), max_distance_m, words)
     _check_areas(areas, mission, state, words)
-    heights_m = np.append(_heights_m(mission), takeoff_altitude_m)
-    _check_fence(identity.parameters, distances_m, heights_m)
-    return _briefing(identity, state, distances_m, heights_m, words)
+    heights_m, takeoff_m = _heights_m(mission), np.array([takeoff_altitude_m])
+    _check_fence(identity.parameters, _Reach("the take-off", takeoff_m, "--takeoff-altitude"))
+    _check_fence(identity.parameters, _Reach("the route", heights_m, "--altitude", distances_m))
+    return _briefing(identity, state, distances_m, np.append(heights_m, takeoff_m), words)
 
 
 def _briefing(
@@ -133,6 +139,15 @@ def _check_vehicle(identity: Identity, state: VehicleState) -> None:
         raise VehicleError(
             f"the vehicle is already armed, in mode {state.mode}; land and disarm it, then start again"
         )
+
+
+def _check_rtl_lands(parameters: Mapping[str, float]) -> None:
+    for name in RTL_END_PARAMETERS:
+        if parameters.get(name, 0.0) > 0:
+            raise VehicleError(
+                f"the vehicle would not land: {name} {parameters[name]:g} lets RTL end in the air; "
+                "set it to 0, or leave out --land"
+            )
 
 
 def _check_distance(first_m: float, max_distance_m: float, words: RouteWords) -> None:
@@ -193,18 +208,36 @@ def _heights_m(mission: Mission) -> Floats:
     )
 
 
-def _check_fence(parameters: Mapping[str, float], distances_m: Floats, heights_m: Floats) -> None:
+@dataclass(frozen=True, slots=True)
+class _Reach:
+    """How high a part of a flight goes, and how far from the vehicle, m; ``option`` sets its heights."""
+
+    what: str
+    heights_m: Floats
+    option: str
+    distances_m: Floats = field(default_factory=lambda: np.zeros(1))
+
+
+def _check_fence(parameters: Mapping[str, float], reach: _Reach) -> None:
     kinds = _Fence(active_fence_types(parameters) & (_Fence.ALT_MAX | _Fence.CIRCLE | _Fence.ALT_MIN))
     margin_m = parameters.get("FENCE_MARGIN", 0.0)
+    radius_m, high_m, low_m = reach.distances_m.max(), reach.heights_m.max(), reach.heights_m.min()
+    lower, higher = f"fly lower with {reach.option}", f"fly higher with {reach.option}"
     bounds = (
-        (_Fence.CIRCLE, "FENCE_RADIUS", "m from the vehicle", distances_m.max(), 1.0),
-        (_Fence.ALT_MAX, "FENCE_ALT_MAX", "m above home", heights_m.max(), 1.0),
-        (_Fence.ALT_MIN, "FENCE_ALT_MIN", "m above home", heights_m.min(), -1.0),
+        (
+            _Fence.CIRCLE,
+            "FENCE_RADIUS",
+            "m from the vehicle",
+            radius_m,
+            1.0,
+            "choose another part of the log",
+        ),
+        (_Fence.ALT_MAX, "FENCE_ALT_MAX", "m above home", high_m, 1.0, lower),
+        (_Fence.ALT_MIN, "FENCE_ALT_MIN", "m above home", low_m, -1.0, higher),
     )
-    for kind, name, unit, reach_m, outward in bounds:
+    for kind, name, unit, reach_m, outward, next_step in bounds:
         if kind in kinds and name in parameters and outward * (reach_m - parameters[name]) > -margin_m:
             raise MissionError(
-                f"the route reaches {reach_m:.0f} {unit}, outside the vehicle's fence ({name} "
-                f"{parameters[name]:g} m, margin {margin_m:g} m); choose another part of the log, "
-                "or change the fence"
+                f"{reach.what} reaches {reach_m:.0f} {unit}, outside the vehicle's fence ({name} "
+                f"{parameters[name]:g} m, margin {margin_m:g} m); {next_step}, or change the fence"
             )

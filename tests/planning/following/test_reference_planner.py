@@ -53,6 +53,12 @@ def test_a_flight_beyond_the_limits_stays_within_them() -> None:
     assert np.abs(rates[1]).max() < 1.04 * BOUNDS.turn_deg_s
 
 
+def test_without_limits_a_turn_takes_a_second() -> None:
+    """ATC_SLEW_YAW and ATC_ACCEL_Y_MAX of 0 are none."""
+    bounds = ReferenceBounds.of(Limits(yaw_slew_rad_s=0.0, yaw_accel_rad_s2=0.0))
+    assert (bounds.turn_deg_s, bounds.turn_deg_s2) == pytest.approx((0.98 * 360.0, 0.5 * 720.0))
+
+
 def test_turns_leave_more_of_the_lean_than_speeding_up() -> None:
     times_s = np.arange(0.0, 40.0, 0.2)
     turn, height = 1.1 * times_s, np.full(len(times_s), 20.0)

@@ -7,7 +7,7 @@ course by metres; a share of it is left to corrections and wind, a larger one wh
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import tan
+from math import pi, tan
 
 import numpy as np
 
@@ -29,6 +29,8 @@ nearer without; with more across, it throws them farther off the path, and so do
 _KNOT_STEP_S = 0.25
 _SMOOTHNESS_S6 = 1e-3  # Motions of less than about 0.3 s are noise.
 _HEADING_SMOOTHNESS_S6 = 1e-3
+_FASTEST_TURN_RAD_S, _FASTEST_TURN_RAD_S2 = 2.0 * pi, 4.0 * pi
+"""Where the vehicle's parameters set no limit, by 0: a turn a second."""
 _ROUNDS = 5
 _SETTLED_M_S = 0.05
 
@@ -57,8 +59,8 @@ class ReferenceBounds:
             down_m_s=limits.wp_speed_down_m_s,
             vertical_m_s2=2.0 * limits.wp_accel_z_m_s2,
             vertical_jerk_m_s3=limits.shaping_jerk_z_m_s3,
-            turn_deg_s=0.98 * float(np.degrees(limits.yaw_slew_rad_s)),
-            turn_deg_s2=0.5 * float(np.degrees(limits.yaw_accel_rad_s2)),
+            turn_deg_s=0.98 * float(np.degrees(limits.yaw_slew_rad_s or _FASTEST_TURN_RAD_S)),
+            turn_deg_s2=0.5 * float(np.degrees(limits.yaw_accel_rad_s2 or _FASTEST_TURN_RAD_S2)),
         )
 
 
