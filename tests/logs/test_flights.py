@@ -87,6 +87,21 @@ def test_a_pause_of_ten_seconds_ends_no_flight(still: int, flights: int) -> None
     assert len(find_flights(made([Armed.UNKNOWN] * len(speed), speed))) == flights
 
 
+@pytest.mark.parametrize(
+    ("hover_s", "alt_m", "flights"),
+    [(60.0, 20.0, 1), (300.0, 20.0, 1), (301.0, 20.0, 2), (60.0, 4.0, 2), (60.0, np.nan, 2)],
+)
+def test_a_hover_ends_no_flight(hover_s: float, alt_m: float, flights: int) -> None:
+    """High above home, for some minutes, a vehicle that stands still flies; below, it may have landed."""
+    still = round(2 * hover_s) - 1
+    speed = [2.0] * 9 + [0.0] * still + [2.0] * 9
+    track = made([Armed.UNKNOWN] * len(speed), speed)
+    assert len(find_flights(replace(track, alt_m=np.full(len(speed), alt_m)))) == flights
+    touching = np.full(len(speed), alt_m)
+    touching[9 + still // 2] = 0.0
+    assert len(find_flights(replace(track, alt_m=touching))) == 2
+
+
 def test_velocities_that_are_not_known_are_no_movement() -> None:
     """A track without velocities and without arming holds no flight."""
     track = track_from_columns(np.arange(9.0), np.full(9, 47.0), np.full(9, 8.0), np.zeros(9))

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flight_replay.exceptions import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Home
-from flight_replay.planning.altitude import FLOOR_M, altitudes_m, home_of, plausible_altitudes_m
+from flight_replay.planning.altitude import altitudes_m, home_of, plausible_altitudes_m
 from tests.helpers.made_tracks import straight_track
 
 
@@ -70,10 +71,13 @@ def test_each_boot_has_its_own_home() -> None:
 
 
 @pytest.mark.parametrize("boots", [[0, 0, 0], [0, 1, 1]])
-def test_unknown_altitudes_are_the_lowest_that_is_flown(boots: list[int]) -> None:
-    """Without any altitude above home, none is plausible."""
+def test_unknown_altitudes_cannot_be_flown(boots: list[int]) -> None:
+    """Without any altitude above home, none is plausible: a vehicle must not come down for that."""
     track = replace(track_at([30.0, 30.0, 30.0]), boot=np.array(boots, np.int32))
-    assert plausible_altitudes_m(replace(track, alt_m=np.full(3, np.nan))).tolist() == [FLOOR_M] * 3
+    unknown = replace(track, alt_m=np.full(3, np.nan))
+    with pytest.raises(MissionError, match="the recording has no heights; choose one in metres, such as"):
+        altitudes_m(unknown, "recorded")
+    assert altitudes_m(unknown, 12.0).tolist() == [12.0] * 3
 
 
 def test_altitudes_above_home_alone_are_plausible() -> None:

@@ -12,6 +12,8 @@ from flight_replay.logs.track import Armed, Track
 
 _MOVING_M_S = 0.5  # receivers at rest report less
 _PAUSE_S = 10.0  # a copter that hovers for less is on the same flight
+_HOVER_S, _HOVER_M = 300.0, 5.0
+"""Nor does a longer pause end a flight, up to so long, if the vehicle is so far above home all the while."""
 _SHORTEST_MOVE_S = 2.0
 
 
@@ -111,8 +113,11 @@ def _moving(track: Track) -> Flags:
     index = np.flatnonzero(speed_m_s > _MOVING_M_S)
     if not len(index):
         return flown
-    pauses = (np.diff(track.time_s[index]) > _PAUSE_S) | (np.diff(track.boot[index]) != 0)
-    breaks = np.flatnonzero(pauses)
+    still_s = np.diff(track.time_s[index])
+    lowest_m = np.minimum.reduceat(np.append(track.alt_m, np.nan), index)[:-1]
+    hovers = (still_s <= _HOVER_S) & (lowest_m > _HOVER_M)
+    ends = ((still_s > _PAUSE_S) & ~hovers) | (np.diff(track.boot[index]) != 0)
+    breaks = np.flatnonzero(ends)
     for begin, end in zip(np.r_[0, breaks + 1], np.r_[breaks, len(index) - 1], strict=True):
         if track.time_s[index[end]] - track.time_s[index[begin]] >= _SHORTEST_MOVE_S:
             flown[index[begin] : index[end] + 1] = True

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Home
@@ -36,7 +37,11 @@ def raised(track: Track, raise_m: float) -> Track:
 
 
 def altitudes_m(track: Track, altitude_m: float | Recorded, floor_m: float = FLOOR_M) -> Floats:
-    """Altitude above home to fly at (n,): constant, or as recorded where that is plausible, above a floor."""
+    """Altitude above home to fly at (n,): constant, or as recorded where that is plausible, above a floor.
+
+    Raises:
+        MissionError: they are to be as recorded, and no height was.
+    """
     if altitude_m != RECORDED:
         return np.full(len(track), float(altitude_m))
     return plausible_altitudes_m(track, floor_m)
@@ -48,6 +53,9 @@ def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M) -> Floats:
     Before home is set, the altitude above it is meaningless (often that above the sea): where the
     implied altitude of home is far from its median in that boot, the next plausible one is taken. In a
     boot without altitudes above the sea all are plausible.
+
+    Raises:
+        MissionError: there is no plausible altitude.
     """
     home_amsl_m = track.amsl_m - track.alt_m
     plausible = np.isfinite(track.alt_m)
@@ -57,7 +65,7 @@ def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M) -> Floats:
             error_m = np.abs(home_amsl_m - np.median(home_amsl_m[known]))
             plausible &= (track.boot != boot) | (error_m <= _MAX_HOME_ERROR_M)
     if not plausible.any():
-        return np.full(len(track), floor_m)
+        raise MissionError("the recording has no heights; choose one in metres, such as --altitude 30")
     index = np.flatnonzero(plausible)
     following = index[np.minimum(np.searchsorted(index, np.arange(len(track))), len(index) - 1)]
     return np.asarray(np.maximum(track.alt_m[following], floor_m))

@@ -112,6 +112,23 @@ def test_jumps_take_the_time_that_they_need() -> None:
     assert [(bridge.time_s, bridge.distance_m) for bridge in bridges] == [(2.0, 100.0)]
 
 
+@pytest.mark.parametrize("jump_m", [0.0, 200.0])
+def test_a_fast_flight_does_not_jump(jump_m: float) -> None:
+    """At 30 m/s, braking at the end; a jump in it is still one."""
+    times_s = np.arange(0.0, 60.0, 0.5)
+    along_m = np.cumsum(15.0 * np.clip((60.0 - times_s) / 10.0, 0.0, 1.0))
+    along_m[40:] += jump_m
+    _, bridges = times_with_bridges(times_s, np.column_stack([along_m, 0.0 * along_m]), 10.0)
+    assert [bridge.time_s for bridge in bridges] == ([19.5] if jump_m else [])
+
+
+@pytest.mark.parametrize(("fixes", "jumps"), [(1, 0), (2, 1)])
+def test_a_single_fast_step_is_a_jump(fixes: int, jumps: int) -> None:
+    """Nothing around it is as fast."""
+    places_m = np.array([[0.0, 0.0], [100.0, 0.0]])[:fixes]
+    assert len(times_with_bridges(np.arange(float(fixes)), places_m, 10.0)[1]) == jumps
+
+
 def test_fixes_weigh_by_their_share_of_time() -> None:
     times_s, _, weights = filled(np.array([0.0, 0.5, 1.5, 6.0]), np.zeros((4, 1)))
     assert weights[:4] == pytest.approx([0.5, 0.75, 1.5, 2.0])

@@ -11,8 +11,11 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import segment_lengths_m
 
 _JUMP_M = 5.0
-_JUMP_M_S = 25.0  # What no multicopter flew, is the way between two flights, or a jump of the estimator.
+_JUMP_M_S, _JUMP_TIMES, _STEPS_AROUND = 25.0, 3.0, 9
+"""A step so fast, and so many times as fast as those around it, was not flown: it is the way between two
+flights, or a jump of the estimator."""
 _START_AND_STOP_S = 5.0
+_LEAST_STEP_S = 1e-3
 LONGEST_STEP_S = 2.0
 """Between fixes farther apart in time, the vehicle is taken to have flown straight."""
 _GAP_STEP_S = 0.5
@@ -40,7 +43,7 @@ def times_with_bridges(
     """
     steps_m = segment_lengths_m(places_m)
     steps_s = np.diff(times_s)
-    jumps = (steps_m > _JUMP_M) & (steps_m > _JUMP_M_S * steps_s)
+    jumps = (steps_m > _JUMP_M) & (steps_m > _jump_speeds_m_s(steps_m, steps_s) * steps_s)
     needed_s = steps_m / speed_m_s + _START_AND_STOP_S
     longer_s = np.where(jumps, np.maximum(needed_s, steps_s), steps_s)
     times = times_s[0] + np.concatenate([[0.0], np.cumsum(longer_s)])
@@ -48,6 +51,15 @@ def times_with_bridges(
         Bridge(float(times[i]), float(steps_m[i]), float(longer_s[i])) for i in np.flatnonzero(jumps)
     )
     return times, bridges
+
+
+def _jump_speeds_m_s(steps_m: Floats, steps_s: Floats) -> Floats:
+    """The speed above which each step (n,) is a jump."""
+    if not len(steps_m):
+        return steps_m
+    around = np.pad(steps_m / np.maximum(steps_s, _LEAST_STEP_S), _STEPS_AROUND // 2)
+    usual_m_s = np.median(np.lib.stride_tricks.sliding_window_view(around, _STEPS_AROUND), axis=1)
+    return np.maximum(_JUMP_M_S, _JUMP_TIMES * usual_m_s)
 
 
 def filled(times_s: Floats, values: Floats) -> tuple[Floats, Floats, Floats]:
