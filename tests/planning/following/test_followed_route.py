@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flight_replay.exceptions import MissionError
 from flight_replay.logs.track import Armed, Track, track_from_columns
 from flight_replay.planning.following.follow_prediction import with_prediction
 from flight_replay.planning.following.followed_route import FollowOptions, followed_route
@@ -50,6 +51,24 @@ def test_what_cannot_be_followed_is_said() -> None:
     track = _track(speed_m_s=12.0)
     route = followed_route(track, track.alt_m, Limits(), FollowOptions())
     assert any("limits do not let it follow" in note for note in route.notes)
+
+
+def test_a_way_far_beside_the_recording_is_not_flown() -> None:
+    """A vehicle that is much too slow would cut bends, over what the recorded one flew around."""
+    track = _track(speed_m_s=30.0)
+    times_s = 100.0 + 10.0 * (track.time_s - 100.0)
+    wide = replace(
+        track,
+        time_s=times_s,
+        lat_deg=47.0 + 10.0 * (track.lat_deg - 47.0),
+        lon_deg=8.0 + 10.0 * (track.lon_deg - 8.0),
+    )
+    with pytest.raises(
+        MissionError, match=r"lead \d\d+ m beside it, at \d+ s; follow slower, .*--speed 0.5x"
+    ):
+        followed_route(wide, track.alt_m, Limits(), FollowOptions())
+    route = followed_route(wide, track.alt_m, Limits(), FollowOptions(pace=0.2))
+    assert route.planned_error.path_to_recorded.error.max() < 1.0
 
 
 def test_the_outline_stays_above_the_floor() -> None:

@@ -7,9 +7,10 @@ from math import tan
 
 import numpy as np
 
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
-from flight_replay.geometry.flight_errors import path_errors
+from flight_replay.geometry.flight_errors import Errors, path_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.reference_motion import ReferenceMotion, Thrust
 from flight_replay.logs.track import Track
@@ -29,6 +30,8 @@ OUTLINE_STEP_S = 1.0
 """The most time between two places of a route's outline."""
 _PATH_STEP_S = 0.1
 _WORTH_TELLING_M = 1.0
+_FARTHEST_M = 20.0
+"""So far beside the recording there may be what the recorded vehicle flew around."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +59,7 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         options: how to follow.
 
     Raises:
-        MissionError: no motion within the limits follows the track.
+        MissionError: no motion within the limits follows the track, or only one that leads far beside it.
     """
     recorded, notes = flown_part(track, tell_joins=False)  # The bridges tell of them.
     commanded, _ = flown_part(replace(track, alt_m=heights_m))
@@ -66,6 +69,8 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
     wanted = _wanted(motion.time_s, recorded, commanded.alt_m)
     planned_m = reference.positions_m(motion.time_s)
     path = _path(reference, recorded, float(motion.time_s[-1]))
+    planned_error = path_errors(wanted, path.north_east_m)
+    _check_beside(planned_error.path_to_recorded, options.pace)
     return Route(
         method="guided",
         mission=_outline(reference, recorded),
@@ -75,12 +80,23 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         planned_up_m=planned_m[:, 2],
         recording=recorded,
         path=path,
-        planned_error=path_errors(wanted, path.north_east_m),
+        planned_error=planned_error,
         predicted_duration_s=float(motion.time_s[-1]) - reference.begin_s,
         reference=reference,
         pace=options.pace,
         notes=(*notes, *_notes(options, bridges, motion.time_s, planned_m - motion.position_m)),
     )
+
+
+def _check_beside(errors: Errors, pace: float) -> None:
+    """Refuse a way that leads far beside the recording, as a vehicle's that is too slow for it cuts bends."""
+    worst = int(np.argmax(errors.error))
+    beside_m, at_s = float(errors.error[worst]), float(errors.time_s[worst])
+    if beside_m > _FARTHEST_M:
+        raise MissionError(
+            f"the vehicle is too slow for the recording: its way would lead {beside_m:.0f} m beside it, "
+            f"at {at_s:.0f} s; follow slower, such as with --speed {pace / 2:g}x"
+        )
 
 
 def _reference(
