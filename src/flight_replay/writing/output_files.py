@@ -58,15 +58,21 @@ class NewFile:
     folder cannot put a link there. It gets the permissions of the file that it replaces.
     """
 
-    def __init__(self, path: Path | str) -> None:
+    def __init__(self, path: Path | str, *, hidden: bool = True) -> None:
         """Create it.
+
+        Args:
+            path: what it becomes.
+            hidden: whether it is of no use to anybody before.
 
         Raises:
             FlightReplayError: The folder does not exist or is not writable.
         """
         target = Path(path).expanduser()
         self._target = Path(os.path.realpath(target)) if target.is_symlink() else target
-        self._path = self._target.with_name(f".flight-replay.{secrets.token_hex(8)}.part")
+        unique = secrets.token_hex(8)
+        shown = f"{self._target.stem}.unfinished-{unique}{self._target.suffix}"
+        self._path = self._target.with_name(f".flight-replay.{unique}.part" if hidden else shown)
         try:
             number = os.open(self._path, _CREATE, 0o666)
         except OSError as error:

@@ -115,6 +115,19 @@ def test_a_file_that_is_there_stays_until_the_recording_is_whole(tmp_path: Path)
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_recording_is_there_to_see_while_it_is_made(tmp_path: Path) -> None:
+    """Should the program be killed, what was recorded up to then is left beside the file."""
+    path = tmp_path / "flight.tlog"
+    with Recorder(path) as recorder:
+        recorder.write(b"a frame")
+        (unfinished,) = tmp_path.glob("flight.unfinished-*.tlog")
+        give_up_s = time.monotonic() + 20.0
+        while not unfinished.stat().st_size and time.monotonic() < give_up_s:
+            time.sleep(0.01)
+        assert unfinished.read_bytes()[8:] == b"a frame"
+    assert [each.name for each in tmp_path.iterdir()] == ["flight.tlog"]
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
 def test_a_pipe_that_nobody_reads_holds_nothing_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Writing and closing return at once; the recorder says that frames are missing."""

@@ -26,7 +26,8 @@ class Recorder:
     """Writes frames to a ``.tlog`` from any thread, whole and in the order of their stamps.
 
     ``write`` never waits: a thread of its own writes to a new file beside ``path``, which takes the
-    place of ``path`` when the recorder is closed. Something that is no regular file, such as a named
+    place of ``path`` when the recorder is closed. Until then it is there to see, as a program that is killed
+    leaves it, with all that was recorded. Something that is no regular file, such as a named
     pipe, is written to directly.
     """
 
@@ -46,7 +47,7 @@ class Recorder:
         self._file: IO[bytes] | None = None
         if not path.exists() or path.is_file():
             try:
-                self._new = NewFile(path)
+                self._new = NewFile(path, hidden=False)
             except FlightReplayError as error:
                 raise VehicleError(f"cannot record: {error}") from error
             self._file = self._new.file
@@ -69,6 +70,7 @@ class Recorder:
             if self._file is None:
                 self._file = self._path.open("wb")
             self._file.write(record)
+            self._file.flush()
         except OSError as error:
             self._fail(error.strerror or str(error))
 
