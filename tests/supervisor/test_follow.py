@@ -221,6 +221,42 @@ def test_a_vehicle_that_drifts_away_is_sent_home() -> None:
     assert record.rtl_confirmed
 
 
+def test_a_vehicle_that_falls_is_told_to_have_disarmed() -> None:
+    """It is far from its target before a heartbeat says so."""
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None, land=True)
+
+    def fall() -> None:
+        vehicle.follows, vehicle.armed = False, False
+        vehicle.heartbeat_s = vehicle.time_s
+        vehicle.altitude_m -= 12.0
+
+    vehicle.schedule.append((50.05, fall))
+    record = flight.fly()
+    assert record.ended == "disarmed"
+    assert record.problem == "the vehicle disarmed in flight; find out why before flying again"
+
+
+def test_a_vehicle_that_stays_armed_on_the_ground_is_told_first() -> None:
+    """What has to be watched now comes before what led there."""
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None, land=True)
+
+    def crash() -> None:
+        vehicle.follows = False
+        vehicle.place_m = vehicle.place_m + np.array([0.0, 30.0])
+        vehicle._move = lambda step_s: None  # type: ignore[method-assign]
+
+    vehicle.schedule.append((50.0, crash))
+    record = flight.fly()
+    assert (record.ended, record.landed) == ("off course", False)
+    assert record.problem is not None
+    assert record.problem.startswith(
+        "the vehicle did not land and disarm; watch it until it has landed; before "
+    )
+    assert "before that the vehicle was 27" in record.problem
+
+
 def test_the_way_to_the_beginning_is_flown_at_the_asked_speed() -> None:
     flight = fake_following(approach_m_s=3.0, speed_m_s=8.0, duration_s=1.0)
     flight.fly()

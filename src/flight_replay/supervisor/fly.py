@@ -12,6 +12,7 @@ from flight_replay.events import Listener, VehicleState, combine_listeners, igno
 from flight_replay.exceptions import VehicleError
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
+from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import FlightPlan, FlightRecord, FollowPlan, Plan
 from flight_replay.supervisor.mission_phases import command_rtl, wait_landed
@@ -25,6 +26,8 @@ _log = logging.getLogger(__name__)
 _RTL_ATTEMPTS = 10
 _TAKEN_OVER = frozenset({"pilot", "failsafe"})
 """``FlightRecord.ended`` where a pilot or failsafe has control: no more commands are sent."""
+_NO_RTL = frozenset({"link lost", "reboot", "disarmed"})
+"""Where nobody wonders that RTL is not confirmed."""
 
 
 def fly(vehicle: Vehicle, clock: Clock, plan: Plan | FollowPlan, listener: Listener = ignore) -> FlightRecord:
@@ -100,13 +103,17 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
     confirmed = monitor.mode == "RTL"
     if ended not in _TAKEN_OVER:
         confirmed, rtl_problem = _return(monitor)
-        problem = problem or rtl_problem
+        if ended == "off course" and monitor.armed is False:
+            # It fell before a heartbeat told why.
+            fallen = flight_ended.disarmed(monitor.reason)
+            ended, problem = fallen.ended, fallen.problem
+        problem = problem if ended in _NO_RTL else _both(rtl_problem, problem)
     if plan.land and confirmed:
         try:
             wait_landed(monitor)
             landed = True
         except FlightEnded as end:
-            problem = problem or end.problem
+            problem = _both(end.problem, problem)
     track = _track(flown)
     return FlightRecord(
         waypoints_reached=way.waypoints_reached,
@@ -120,6 +127,11 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
         flown=track,
         recording_s=way.recording_s(track.time_s),
     )
+
+
+def _both(latest: str | None, before: str | None) -> str | None:
+    """What a person has to know now, and what led there."""
+    return f"{latest}; before that {before}" if latest and before else latest or before
 
 
 def _return(monitor: VehicleMonitor) -> tuple[bool, str | None]:
