@@ -1,13 +1,17 @@
 """What the model of ArduCopter says of a route before it is flown."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
+from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.planning import prediction
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import simulate_flight
-from tests.helpers.fit_tracks import along
+from tests.helpers.fit_tracks import along, draft_of
 
 
 def test_a_route_is_predicted_both_ways() -> None:
@@ -42,3 +46,17 @@ def test_the_time_in_auto_is_that_of_a_whole_flight(takeoff_m: float) -> None:
     begin_s, end_s = simulate_flight(route.mission, Limits(), takeoff_m=takeoff_m).auto_s
     predicted_s = with_prediction(route, Limits(), takeoff_m).predicted_duration_s
     assert predicted_s == pytest.approx(end_s - begin_s, abs=1.0)
+
+
+def test_a_mission_with_a_leg_that_ardupilot_does_not_plan_is_told() -> None:
+    """4.6 reported an internal error on such a leg, and did not arm again."""
+    corners = [(0.0, 0.0), (-0.31, -0.28), (-4.65, -0.17), (-1.88, -3.93), (0.98, -5.23)]
+    draft = draft_of(corners, [False, False, True, True, True], [6, 0, 0, 0, 0])
+    asked = replace(draft, speed_m_s=np.array([np.nan, 0.35, 1.19, 2.23, 2.65]))
+    route = spaced_route(along(corners, 1.0))
+    bad, good = (
+        with_prediction(replace(route, mission=each.mission(FlatFrame(47.3, 8.5))), Limits(), 20.0)
+        for each in (asked, draft)
+    )
+    assert any("reports an internal error on a short straight leg" in note for note in bad.notes)
+    assert good.notes == route.notes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flight_errors import flight_errors
@@ -11,11 +12,18 @@ from flight_replay.mission.items import Command
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 
+if TYPE_CHECKING:
+    from flight_replay.simulator.flight.trajectory import Trajectory
+
 _STEP_S, _LONG_STEP_S = 0.02, 0.05
 _LONG_M = 5_000.0
 """Beyond this, the tenths of a second at splines' sharp turns that long steps miss are not worth the wait."""
 SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
 _LONGEST_SIMULATED_M = 50_000.0
+_ERROR = (
+    "ArduCopter reports an internal error on a short straight leg of this mission, and does not arm again "
+    "before a reboot; plan it otherwise, such as with another --spacing or --max-points."
+)
 
 
 def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
@@ -32,11 +40,17 @@ def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
     if route.path.length_m + climb_m > _LONGEST_SIMULATED_M:
         return route
     try:
-        flown, last_s, auto_s = predicted_flight(route, limits, takeoff_m)
+        flown, last_s, flight = predicted_flight(route, limits, takeoff_m)
     except MissionError:
         return route
-    predicted = flight_errors(route.wanted, flown, last_s=last_s)
-    return replace(route, predicted=predicted, predicted_flight=flown, predicted_duration_s=auto_s)
+    begin_s, end_s = flight.auto_s
+    return replace(
+        route,
+        predicted=flight_errors(route.wanted, flown, last_s=last_s),
+        predicted_flight=flown,
+        predicted_duration_s=end_s - begin_s,
+        notes=(*route.notes, _ERROR) if flight.has_error else route.notes,
+    )
 
 
 def step_for_s(route: Route) -> float:
@@ -45,8 +59,8 @@ def step_for_s(route: Route) -> float:
     return _STEP_S if is_curved and route.path.length_m <= _LONG_M else _LONG_STEP_S
 
 
-def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Movement, float, float]:
-    """The flight from when the first waypoint is reached, when the last one is, and the time in AUTO."""
+def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Movement, float, Trajectory]:
+    """The flight from when the first waypoint is reached, when the last one is, and the whole trajectory."""
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import home_frame, simulate
 
@@ -56,6 +70,5 @@ def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Mo
     first_s, last_s = flight.reached_s[seqs[0]], flight.reached_s[seqs[-1]]
     ground_m = route.frame.to_metres(*home_frame(route.mission).to_degrees(flight.north_east_m))
     whole = Movement(flight.time_s - first_s, ground_m, flight.up_m, flight.heading_deg)
-    begin_s, end_s = flight.auto_s
     every = round(SAMPLE_S / step_s)
-    return whole.select(slice(None, None, every)), last_s - first_s, end_s - begin_s
+    return whole.select(slice(None, None, every)), last_s - first_s, flight

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -182,3 +183,30 @@ def test_a_stop_counts_as_reached_just_before_its_time_is_up() -> None:
     assert leg.finished
     assert leg.time < leg.end_time
     assert leg.position == pytest.approx(40.0, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("speed", "end_speed", "length", "has_error"),
+    [
+        (0.55, 0.275, 0.68, False),
+        (0.55, 0.275, 0.72, True),
+        (0.55, 0.275, 0.98, True),
+        (0.55, 0.275, 1.03, False),
+        (0.35, 0.175, 0.53, False),
+        (0.35, 0.175, 0.56, True),
+        (0.35, 0.175, 0.64, False),
+        (0.35, 0.35, 0.94, False),
+        (0.35, 0.35, 1.00, True),
+        (0.35, 0.35, 1.07, False),
+        (0.35, 0.0, 0.56, False),
+    ],
+)
+def test_some_short_legs_make_ardupilot_report_an_error(
+    speed: float, end_speed: float, length: float, has_error: bool
+) -> None:
+    """As ArduCopter 4.6's own SCurve does, planned at 10 m/s, for an end, and then for a slower speed."""
+    leg = SCurve((length, 0.0, 0.0), LIMITS)
+    if end_speed > 0:
+        leg.limit_destination_speed(end_speed)
+    leg.change_speed(replace(LIMITS, speed_m_s=speed))
+    assert leg.has_error == has_error

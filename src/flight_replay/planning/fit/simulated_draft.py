@@ -15,7 +15,6 @@ from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.reference import AT_SEA_LEVEL, Takeoff
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
-from flight_replay.simulator.flight.auto import MissionRun
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.flown_positions import positions_to_end
 from flight_replay.simulator.mission.local_items import LocalItem
@@ -30,7 +29,8 @@ class SimulatedDraft:
 
     ``passed_s`` (n,) is when each of the draft's n places was reached, those after an end on the ground at
     the end. ``stays_up`` says whether there was no such end, and the vehicle nowhere below half of the
-    height of the lowest place: a fast one may fall out of the curves of a spline that dives.
+    height of the lowest place: a fast one may fall out of the curves of a spline that dives. ``has_error``
+    says whether ArduPilot reports an internal error on a leg.
     """
 
     draft: Draft
@@ -38,6 +38,7 @@ class SimulatedDraft:
     place_m: Floats
     passed_s: Floats
     stays_up: bool = True
+    has_error: bool = False
 
 
 def simulate_draft(
@@ -56,22 +57,22 @@ def simulate_draft(
     """
     items, seqs = items_of(draft)
     copter = copter_after_takeoff(draft, limits, step_s, takeoff)
-    run = copter.start_auto(items)
+    copter.start_auto(items)
     rows = [copter.position_m, *positions_to_end(copter)]
-    return flight_of(draft, run, seqs, rows, step_s)
+    return flight_of(draft, copter, seqs, rows)
 
 
-def flight_of(
-    draft: Draft, run: MissionRun, seqs: list[int], rows: list[Vector], step_s: float
-) -> SimulatedDraft:
-    """A draft's flight from its mission, flown to the end, and the positions before and after each step."""
+def flight_of(draft: Draft, copter: Copter, seqs: list[int], rows: list[Vector]) -> SimulatedDraft:
+    """A draft as a copter has flown it to the end, with the positions before and after each step."""
+    run, step_s = copter.mission, copter.step_s
+    assert run is not None, "a draft is flown in AUTO"
     end_s = step_s * (len(rows) - 1)
     passed_s = np.array([_reached_s(run.reached, seq, end_s) for seq in seqs])
     place_m = places_of(rows[round(passed_s[0] / step_s) :])
     times_s = step_s * np.arange(len(place_m), dtype=float)
     least_up_m = _LEAST_UP_SHARE * float(draft.places_m[:, 2].min())
     stays_up = run.completed and bool(place_m[:, 2].min() >= least_up_m)
-    return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0], stays_up)
+    return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0], stays_up, copter.has_error)
 
 
 def places_of(rows: list[Vector]) -> Floats:

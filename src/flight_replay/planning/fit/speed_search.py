@@ -102,10 +102,8 @@ class SpeedSearch:
 
     def _flight(self, speeds: Floats) -> SimulatedDraft:
         """The flight when the last place is reached."""
-        copter, run = self._copter, self._copter.mission
-        assert run is not None, "a draft is flown in AUTO"
-        self._rows += positions_to_end(copter)
-        return flight_of(with_speeds(self._plan.draft, speeds), run, self._seqs, self._rows, self._step_s)
+        self._rows += positions_to_end(self._copter)
+        return flight_of(with_speeds(self._plan.draft, speeds), self._copter, self._seqs, self._rows)
 
     @property
     def _now_s(self) -> float:

@@ -160,6 +160,11 @@ class Copter(SnapshotPart):
         return self._submode.goal if isinstance(self._submode, GuidedSubMode) else None
 
     @property
+    def has_error(self) -> bool:
+        """Whether ArduPilot has reported an internal error on a leg, and arms only after a reboot."""
+        return self._flight.navigation.has_error
+
+    @property
     def mission(self) -> MissionRun | None:
         """The mission that is running, if the vehicle is in AUTO."""
         return self._submode if isinstance(self._submode, MissionRun) else None

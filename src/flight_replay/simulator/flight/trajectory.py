@@ -42,6 +42,8 @@ class Trajectory:
     """Sequence number of each item that was reached, and when (the last time, if jumped back to)."""
     auto_s: tuple[float, float]
     """When AUTO began, and when its last item was done."""
+    has_error: bool = False
+    """Whether ArduPilot reports an internal error on a leg, and arms only after a reboot."""
 
     @property
     def north_east_m(self) -> Floats:
@@ -87,8 +89,9 @@ class _Recorder:
         ground = frame.to_metres(*_flat(frame).to_degrees(columns[1:3].T))
         up, vn, ve, vu = columns[3:]
         heading, course = np.degrees(self.turns_rad).T % 360.0
+        place, velocity = (ground[:, 0], ground[:, 1], up), (vn, ve, vu)
         return Trajectory(
-            columns[0], ground[:, 0], ground[:, 1], up, vn, ve, vu, heading, course, reached_s, auto_s
+            columns[0], *place, *velocity, heading, course, reached_s, auto_s, self.copter.has_error
         )
 
 

@@ -25,6 +25,7 @@ from flight_replay.simulator.navigation.scurve_segments import (
     cruising,
     empty_segment,
     from_speed,
+    lack_ramp,
     ramp_segments,
     state_within,
 )
@@ -37,7 +38,11 @@ _NO_LIMITS: Final = Kinematics(0.0, 0.0, 0.0)
 
 
 class SCurve(SnapshotPart):
-    """Motion along one straight leg, from rest to rest unless told otherwise; empty without length."""
+    """Motion along one straight leg, from rest to rest unless told otherwise; empty without length.
+
+    ``has_error`` says whether ArduPilot reports an internal error on it: it found no ramp where there is one,
+    and does not arm again before a reboot.
+    """
 
     __slots__ = (
         "_ends",
@@ -45,6 +50,7 @@ class SCurve(SnapshotPart):
         "_reached_m",
         "_segments",
         "direction",
+        "has_error",
         "length",
         "position",
         "time",
@@ -53,6 +59,7 @@ class SCurve(SnapshotPart):
 
     def __init__(self, track: Vector = (0.0, 0.0, 0.0), limits: PathLimits | None = None) -> None:
         self.time = self.position = self.top_speed = 0.0
+        self.has_error = False
         self._segments: list[Segment] = []
         self._ends: list[float] = []
         self.length = length = norm(*track) if limits else 0.0
@@ -67,6 +74,7 @@ class SCurve(SnapshotPart):
 
     def _set_segments(self, segments: list[Segment]) -> None:
         self._segments = segments
+        self.has_error = self.has_error or lack_ramp(segments)
         self._ends = [segment[0] for segment in segments]
 
     @property
@@ -110,10 +118,17 @@ class SCurve(SnapshotPart):
         if self.time > 0:
             position, now, accel = self.at(self.time)
             here: Segment = (self.time, accel, now, position, 0.0, 0.0, 0.0)
-            self._set_segments(with_top_speed(self._limits, here, self._segments, speed))
+            segments, lacks_change = with_top_speed(self._limits, here, self._segments, speed)
+            self.has_error = self.has_error or lacks_change
+            self._set_segments(segments)
             return
-        start_speed, end_speed = self._segments[START][2], self._segments[END][2]
-        self._set_segments(from_speed(self._limits, 0.0, speed, self.length))
+        # Where the braking takes more than half of the leg, this ends beyond its destination.
+        start_speed, end_speed, end_m = (
+            self._segments[START][2],
+            self._segments[END][2],
+            self._segments[END][3],
+        )
+        self._set_segments(from_speed(self._limits, 0.0, speed, end_m))
         self.limit_origin_speed(min(speed, start_speed))
         self.limit_destination_speed(min(speed, end_speed))
 

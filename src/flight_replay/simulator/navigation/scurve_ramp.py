@@ -39,6 +39,11 @@ _NO_SPEED_M_S: Final = 1.2e-9
 NO_RAMP = Ramp(0.0, 0.0, 0.0, 0.0)
 
 
+def is_error(shape: Ramp) -> bool:
+    """Whether ArduPilot reports an internal error: it found no ramp where it looked for one."""
+    return shape.jerk <= 0.0 and shape.rise_s > 0.0
+
+
 def ramp(limits: Kinematics, speed: float, top_speed: float, length: float) -> Ramp:
     """The quickest ramp from ``speed`` towards ``top_speed`` within ``length`` and the limits."""
     snap, jerk, accel = limits

@@ -87,6 +87,12 @@ def ramp_segments(before: Segment, shape: Ramp, *, gain: bool) -> list[Segment]:
     return segments
 
 
+def lack_ramp(segments: list[Segment]) -> bool:
+    """Whether a leg's gain or loss of speed lasts, as of a ramp that ArduPilot did not find, without jerk."""
+    gain, loss = segments[START + 1], segments[CRUISE + 1]
+    return (gain[4] == 0.0 and gain[5] > 0.0) or (loss[4] == 0.0 and loss[5] > 0.0)
+
+
 def shifted(segments: list[Segment], time_s: float, position_m: float) -> list[Segment]:
     """The same segments, later and farther."""
     return [(t + time_s, a, v, p + position_m, j, b, w) for t, a, v, p, j, b, w in segments]

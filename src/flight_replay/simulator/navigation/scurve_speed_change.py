@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import pi
 from typing import Final
 
-from flight_replay.simulator.navigation.scurve_ramp import Kinematics, ramp
+from flight_replay.simulator.navigation.scurve_ramp import NO_RAMP, Kinematics, is_error, ramp
 from flight_replay.simulator.navigation.scurve_segments import (
     ACCEL_END,
     ACCEL_MAX,
@@ -29,13 +29,18 @@ from flight_replay.simulator.navigation.scurve_segments import (
 _JERK_TIMES: Final = 12.0
 
 
-def with_top_speed(limits: Kinematics, now: Segment, segments: list[Segment], speed: float) -> list[Segment]:
-    """The leg's segments with another top speed from ``now`` on, where the vehicle is on its way."""
+def with_top_speed(
+    limits: Kinematics, now: Segment, segments: list[Segment], speed: float
+) -> tuple[list[Segment], bool]:
+    """The leg's segments with another top speed from ``now`` on, where the vehicle is on its way.
+
+    And whether ArduPilot reports an internal error, as it did not find the ramp between both speeds.
+    """
     length, end_speed = segments[END][3], min(speed, segments[END][2])
     segments = _restarted(segments, now)
     segments = _shorter_gain(limits, segments, now[0], speed)
-    segments = _changed_cruise(limits, segments, speed)
-    return _braked(limits, segments, end_speed, length)
+    segments, lacks_change = _changed_cruise(limits, segments, speed)
+    return _braked(limits, segments, end_speed, length), lacks_change
 
 
 def _restarted(segments: list[Segment], now: Segment) -> list[Segment]:
@@ -61,20 +66,20 @@ def _shorter_gain(limits: Kinematics, segments: list[Segment], time: float, spee
     return with_stop(limits, [start, *ramp_segments(start, shape, gain=True)], length)
 
 
-def _changed_cruise(limits: Kinematics, segments: list[Segment], speed: float) -> list[Segment]:
-    """Add a ramp to the new speed to the cruise, if there is room for it."""
+def _changed_cruise(limits: Kinematics, segments: list[Segment], speed: float) -> tuple[list[Segment], bool]:
+    """Add a ramp to the new speed to the cruise, if there is room for it; and whether none was found."""
     level = empty_segment(segments[ACCEL_END])
     old, room = level[2], segments[CRUISE][3] - level[3]
     # ArduPilot's cube root is an integer division, 1/3 = 0, so that its first bound is 1 s.
     wait = _JERK_TIMES * min(1.0, limits.jerk * pi / (2.0 * limits.snap))
-    change = [level] * SEGMENTS_IN_RAMP
+    change, shape = [level] * SEGMENTS_IN_RAMP, NO_RAMP
     if speed < old and wait < room / old:
         shape = ramp(limits, speed, old, 0.5 * room)
         change = ramp_segments(level, shape, gain=False) if shape.jerk > 0 else change
     elif speed > old and room / wait > old:
         shape = ramp(limits, old, min(speed, room / wait), 0.5 * room)
         change = ramp_segments(level, shape, gain=True) if shape.jerk > 0 else change
-    return [*segments[: ACCEL_END + 1], *change, *segments[CRUISE:]]
+    return [*segments[: ACCEL_END + 1], *change, *segments[CRUISE:]], is_error(shape)
 
 
 def _braked(limits: Kinematics, segments: list[Segment], end_speed: float, length: float) -> list[Segment]:

@@ -22,10 +22,14 @@ _ZERO = (0.0, 0.0, 0.0)
 
 
 class WaypointNavigation(SnapshotPart):
-    """The target that flies through the waypoints; ``advance`` moves it and flies the airframe after it."""
+    """The target that flies through the waypoints; ``advance`` moves it and flies the airframe after it.
+
+    ``has_error`` says whether ArduPilot has reported an internal error: see ``SCurve``.
+    """
 
     def __init__(self, limits: Limits, airframe: Airframe, control: PositionControl) -> None:
         self._limits, self._airframe, self._control = limits, airframe, control
+        self.has_error = False
         self.start()
 
     def start(self, speed_m_s: float = 0.0) -> None:
@@ -88,6 +92,7 @@ class WaypointNavigation(SnapshotPart):
         limits = self._path_limits
         for leg in (self._spline or self._legs.current, self._next_spline or self._legs.following):
             leg.change_speed(limits)
+        self._note_errors()
 
     # legs
 
@@ -107,6 +112,7 @@ class WaypointNavigation(SnapshotPart):
             legs.begin(SCurve(minus(destination, self._origin), self._path_limits), previous=legs.current)
         self._spline = None
         self.fast_waypoint = self.reached = False
+        self._note_errors()
 
     def set_wp_destination_next(self, destination: Vector) -> None:
         """Set the destination of a straight leg after this one."""
@@ -116,6 +122,7 @@ class WaypointNavigation(SnapshotPart):
             self._spline.limit_destination_speed(speed)
         self._next_spline = None
         self.fast_waypoint = True
+        self._note_errors()
 
     def set_spline_destination(self, destination: Vector, destination_tangent: Vector) -> None:
         """Fly a spline leg from the last destination, ending along ``destination_tangent``."""
@@ -138,6 +145,11 @@ class WaypointNavigation(SnapshotPart):
         self._assumed_speed = spline.destination_speed
         self.fast_waypoint = True
         (self._spline or self._legs.current).limit_destination_speed(spline.origin_speed)
+        self._note_errors()
+
+    def _note_errors(self) -> None:
+        """Keep in mind that ArduPilot has reported an internal error on a leg."""
+        self.has_error = self.has_error or self._legs.current.has_error or self._legs.following.has_error
 
     @property
     def _target_speed(self) -> float:

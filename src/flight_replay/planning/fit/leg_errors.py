@@ -1,0 +1,74 @@
+"""Drafts without the legs on which ArduPilot reports an internal error.
+
+Up to 4.7 SCurve::calculate_path looks for a full ramp where only a smaller one fits, and finds none: on
+straight legs of about half a metre to a metre that are left or reached at half of their speed. It reports an
+internal error then, and a vehicle does not arm again before a reboot. Such legs are rare, so they are mended
+after the search: made shorter or longer, flown to on a curve, left out, or stopped at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.draft import Draft, with_every_speed
+from flight_replay.planning.fit.objective import Evaluation
+from flight_replay.planning.fit.offsets import match_to_plan
+from flight_replay.planning.fit.problem import FitProblem
+from flight_replay.planning.fit.rounds import flown_on_time
+from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, Schedule, speed_caps_m_s
+
+_SHORT_M = 5.0
+"""Only legs that are shorter have such errors, at any limits that a vehicle is flown with."""
+_LENGTHS = (0.5, 0.7, 0.85, 1.2, 1.5, 2.0)
+_MOST_ROUNDS = 10
+
+
+def without_errors(problem: FitProblem, best: Evaluation) -> Evaluation:
+    """Of the drafts like ``best`` on which there is no error the best; itself where there is none such."""
+    found = best
+    for _ in range(_MOST_ROUNDS):
+        if not found.flight.has_error:
+            return found
+        flown = [_flown(problem, *change) for change in _changes(found)]
+        up = [each for each in flown if each.flight.stays_up]
+        mended = [each for each in up if not each.flight.has_error]
+        # Of several such legs one after the other is mended.
+        found = min(mended or up, key=lambda each: each.objective_m, default=best)
+        if found is best:
+            break
+    return best
+
+
+def _changes(evaluation: Evaluation) -> Iterator[tuple[Draft, Floats]]:
+    """What may be made of each short straight leg, and when the places are left then."""
+    draft, leave_s = with_every_speed(evaluation.draft), evaluation.passed_s
+    lengths_m = np.linalg.norm(np.diff(draft.places_m, axis=0, prepend=draft.places_m[:1]), axis=1)
+    short = ~draft.spline & (lengths_m < _SHORT_M) & (draft.hold_s == 0)
+    for place in (1 + np.flatnonzero(short[1:])).tolist():
+        curved, waits = draft.spline.copy(), draft.hold_s.copy()
+        curved[place], waits[place] = True, LEAST_HOLD_S
+        for share in _LENGTHS:
+            moved = draft.places_m.copy()
+            moved[place] = moved[place - 1] + share * (moved[place] - moved[place - 1])
+            yield replace(draft, places_m=moved), leave_s
+        yield replace(draft, spline=curved), leave_s
+        yield replace(draft, hold_s=waits), leave_s
+        if place < len(draft) - 1:
+            yield _left_out(draft, place), np.delete(leave_s, place)
+
+
+def _left_out(draft: Draft, place: int) -> Draft:
+    kept = np.arange(len(draft)) != place
+    return Draft(draft.places_m[kept], draft.spline[kept], draft.hold_s[kept], draft.speed_m_s[kept])
+
+
+def _flown(problem: FitProblem, draft: Draft, leave_s: Floats) -> Evaluation:
+    if not problem.timed:
+        return problem.exact.evaluate(draft)
+    planned, _ = match_to_plan(draft, problem.recording)
+    caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
+    return flown_on_time(problem.exact, Schedule(draft, leave_s), caps_m_s)[0]
