@@ -54,9 +54,11 @@ def test_a_mission_with_a_leg_that_ardupilot_does_not_plan_is_told() -> None:
     draft = draft_of(corners, [False, False, True, True, True], [6, 0, 0, 0, 0])
     asked = replace(draft, speed_m_s=np.array([np.nan, 0.35, 1.19, 2.23, 2.65]))
     route = spaced_route(along(corners, 1.0))
+    longer_m = draft.places_m.copy()
+    longer_m[1] *= 2.0
     bad, good = (
         with_prediction(replace(route, mission=each.mission(FlatFrame(47.3, 8.5))), Limits(), 20.0)
-        for each in (asked, draft)
+        for each in (asked, replace(asked, places_m=longer_m))
     )
     assert any("reports an internal error on a short straight leg" in note for note in bad.notes)
     assert good.notes == route.notes

@@ -25,7 +25,6 @@ from flight_replay.planning.fit.first_drafts.line_simplification import (
     straight_draft,
 )
 from flight_replay.planning.fit.first_drafts.whole_corners import with_whole_corners
-from flight_replay.planning.fit.leg_errors import without_errors
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import (
@@ -97,7 +96,6 @@ def fit(  # noqa: PLR0913
     starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
     budget = _budget(problem, len(flown), progress)
     best, stopped = search(problem, starts, max_points, budget)
-    best = without_errors(problem, best)
     notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
     return _result(best, flown, recording, heights, notes)
 
