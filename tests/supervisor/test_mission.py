@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flight_replay import events
@@ -37,6 +38,31 @@ def test_a_long_descent_is_progress() -> None:
 
     vehicle._move = sink  # type: ignore[method-assign]
     assert flight.fly().ended == "duration"
+
+
+def test_a_vehicle_that_is_driven_away_is_sent_home() -> None:
+    """It moves, but not to where it has to go; on the way home it is told that it does not come there."""
+    vehicle = FakeVehicle(FakeClock(), item_s=1e9)
+    flight = fake_flight(vehicle, duration_s=None, land=True)
+    move = vehicle._move
+
+    def drift(step_s: float) -> None:
+        move(step_s)
+        if vehicle.mode in ("AUTO", "RTL"):
+            vehicle.place_m = vehicle.place_m - np.array([2.0 * step_s, 0.0])
+        if vehicle.mode == "RTL":
+            vehicle.armed, vehicle.altitude_m = True, 30.0
+
+    vehicle._move = drift  # type: ignore[method-assign]
+    record = flight.fly()
+    assert (record.ended, record.landed) == ("no progress", False)
+    assert record.problem is not None
+    home, _, before = record.problem.partition("; before that ")
+    assert home.startswith("the vehicle is driven away from home, 52")
+    assert before.startswith("the vehicle is driven away from item 1, 13")
+    assert flight.wall_s < 400.0
+    waits = [event.reason for event in flight.of(Waiting) if event.phase is Phase.RETURN]
+    assert waits[-1].endswith(" m above home, 523 m away")
 
 
 def test_a_new_item_is_progress_even_without_a_position() -> None:
@@ -163,7 +189,7 @@ def test_a_long_landing_is_awaited_while_the_vehicle_moves() -> None:
     assert (record.landed, record.problem) == (True, None)
     waits = [event.reason for event in flight.of(Waiting) if event.phase is Phase.RETURN]
     assert 65 <= len(waits) <= 80
-    assert waits[-1].endswith(" m above home")
+    assert waits[-1].endswith(" m above home, 150 m away")
 
 
 def test_land_on_the_way_home_is_a_landing_too() -> None:

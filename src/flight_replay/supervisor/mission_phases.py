@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from flight_replay.events import (
     DistanceToWaypoint,
     Phase,
@@ -20,6 +22,9 @@ from flight_replay.supervisor.vehicle_interface import Request
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
 _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
+_ASTRAY_M, _LOST_M = 10.0, 400.0
+"""So much farther away a vehicle is driven from where it goes, and from home: rally points are within 300 m."""
+_LONGEST_LOITER_S = 60.0  # RTL_LOIT_TIME over home.
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _DOUBT_WALL_S = 2.0  # An unexpected mode that no heartbeat repeats for so long does not hold RTL back.
 _COMMANDS_THAT_WAIT = frozenset(
@@ -36,7 +41,7 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
     """
     progress = ProgressTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + _longest_wait_s(plan))
-    total, before = None, (-1, 0.0, 0.0)
+    total, way = None, _Way()
     while True:
         ended = _planned_end(monitor, plan, start_s)
         if ended and not monitor.unexpected_mode:
@@ -49,16 +54,42 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
                 "mission changed", "another ground station changed the mission in flight; disconnect it"
             )
         seq, ahead_m = monitor.mission.seq, distance_to_item_m(monitor, plan)
-        now = (seq, ahead_m or 0.0, monitor.altitude_m)
-        if any(abs(after - then) > _MIN_MOVE_M for after, then in zip(now, before, strict=True)):
-            before = now
+        if way.leads_on(seq, ahead_m or 0.0, monitor.altitude_m):
             deadline.restart()
         if deadline.passed:
-            raise FlightEnded("no progress", f"the vehicle stopped on its way to item {seq}; find out why")
+            raise FlightEnded("no progress", way.stopped(ahead_m or 0.0))
         if seq >= FIRST_SEQ and progress.due():
             waypoint, waypoints = plan.waypoint_at(seq)
             monitor.emit(DistanceToWaypoint(seq, ahead_m, waypoints, waypoint))
         monitor.step()
+
+
+class _Way:
+    """How far the vehicle has come on its way to an item; what leads away, or to and fro, does not count."""
+
+    def __init__(self) -> None:
+        self._seq, self._nearest_m, self._lowest_m, self._highest_m = -1, math.inf, math.inf, -math.inf
+
+    def leads_on(self, seq: int, ahead_m: float, altitude_m: float) -> bool:
+        """Whether it goes to another item, comes nearer, or is higher or lower than it was on this way."""
+        if seq != self._seq:
+            self._seq, self._nearest_m, self._lowest_m, self._highest_m = seq, ahead_m, altitude_m, altitude_m
+            return True
+        if ahead_m < self._nearest_m - _MIN_MOVE_M:
+            self._nearest_m = ahead_m
+        elif altitude_m < self._lowest_m - _MIN_MOVE_M:
+            self._lowest_m = altitude_m
+        elif altitude_m > self._highest_m + _MIN_MOVE_M:
+            self._highest_m = altitude_m
+        else:
+            return False
+        return True
+
+    def stopped(self, ahead_m: float) -> str:
+        """What a person is told if it does not."""
+        if ahead_m > self._nearest_m + _ASTRAY_M:
+            return f"the vehicle is driven away from item {self._seq}, {ahead_m:.0f} m by now; check the wind"
+        return f"the vehicle stopped on its way to item {self._seq}; find out why"
 
 
 def _planned_end(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str | None:
@@ -118,12 +149,19 @@ def wait_landed(monitor: VehicleMonitor) -> None:
     """Follow the vehicle home until it has landed and disarmed.
 
     Raises:
-        FlightEnded: It does not move any more, or ``VehicleMonitor.step`` ends the flight.
+        FlightEnded: It does not move any more, is driven away, or ``VehicleMonitor.step`` ends the flight.
     """
     monitor.modes.expect("RTL", "LAND")
-    progress, deadline = ProgressTimer(monitor), Deadline(monitor, monitor.deadlines.no_progress_s)
-    before = monitor.state
+    progress = ProgressTimer(monitor)
+    deadline = Deadline(monitor, monitor.deadlines.no_progress_s + _LONGEST_LOITER_S)
+    before, began_m = monitor.state, monitor.from_home_m
     while monitor.armed:
+        if monitor.from_home_m > began_m + _LOST_M:
+            raise FlightEnded(
+                "no progress",
+                f"the vehicle is driven away from home, {monitor.from_home_m:.0f} m by now; "
+                "take control with the transmitter or another ground station",
+            )
         if monitor.state and before and _moved_m(monitor.state, before) > _MIN_MOVE_M:
             before = monitor.state
             deadline.restart()
@@ -133,7 +171,8 @@ def wait_landed(monitor: VehicleMonitor) -> None:
                 "no progress", f"the vehicle did not land and disarm{reason}; watch it until it has landed"
             )
         if progress.due():
-            monitor.emit(Waiting(Phase.RETURN, f"{monitor.altitude_m:.1f} m above home"))
+            where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"
+            monitor.emit(Waiting(Phase.RETURN, where))
         monitor.step()
 
 

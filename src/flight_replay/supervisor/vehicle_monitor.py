@@ -11,6 +11,7 @@ from collections import deque
 from functools import singledispatchmethod
 
 from flight_replay.events import Listener, Severity, StatusText, VehicleState, WaypointReached
+from flight_replay.geometry.geodesy import distance_m
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_plan import Deadlines
@@ -58,6 +59,7 @@ class VehicleMonitor:
         """Whether a mission was uploaded since the one on board was last verified."""
         self.reached: dict[int, float] = {}
         self.flown: list[VehicleState] = []
+        self._home: VehicleState | None = None
         self.link_up_s = 0.0
         """Seconds of vehicle time that passed while the link was up: the time that deadlines count."""
         self.auto_start_s: float | None = None
@@ -86,6 +88,14 @@ class VehicleMonitor:
     def altitude_m(self) -> float:
         """Metres above home, 0 before the first position."""
         return self.state.alt_m if self.state else 0.0
+
+    @property
+    def from_home_m(self) -> float:
+        """Metres over the ground from where arming was requested, 0 before that."""
+        here, home = self.state, self._home
+        if here is None or home is None:
+            return 0.0
+        return float(distance_m(here.lat_deg, here.lon_deg, home.lat_deg, home.lon_deg))
 
     @property
     def silence(self) -> str:
@@ -118,6 +128,7 @@ class VehicleMonitor:
     def begin_arming(self) -> None:
         """Arming is requested now: the vehicle may be armed from now on."""
         self.arm_requested, self.was_armed = True, False
+        self._home = self.state
 
     def begin_phase(self) -> None:
         """Forget status texts and acks of the phase before."""
