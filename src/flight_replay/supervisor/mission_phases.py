@@ -23,7 +23,7 @@ from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
 _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
 _ASTRAY_M, _LOST_M = 10.0, 400.0
-"""So much farther away a vehicle is driven from where it goes, and from home: rally points are within 300 m."""
+"""So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
 _LONGEST_LOITER_S = 60.0  # RTL_LOIT_TIME over home.
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _DOUBT_WALL_S = 2.0  # An unexpected mode that no heartbeat repeats for so long does not hold RTL back.
