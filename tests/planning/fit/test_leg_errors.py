@@ -47,5 +47,5 @@ def test_a_draft_without_an_error_stays_as_it_is() -> None:
 def test_what_cannot_be_mended_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is told by the prediction then."""
     problem, best = evaluated(timed=False)
-    monkeypatch.setattr("flight_replay.planning.fit.leg_errors._SHORT_M", 0.1)
+    monkeypatch.setattr("flight_replay.planning.fit.leg_errors._SHORT_M_PER_M_S3", 0.1)
     assert without_errors(problem, best) is best

@@ -21,8 +21,8 @@ from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.rounds import flown_on_time
 from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, Schedule, speed_caps_m_s
 
-_SHORT_M = 5.0
-"""Only legs that are shorter have such errors, at any limits that a vehicle is flown with."""
+_SHORT_M_PER_M_S3 = 2.0
+"""Only legs that are shorter have such errors, by the jerk that the vehicle flies them with (WPNAV_JERK)."""
 _LENGTHS = (0.5, 0.7, 0.85, 1.2, 1.5, 2.0)
 _MOST_ROUNDS = 10
 
@@ -33,7 +33,8 @@ def without_errors(problem: FitProblem, best: Evaluation) -> Evaluation:
     for _ in range(_MOST_ROUNDS):
         if not found.flight.has_error:
             return found
-        flown = [_flown(problem, *change) for change in _changes(found)]
+        short_m = _SHORT_M_PER_M_S3 * max(problem.limits.path_jerk_m_s3, 1.0)
+        flown = [_flown(problem, *change) for change in _changes(found, short_m)]
         up = [each for each in flown if each.flight.stays_up]
         mended = [each for each in up if not each.flight.has_error]
         # Of several such legs one after the other is mended.
@@ -43,12 +44,18 @@ def without_errors(problem: FitProblem, best: Evaluation) -> Evaluation:
     return best
 
 
-def _changes(evaluation: Evaluation) -> Iterator[tuple[Draft, Floats]]:
-    """What may be made of each short straight leg, and when the places are left then."""
-    draft, leave_s = with_every_speed(evaluation.draft), evaluation.passed_s
+def _short_legs(draft: Draft, short_m: float) -> list[int]:
+    """The places that straight legs lead to, so short, before or after a curve."""
     lengths_m = np.linalg.norm(np.diff(draft.places_m, axis=0, prepend=draft.places_m[:1]), axis=1)
-    short = ~draft.spline & (lengths_m < _SHORT_M) & (draft.hold_s == 0)
-    for place in (1 + np.flatnonzero(short[1:])).tolist():
+    curves = np.append(draft.spline[1:], False) | np.append(False, draft.spline[:-1])
+    short = ~draft.spline & curves & (lengths_m < short_m) & (draft.hold_s == 0)
+    return [int(place) for place in np.flatnonzero(short) if place > 0]
+
+
+def _changes(evaluation: Evaluation, short_m: float) -> Iterator[tuple[Draft, Floats]]:
+    """What may be made of each such leg, and when the places are left then."""
+    draft, leave_s = with_every_speed(evaluation.draft), evaluation.passed_s
+    for place in _short_legs(draft, short_m):
         curved, waits = draft.spline.copy(), draft.hold_s.copy()
         curved[place], waits[place] = True, LEAST_HOLD_S
         for share in _LENGTHS:
