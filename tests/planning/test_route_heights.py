@@ -81,7 +81,7 @@ def test_a_constant_altitude_has_no_floor() -> None:
 
 
 def test_unknown_heights_are_not_counted() -> None:
-    """A recording without heights is flown at the floor, but none of it was below."""
-    track = replace(straight_track(), alt_m=np.full(51, np.nan))
+    """Where the recording has no height it is flown at that of the next fix, and was not below the floor."""
+    track = replace(straight_track(), alt_m=np.append(np.full(20, np.nan), np.full(31, 12.0)))
     route = spaced_route(track, altitude_m="recorded")
     assert route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0).raised.fixes == 0
