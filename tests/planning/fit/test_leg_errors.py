@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.leg_errors import without_errors
 from flight_replay.planning.fit.objective import Evaluation
@@ -48,4 +49,15 @@ def test_what_cannot_be_mended_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -
     """It is told by the prediction then."""
     problem, best = evaluated(timed=False)
     monkeypatch.setattr("flight_replay.planning.fit.leg_errors._SHORT_M_PER_M_S3", 0.1)
+    assert without_errors(problem, best) is best
+
+
+def test_a_change_that_does_not_end_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fit is what it was before."""
+    problem, best = evaluated(timed=False)
+
+    def refuse(*_: object) -> None:
+        raise MissionError("the fitted flight does not end")
+
+    monkeypatch.setattr(FitProblem, "evaluate", refuse)
     assert without_errors(problem, best) is best

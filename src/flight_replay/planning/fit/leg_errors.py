@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
@@ -35,7 +36,7 @@ def without_errors(problem: FitProblem, best: Evaluation) -> Evaluation:
             return found
         short_m = _SHORT_M_PER_M_S3 * max(problem.limits.path_jerk_m_s3, 1.0)
         flown = [_flown(problem, *change) for change in _changes(found, short_m)]
-        up = [each for each in flown if each.flight.stays_up]
+        up = [each for each in flown if each is not None and each.flight.stays_up]
         mended = [each for each in up if not each.flight.has_error]
         # Of several such legs one after the other is mended.
         found = min(mended or up, key=lambda each: each.objective_m, default=best)
@@ -73,9 +74,13 @@ def _left_out(draft: Draft, place: int) -> Draft:
     return Draft(draft.places_m[kept], draft.spline[kept], draft.hold_s[kept], draft.speed_m_s[kept])
 
 
-def _flown(problem: FitProblem, draft: Draft, leave_s: Floats) -> Evaluation:
-    if not problem.timed:
-        return problem.exact.evaluate(draft)
-    planned, _ = match_to_plan(draft, problem.recording)
-    caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
-    return flown_on_time(problem.exact, Schedule(draft, leave_s), caps_m_s)[0]
+def _flown(problem: FitProblem, draft: Draft, leave_s: Floats) -> Evaluation | None:
+    """A changed draft as it is flown; None if it does not end."""
+    try:
+        if not problem.timed:
+            return problem.exact.evaluate(draft)
+        planned, _ = match_to_plan(draft, problem.recording)
+        caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
+        return flown_on_time(problem.exact, Schedule(draft, leave_s), caps_m_s)[0]
+    except MissionError:
+        return None
