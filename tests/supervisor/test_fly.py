@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
@@ -171,6 +173,41 @@ def test_a_landing_that_does_not_end_is_a_problem() -> None:
     record = flight.fly()
     assert (record.rtl_confirmed, record.landed) == (True, False)
     assert "did not land and disarm" in (record.problem or "")
+
+
+def test_a_landing_is_awaited_as_long_as_rtl_waits_over_home() -> None:
+    """RTL_LOIT_TIME of 100 s, with 60 s for all else that does not move."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40), land=True, rtl_loiter_s=100.0)
+    move = flight.vehicle._move
+    waits_until_s = 0.0
+
+    def wait(step_s: float) -> None:
+        nonlocal waits_until_s
+        if flight.vehicle.mode == "RTL":
+            waits_until_s = waits_until_s or flight.vehicle.time_s + 140.0
+        if flight.vehicle.time_s > waits_until_s:
+            move(step_s)
+
+    flight.vehicle._move = wait  # type: ignore[method-assign]
+    record = flight.fly()
+    assert (record.landed, record.problem) == (True, None)
+
+
+@pytest.mark.parametrize(
+    ("mode", "reason"), [("AUTO", "stopped on its way to item 1"), ("GUIDED", "did not climb above 0.0 m")]
+)
+def test_why_the_vehicle_is_sent_home_is_told_before_it_is(mode: str, reason: str) -> None:
+    """Not only when the program ends, which with a landing is minutes later."""
+    vehicle = FakeVehicle(FakeClock(), item_s=1e9, climbs=mode == "AUTO")
+    flight = fake_flight(vehicle, duration_s=None)
+    with suppress(VehicleError):
+        flight.fly()
+    kinds = [event for event in flight.events if isinstance(event, events.Notice | events.PhaseStarted)]
+    told, home = kinds[-2:]
+    assert isinstance(told, events.Notice)
+    assert told.warning
+    assert reason in told.text
+    assert home == events.PhaseStarted(events.Phase.RETURN)
 
 
 def test_the_flown_track_has_the_headings_that_the_vehicle_told() -> None:

@@ -92,10 +92,12 @@ def test_a_failsafe_keeps_control(mode: str, home: bool) -> None:
 
 
 def test_rtl_without_a_reason_is_reported_as_such() -> None:
-    """RTL that was not requested and that the vehicle did not explain."""
+    """RTL that was not requested and not explained: a failsafe tells why, but that may be lost."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
-    assert "changed to RTL for no reason that it reported" in (flight.fly().problem or "")
+    assert "RTL by the vehicle or another ground station, and no reason was given" in (
+        flight.fly().problem or ""
+    )
 
 
 class Stalled(FakeVehicle):
@@ -230,7 +232,7 @@ def test_an_old_status_text_is_not_the_reason() -> None:
         (1.0, lambda: vehicle.send_text("PreArm: Radio failsafe on")),
         (30.0, lambda: setattr(vehicle, "mode", "RTL")),
     ]
-    assert "for no reason that it reported" in (fake_flight(vehicle).fly().problem or "")
+    assert "no reason was given" in (fake_flight(vehicle).fly().problem or "")
 
 
 @pytest.mark.parametrize(("told", "again"), [(True, 1), (False, 0)])

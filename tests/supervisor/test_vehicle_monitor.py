@@ -21,7 +21,7 @@ from flight_replay.supervisor.vehicle_interface import (
     RequestLost,
 )
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
-from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
+from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
 
 
 class Scripted:
@@ -237,7 +237,7 @@ def test_auto_begins_with_its_heartbeat_or_its_ack(entered: Report) -> None:
     scripted = Scripted()
     scripted.process(state(50.0), entered, state(51.0))
     assert scripted.monitor.auto_start_s is None
-    scripted.monitor.record_auto()
+    scripted.monitor.record_auto(route(10))
     scripted.process(state(52.0), entered, state(53.0), entered, state(54.0))
     assert scripted.monitor.auto_start_s == 52.0
     assert [position.time_s for position in scripted.monitor.flown] == [53.0, 54.0]
@@ -247,7 +247,7 @@ def test_auto_begins_with_its_heartbeat_or_its_ack(entered: Report) -> None:
 def test_other_acks_do_not_begin_auto(ack: RequestAck) -> None:
     """Only the accepted mode does."""
     scripted = Scripted()
-    scripted.monitor.record_auto()
+    scripted.monitor.record_auto(route(10))
     assert scripted.process(ack, Heartbeat("GUIDED", True)).auto_start_s is None
 
 
@@ -255,28 +255,28 @@ def test_items_reached_before_auto_do_not_count() -> None:
     """They are of a mission flown before."""
     scripted = Scripted()
     scripted.process(state(50.0), MissionItemReached(7), MissionCurrent(8, 10))
-    scripted.monitor.record_auto()
-    assert scripted.monitor.reached == {}
+    scripted.monitor.record_auto(route(10))
+    assert scripted.monitor.progress.reached == {}
     assert scripted.monitor.mission == MissionCurrent(0)
     scripted.process(MissionCurrent(4, 10))
-    assert scripted.monitor.reached == {}
+    assert scripted.monitor.progress.reached == {}
     assert scripted.monitor.mission == MissionCurrent(4, 10)
 
 
 def test_an_item_is_reached_once_with_all_before_it() -> None:
     """By its own report, or because the vehicle flies to the next one; at the time of the report."""
     scripted = Scripted()
-    scripted.monitor.record_auto()
+    scripted.monitor.record_auto(route(10))
     scripted.process(state(50.0), AUTO, MissionCurrent(1, 5))
-    assert scripted.monitor.reached == {}
+    assert scripted.monitor.progress.reached == {}
     scripted.process(
         state(51.0), MissionItemReached(2), state(52.0), MissionCurrent(3, 5), MissionCurrent(4, 5)
     )
-    assert scripted.monitor.reached == {1: 51.0, 2: 51.0, 3: 52.0}
+    assert scripted.monitor.progress.reached == {1: 51.0, 2: 51.0, 3: 52.0}
     scripted.process(state(53.0), MissionCurrent(4, 5, complete=True))
-    assert scripted.monitor.reached == {1: 51.0, 2: 51.0, 3: 52.0, 4: 53.0}
+    assert scripted.monitor.progress.reached == {1: 51.0, 2: 51.0, 3: 52.0, 4: 53.0}
     reached = [event for event in scripted.events if isinstance(event, WaypointReached)]
-    assert reached == [WaypointReached(seq, scripted.monitor.reached[seq]) for seq in (1, 2, 3, 4)]
+    assert reached == [WaypointReached(seq, scripted.monitor.progress.reached[seq]) for seq in (1, 2, 3, 4)]
 
 
 def test_a_lost_request_fails_with_the_next_heartbeat() -> None:

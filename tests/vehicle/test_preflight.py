@@ -169,6 +169,12 @@ def test_a_disabled_fence_refuses_nothing(fence: dict[str, float]) -> None:
     checked(route(1, 40, alt_m=200.0), replace(COPTER, parameters=fence))
 
 
+@pytest.mark.parametrize(("parameters", "loiter_s"), [({"RTL_LOIT_TIME": 90_000.0}, 90.0), ({}, 5.0)])
+def test_how_long_rtl_waits_over_home_is_the_vehicles(parameters: dict[str, float], loiter_s: float) -> None:
+    """ArduCopter's default where it does not tell."""
+    assert replace(COPTER, parameters=parameters).rtl_loiter_s == loiter_s
+
+
 @pytest.mark.parametrize(("name", "value"), [("RTL_ALT_FINAL", 500.0), ("RTL_ALT_FINAL_M", 5.0)])
 def test_a_landing_that_never_comes_is_not_waited_for(name: str, value: float) -> None:
     """RTL may end in the air: that is said before the vehicle arms, where its landing is asked for."""

@@ -102,6 +102,7 @@ class AsMission:
             duration_s=self._options.duration_s,
             takeoff_altitude_m=self._options.takeoff_altitude_m,
             land=self._options.land,
+            rtl_loiter_s=identity.rtl_loiter_s,
         )
 
 
@@ -192,4 +193,5 @@ class AsMotion:
             passes=options.passes,
             takeoff_altitude_m=options.takeoff_altitude_m,
             land=options.land,
+            rtl_loiter_s=identity.rtl_loiter_s,
         )

@@ -30,11 +30,14 @@ def pilot(mode: str | None) -> FlightEnded:
 
 
 def failsafe(mode: str | None, reason: str) -> FlightEnded:
-    """The vehicle changed its mode by itself; ``reason`` is its status text, or empty."""
-    why = f"by itself: {reason}" if reason else "for no reason that it reported"
+    """The mode is one of a failsafe; ``reason`` is the vehicle's status text, or empty."""
+    what = f"the vehicle changed to {mode} by itself: {reason}"
+    if not reason:
+        who = "the vehicle or another ground station"
+        what = f"the mode was changed to {mode} by {who}, and no reason was given"
     return FlightEnded(
         "failsafe",
-        f"the vehicle changed to {mode} {why}; flight-replay sends no more commands: watch the vehicle",
+        f"{what}; flight-replay sends no more commands: watch the vehicle",
     )
 
 

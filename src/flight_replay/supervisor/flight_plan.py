@@ -33,10 +33,14 @@ class Deadlines:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightPlan:
-    """What every flight has, however it is flown: a take-off, deadlines, and an end."""
+    """What every flight has, however it is flown: a take-off, deadlines, and an end.
+
+    With ``land`` the landing is waited for, before which RTL waits ``rtl_loiter_s`` over home.
+    """
 
     takeoff_altitude_m: float = 30.0
     land: bool = False
+    rtl_loiter_s: float = 5.0
     deadlines: Deadlines = field(default_factory=Deadlines)
 
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from flight_replay.events import Listener, VehicleState, combine_listeners, ignore
+from flight_replay.events import Listener, Notice, VehicleState, combine_listeners, ignore
 from flight_replay.exceptions import VehicleError
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
@@ -63,6 +63,8 @@ def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
     except BaseException as error:
         ended = error.ended if isinstance(error, FlightEnded) else ""
         if ended not in _TAKEN_OVER and monitor.may_be_armed:
+            if isinstance(error, FlightEnded | VehicleError):
+                monitor.emit(Notice(str(error), warning=True))
             _rtl_despite_errors(monitor)
         if isinstance(error, FlightEnded):
             raise VehicleError(error.problem) from error
@@ -99,6 +101,8 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
         ended = way.fly(start_s)
     except FlightEnded as end:
         ended, problem = end.ended, end.problem
+        monitor.emit(Notice(problem, warning=True))
+    problem = _both(problem, "; ".join(monitor.progress.jumps) or None)
     end_s, flown = monitor.time_s, tuple(monitor.flown)
     confirmed = monitor.mode == "RTL"
     if ended not in _TAKEN_OVER:
@@ -110,7 +114,7 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
         problem = problem if ended in _NO_RTL else _both(rtl_problem, problem)
     if plan.land and confirmed:
         try:
-            wait_landed(monitor)
+            wait_landed(monitor, plan.rtl_loiter_s)
             landed = True
         except FlightEnded as end:
             problem = _both(end.problem, problem)
@@ -123,7 +127,7 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
         auto_s=end_s - start_s,
         rtl_confirmed=confirmed,
         landed=landed,
-        reached=tuple((seq, time_s) for seq, time_s in monitor.reached.items() if seq >= FIRST_SEQ),
+        reached=tuple((seq, time_s) for seq, time_s in monitor.progress.reached.items() if seq >= FIRST_SEQ),
         flown=track,
         recording_s=way.recording_s(track.time_s),
     )

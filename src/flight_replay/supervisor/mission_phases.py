@@ -24,7 +24,6 @@ from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
 _ASTRAY_M, _LOST_M = 10.0, 400.0
 """So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
-_LONGEST_LOITER_S = 60.0  # RTL_LOIT_TIME over home.
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _DOUBT_WALL_S = 2.0  # An unexpected mode that no heartbeat repeats for so long does not hold RTL back.
 _COMMANDS_THAT_WAIT = frozenset(
@@ -94,7 +93,7 @@ class _Way:
 
 def _planned_end(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str | None:
     if plan.duration_s is None:
-        complete = monitor.mission.complete or plan.last_seq in monitor.reached
+        complete = monitor.mission.complete or plan.last_seq in monitor.progress.reached
         return "mission complete" if complete else None
     if monitor.time_s - start_s >= plan.duration_s:
         return "duration"
@@ -145,15 +144,15 @@ def _mode_in_doubt(monitor: VehicleMonitor) -> bool:
     return monitor.unexpected_mode and monitor.modes.unexpected.duration_s(monitor.wall_s) < _DOUBT_WALL_S
 
 
-def wait_landed(monitor: VehicleMonitor) -> None:
-    """Follow the vehicle home until it has landed and disarmed.
+def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
+    """Follow the vehicle home until it has landed and disarmed; it waits ``loiter_s`` over home.
 
     Raises:
         FlightEnded: It does not move any more, is driven away, or ``VehicleMonitor.step`` ends the flight.
     """
     monitor.modes.expect("RTL", "LAND")
     progress = ProgressTimer(monitor)
-    deadline = Deadline(monitor, monitor.deadlines.no_progress_s + _LONGEST_LOITER_S)
+    deadline = Deadline(monitor, monitor.deadlines.no_progress_s + loiter_s)
     before, began_m = monitor.state, monitor.from_home_m
     while monitor.armed:
         if monitor.from_home_m > began_m + _LOST_M:

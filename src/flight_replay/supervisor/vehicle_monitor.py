@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections import deque
 from functools import singledispatchmethod
 
-from flight_replay.events import Listener, Severity, StatusText, VehicleState, WaypointReached
+from flight_replay.events import Listener, Notice, Severity, StatusText, VehicleState, WaypointReached
 from flight_replay.geometry.geodesy import distance_m
-from flight_replay.mission.items import FIRST_SEQ
+from flight_replay.mission.items import Mission
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_plan import Deadlines
 from flight_replay.supervisor.link_monitor import LinkMonitor
+from flight_replay.supervisor.mission_progress import MissionProgress
 from flight_replay.supervisor.mode_monitor import ModeMonitor
 from flight_replay.supervisor.request_tracker import RequestTracker
 from flight_replay.supervisor.vehicle_interface import (
@@ -57,7 +58,7 @@ class VehicleMonitor:
         self.mission = MissionCurrent(0)
         self.mission_replaced = False
         """Whether a mission was uploaded since the one on board was last verified."""
-        self.reached: dict[int, float] = {}
+        self.progress, self._jumps_told = MissionProgress(), 0
         self.flown: list[VehicleState] = []
         self._home: VehicleState | None = None
         self.link_up_s = 0.0
@@ -135,11 +136,11 @@ class VehicleMonitor:
         self.reason = ""
         self.requests.clear()
 
-    def record_auto(self) -> None:
-        """Record positions and items reached from the moment that the vehicle enters AUTO."""
+    def record_auto(self, mission: Mission) -> None:
+        """Record positions, and items of a mission reached, from the moment that the vehicle enters AUTO."""
         self._recording = True
         self.mission = MissionCurrent(0)
-        self.reached.clear()
+        self.progress = MissionProgress(mission)
 
     def record_from_now(self) -> None:
         """Record positions from now on."""
@@ -233,12 +234,13 @@ class VehicleMonitor:
     @_process.register
     def _(self, current: MissionCurrent) -> None:
         self.mission = current
-        if self.auto_start_s is not None:
-            self._reached_up_to(current.seq if current.complete else current.seq - 1)
+        if self.auto_start_s is not None and self.state is not None:
+            self._note_reached(self.progress.flies_to(current.seq, self.state, complete=current.complete))
 
     @_process.register
     def _(self, item: MissionItemReached) -> None:
-        self._reached_up_to(item.seq)
+        if self.state is not None:
+            self._note_reached(self.progress.reached_item(item.seq, self.state))
 
     @_process.register
     def _(self, prearm: PrearmStatus) -> None:
@@ -248,9 +250,9 @@ class VehicleMonitor:
     def _(self, rebooted: Rebooted) -> None:
         raise flight_ended.rebooted()
 
-    def _reached_up_to(self, last_seq: int) -> None:
-        """Note an item and all before it as reached: a waypoint with a command behind it is reported once."""
-        for seq in range(FIRST_SEQ, last_seq + 1):
-            if seq not in self.reached:
-                self.reached[seq] = self.time_s
-                self.emit(WaypointReached(seq, self.time_s))
+    def _note_reached(self, seqs: list[int]) -> None:
+        for jump in self.progress.jumps[self._jumps_told :]:
+            self.emit(Notice(jump, warning=True))
+        self._jumps_told = len(self.progress.jumps)
+        for seq in seqs:
+            self.emit(WaypointReached(seq, self.time_s))

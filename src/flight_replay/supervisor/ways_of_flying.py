@@ -58,7 +58,7 @@ class MissionFlight:
     def begin(self) -> None:
         """Enter AUTO."""
         self._monitor.emit(PhaseStarted(Phase.MISSION))
-        self._monitor.record_auto()
+        self._monitor.record_auto(self._plan.mission)
         change_mode(self._monitor, "AUTO")
 
     def fly(self, start_s: float) -> str:
@@ -68,7 +68,7 @@ class MissionFlight:
     @property
     def waypoints_reached(self) -> int:
         """How many of the mission's waypoints were reached."""
-        return len({seq for seq, _ in self._plan.mission.waypoints} & self._monitor.reached.keys())
+        return len({seq for seq, _ in self._plan.mission.waypoints} & self._monitor.progress.reached.keys())
 
     def recording_s(self, times_s: Floats) -> Floats | None:
         """None: a mission is not in step with the recording."""

@@ -29,7 +29,8 @@ FENCE_PARAMETERS = (
 """Metres; 3.3 has no FENCE_ALT_MIN, and FENCE_AUTOENABLE exists since 4.6."""
 RTL_END_PARAMETERS = ("RTL_ALT_FINAL", "RTL_ALT_FINAL_M")
 """Where RTL ends, 0 on the ground: cm, or in 4.7 metres."""
-_CHECKED_PARAMETERS = (*FENCE_PARAMETERS, *RTL_END_PARAMETERS)
+_RTL_LOITER, _USUAL_RTL_LOITER_MS = "RTL_LOIT_TIME", 5000.0
+_CHECKED_PARAMETERS = (*FENCE_PARAMETERS, *RTL_END_PARAMETERS, _RTL_LOITER)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,11 @@ class Identity:
     def version_numbers(self) -> tuple[int, ...]:
         """The version as numbers, such as (4, 6, 0); empty where it is unknown."""
         return tuple(int(part) for part in self.version.split(".") if part)
+
+    @property
+    def rtl_loiter_s(self) -> float:
+        """How long RTL waits over home before it lands."""
+        return self.parameters.get(_RTL_LOITER, _USUAL_RTL_LOITER_MS) / 1000.0
 
     @property
     def is_multicopter(self) -> bool:

@@ -1,0 +1,69 @@
+"""Which items of a mission the vehicle has reached, and which somebody made it leave out.
+
+ArduCopter tells of each item that it reached, and which one it flies to. The first may be lost, so a vehicle
+on its way to an item counts as having reached those before. But another ground station may send it on to any
+item (MISSION_SET_CURRENT), and all that is told of that is the new number.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from flight_replay.events import VehicleState
+from flight_replay.geometry.geodesy import distance_m
+from flight_replay.mission.items import FIRST_SEQ, Mission
+
+_FASTEST_M_S = 30.0
+_BESIDE_M = 50.0
+"""Corners are cut by some metres, and positions and items are not told at the same time."""
+
+
+class MissionProgress:
+    """The items reached so far: ``reached`` holds when each was, by the vehicle's clock."""
+
+    def __init__(self, mission: Mission | None = None) -> None:
+        self._waypoints = mission.waypoints if mission else ()
+        self._at: tuple[int, VehicleState] | None = None
+        self._left_out: set[int] = set()
+        self.reached: dict[int, float] = {}
+        self.jumps: list[str] = []
+        """A sentence for each time that the vehicle was sent on."""
+
+    def reached_item(self, seq: int, state: VehicleState) -> list[int]:
+        """The items reached by a report of one; a waypoint with a command behind it is reported once."""
+        self._check_flown(seq, state)
+        self._left_out.discard(seq)
+        return self._reached_up_to(seq, state.time_s)
+
+    def flies_to(self, seq: int, state: VehicleState, *, complete: bool = False) -> list[int]:
+        """The items reached by a report of the item that the vehicle, in a state, flies to, or has flown."""
+        self._check_flown(seq, state)
+        self._at = seq, state
+        return self._reached_up_to(seq if complete else seq - 1, state.time_s)
+
+    def _check_flown(self, seq: int, now: VehicleState) -> None:
+        """Leave out the items before one where the vehicle cannot have flown to all of them."""
+        before, then = self._at or (0, now)
+        if before < FIRST_SEQ:
+            return
+        left_out = set(range(before, seq)) - self.reached.keys() - self._left_out
+        numbers = [number for number, (at, _) in enumerate(self._waypoints, 1) if at in left_out]
+        between = [item for at, item in self._waypoints if before <= at < seq]
+        places = [(then.lat_deg, then.lon_deg), *((each.lat_deg, each.lon_deg) for each in between)]
+        way_m = sum(float(distance_m(*here, *there)) for here, there in pairwise(places))
+        if not numbers or way_m <= _BESIDE_M + _FASTEST_M_S * (now.time_s - then.time_s):
+            return
+        self._left_out |= left_out
+        which = f"waypoint {numbers[0]} was"
+        if len(numbers) > 1:
+            which = f"waypoints {numbers[0]} to {numbers[-1]} were"
+        self.jumps.append(
+            f"{which} not flown: another ground station sent the vehicle on to item {seq}; "
+            "disconnect that station to fly all of them"
+        )
+
+    def _reached_up_to(self, last_seq: int, time_s: float) -> list[int]:
+        known = self.reached.keys() | self._left_out
+        found = [seq for seq in range(FIRST_SEQ, last_seq + 1) if seq not in known]
+        self.reached.update(dict.fromkeys(found, time_s))
+        return found
