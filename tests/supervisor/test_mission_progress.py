@@ -87,7 +87,7 @@ def test_waypoints_are_told_by_their_numbers() -> None:
     progress = progress_at(5, Mission(tuple(items)))
     progress.reached_item(5, at(100.1, 50.0))
     progress.flies_to(8, at(100.5, 50.0))
-    assert progress.jumps == [
+    assert told(progress) == [
         "waypoint 5 was not flown: another ground station sent the vehicle on to item 8"
     ]
 
