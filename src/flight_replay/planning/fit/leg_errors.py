@@ -17,10 +17,9 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
-from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.rounds import flown_on_time
-from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, Schedule, speed_caps_m_s
+from flight_replay.planning.fit.rounds import flown_leaving
+from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S
 
 _SHORT_M_PER_M_S3 = 2.0
 """Only legs that are shorter have such errors, by the jerk that the vehicle flies them with (WPNAV_JERK)."""
@@ -77,10 +76,6 @@ def _left_out(draft: Draft, place: int) -> Draft:
 def _flown(problem: FitProblem, draft: Draft, leave_s: Floats) -> Evaluation | None:
     """A changed draft as it is flown; None if it does not end."""
     try:
-        if not problem.timed:
-            return problem.exact.evaluate(draft)
-        planned, _ = match_to_plan(draft, problem.recording)
-        caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
-        return flown_on_time(problem.exact, Schedule(draft, leave_s), caps_m_s)[0]
+        return flown_leaving(problem.exact, draft, leave_s)[0]
     except MissionError:
         return None

@@ -129,6 +129,22 @@ def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: B
     return found
 
 
+def flown_leaving(problem: FitProblem, draft: Draft, leave_s: Floats) -> tuple[Evaluation, float]:
+    """A draft as it is flown, and the flights that took; with its speeds set where they are to be kept.
+
+    Args:
+        problem: what to fit, in the steps in which the draft is to be judged.
+        draft: at least two places.
+        leave_s: when each of them is to be left then (n,).
+    """
+    if not problem.timed:
+        return problem.evaluate(draft), 1.0
+    planned, _ = match_to_plan(draft, problem.recording)
+    caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
+    found, steps = flown_on_time(problem, Schedule(draft, leave_s), caps_m_s)
+    return found, 1 + steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s)
+
+
 def flown_on_time(problem: FitProblem, plan: Schedule, caps_m_s: Floats) -> tuple[Evaluation, int]:
     """A draft with its speeds set to leave each place when it is to be left, and the model's steps that took.
 

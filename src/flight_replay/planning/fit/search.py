@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit import timed_search, untimed_search
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS, exchanged
+from flight_replay.planning.fit.curve_leaps import without_leaps
 from flight_replay.planning.fit.leg_errors import without_errors
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
@@ -58,7 +59,7 @@ def search(
         best = _exchanged(problem, [best, way.gone_on(problem, other, budget)], states, most, budget)
     stopped = NO_MORE if budget.affords(way.another_flights) else ENOUGH
     budget.finish()
-    return without_errors(problem, best.best), stopped
+    return without_errors(problem, without_leaps(problem, best.best)), stopped
 
 
 def _exchanged(

@@ -17,14 +17,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.chains.draft_legs import DraftLegs
 from flight_replay.planning.fit.draft import Draft, with_every_speed
-from flight_replay.planning.fit.objective import Evaluation
-from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.problem import Budget, FitProblem
-from flight_replay.planning.fit.rounds import FIRST_DAMPING, State, flown_on_time
-from flight_replay.planning.fit.speed_schedule import Schedule, speed_caps_m_s
+from flight_replay.planning.fit.rounds import FIRST_DAMPING, State, flown_leaving
 
 _MOST_CHAINS = 12
 EXCHANGE_FLIGHTS = 20
@@ -74,17 +70,7 @@ def _joined(
         hold_s,
         np.concatenate([part.speed_m_s for part in parts]),
     )
-    best = _flown(problem, joined, np.maximum.accumulate(passed_s), budget)
+    best, flights = flown_leaving(problem, joined, np.maximum.accumulate(passed_s))
+    budget.spend(flights)
     hovers = {at: states[k].hovers[place] for at, (k, place) in enumerate(rows) if place in states[k].hovers}
     return replace(states[0], best=best, hovers=hovers, damping=FIRST_DAMPING)
-
-
-def _flown(problem: FitProblem, draft: Draft, leave_s: Floats, budget: Budget) -> Evaluation:
-    if not problem.timed:
-        budget.spend(1)
-        return problem.evaluate(draft)
-    planned, _ = match_to_plan(draft, problem.recording)
-    caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
-    found, steps = flown_on_time(problem, Schedule(draft, leave_s), caps_m_s)
-    budget.spend(1 + steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))
-    return found
