@@ -38,7 +38,7 @@ def test_the_simulator_flies_the_same_curve(ends: Floats) -> None:
     scale = tangent_scale(chord[None], leaving[None], arriving[None])
     scaled = np.stack([origin, destination, scale * leaving, scale * arriving])
     t = np.linspace(0, 1, 11)
-    flown = np.vander(t, 4, increasing=True) @ np.array(hermite(Ends(*ends.tolist())))
+    flown = np.vander(t, 4, increasing=True) @ np.array(hermite(Ends(*map(tuple, ends.tolist()))))
     assert curve(scaled, t) == pytest.approx(flown, abs=1e-9)
 
 
