@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+import queue
 import socket
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -152,7 +152,11 @@ def test_the_position_is_the_latest() -> None:
     """Not one that was queued while a person was asked, for example."""
     with copter() as vehicle:
         first = vehicle.wait_position(60.0)
-        time.sleep(0.3)
+        heard: queue.SimpleQueue[int] = queue.SimpleQueue()
+        vehicle.link.add_receiver(lambda message: heard.put(getattr(message, "time_boot_ms", 0)))
+        begun_ms = 0
+        while not begun_ms or heard.get(timeout=60) < begun_ms + 2000:
+            begun_ms = begun_ms or heard.get(timeout=60)
         assert vehicle.wait_position(60.0).time_s > first.time_s + 1.0
 
 

@@ -10,7 +10,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -67,10 +67,19 @@ def children(process: int) -> list[int]:
     """Dask's workers that a process has started; any of its threads may have."""
     found = []
     for task in Path(f"/proc/{process}/task").iterdir():
-        for child in (task / "children").read_text(encoding="ascii").split():
-            if b"resource_tracker" not in Path(f"/proc/{child}/cmdline").read_bytes():
-                found.append(int(child))
+        with suppress(OSError):  # A thread or a child may end meanwhile.
+            for child in (task / "children").read_text(encoding="ascii").split():
+                if b"resource_tracker" not in Path(f"/proc/{child}/cmdline").read_bytes():
+                    found.append(int(child))
     return found
+
+
+def address_in(scheduler_file: Path) -> str | None:
+    """The address in Dask's file, once the file is there and whole: Dask writes it in pieces."""
+    try:
+        return str(json.loads(scheduler_file.read_text(encoding="utf-8"))["address"])
+    except (FileNotFoundError, json.JSONDecodeError):
+        return None
 
 
 def check_all(out: Path, logs: Path) -> list[Row]:
@@ -130,8 +139,8 @@ def test_workers_of_a_cluster_come_and_go(logs: Path, tmp_path: Path) -> None:
     scheduler = [*dask, "scheduler", "--port", "0", "--no-dashboard", "--host", "127.0.0.1"]
     with ExitStack() as stack:
         stack.enter_context(started([*scheduler, "--scheduler-file", str(address_file)], **quiet))
-        wait_for(address_file.is_file)
-        address = json.loads(address_file.read_text(encoding="utf-8"))["address"]
+        wait_for(lambda: address_in(address_file) is not None)
+        address = address_in(address_file) or ""
         worker = [*dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
         stack.enter_context(started(worker, **quiet))
         doomed = stack.enter_context(started(worker, **quiet))

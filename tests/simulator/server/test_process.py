@@ -30,10 +30,11 @@ def is_running(process_id: int) -> bool:
     """Whether a process is there, and no zombie."""
     try:
         os.kill(process_id, 0)
-    except ProcessLookupError:
+        if not Path("/proc/self/stat").exists():
+            return True
+        return Path(f"/proc/{process_id}/stat").read_text(encoding="ascii").split()[2] != "Z"
+    except (ProcessLookupError, FileNotFoundError):
         return False
-    status = Path(f"/proc/{process_id}/stat")
-    return not status.exists() or status.read_text(encoding="ascii").split()[2] != "Z"
 
 
 def listen(address: str, kind: str, wall_s: float = 60.0) -> object:
