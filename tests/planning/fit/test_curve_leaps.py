@@ -77,5 +77,5 @@ def test_what_cannot_be_mended_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -
     def refuse(*_: object) -> None:
         raise MissionError("the fitted flight does not end")
 
-    monkeypatch.setattr("flight_replay.planning.fit.curve_leaps.flown_leaving", refuse)
+    monkeypatch.setattr("flight_replay.planning.fit.rounds.flown_leaving", refuse)
     assert without_leaps(problem, best) is best

@@ -17,11 +17,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from flight_replay.exceptions import MissionError
+from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.rounds import flown_leaving
+from flight_replay.planning.fit.rounds import changed_flown
 from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S
 
 _SLOW_M_S = 0.5
@@ -34,7 +34,8 @@ def without_leaps(problem: FitProblem, best: Evaluation) -> Evaluation:
         leaps = places_before_leaps(found.draft)
         if not leaps:
             break
-        mended = [each for each in _changed(problem, found, leaps[0]) if _has_fewer(each, len(leaps))]
+        up = changed_flown(problem, _changes(found, leaps[0]))
+        mended = [each for each in up if len(places_before_leaps(each.draft)) < len(leaps)]
         if not mended:
             break
         found = min(mended, key=lambda each: each.objective_m)
@@ -53,18 +54,11 @@ def places_before_leaps(draft: Draft) -> list[int]:
     ]
 
 
-def _has_fewer(evaluation: Evaluation, leaps: int) -> bool:
-    return evaluation.flight.stays_up and len(places_before_leaps(evaluation.draft)) < leaps
-
-
-def _changed(problem: FitProblem, evaluation: Evaluation, place: int) -> Iterator[Evaluation]:
-    """What may be made of a stop, as it is flown."""
+def _changes(evaluation: Evaluation, place: int) -> Iterator[tuple[Draft, Floats]]:
+    """What may be made of a stop, and when the places are left then."""
     draft = with_every_speed(evaluation.draft)
     reached_curved, left_straight, from_rest = draft.spline.copy(), draft.spline.copy(), draft.hold_s.copy()
     reached_curved[place], left_straight[place + 1], from_rest[place - 1] = True, False, LEAST_HOLD_S
     changed = [replace(draft, spline=spline) for spline in (reached_curved, left_straight)]
     for each in (*changed, replace(draft, hold_s=from_rest)):
-        try:
-            yield flown_leaving(problem.exact, each, evaluation.passed_s)[0]
-        except MissionError:
-            continue
+        yield each, evaluation.passed_s

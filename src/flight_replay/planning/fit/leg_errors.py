@@ -13,12 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.rounds import flown_leaving
+from flight_replay.planning.fit.rounds import changed_flown
 from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S
 
 _SHORT_M_PER_M_S3 = 2.0
@@ -34,8 +33,7 @@ def without_errors(problem: FitProblem, best: Evaluation) -> Evaluation:
         if not found.flight.has_error:
             return found
         short_m = _SHORT_M_PER_M_S3 * max(problem.limits.path_jerk_m_s3, 1.0)
-        flown = [_flown(problem, *change) for change in _changes(found, short_m)]
-        up = [each for each in flown if each is not None and each.flight.stays_up]
+        up = changed_flown(problem, _changes(found, short_m))
         mended = [each for each in up if not each.flight.has_error]
         # Of several such legs one after the other is mended.
         found = min(mended or up, key=lambda each: each.objective_m, default=best)
@@ -71,11 +69,3 @@ def _changes(evaluation: Evaluation, short_m: float) -> Iterator[tuple[Draft, Fl
 def _left_out(draft: Draft, place: int) -> Draft:
     kept = np.arange(len(draft)) != place
     return Draft(draft.places_m[kept], draft.spline[kept], draft.hold_s[kept], draft.speed_m_s[kept])
-
-
-def _flown(problem: FitProblem, draft: Draft, leave_s: Floats) -> Evaluation | None:
-    """A changed draft as it is flown; None if it does not end."""
-    try:
-        return flown_leaving(problem.exact, draft, leave_s)[0]
-    except MissionError:
-        return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -143,6 +145,20 @@ def flown_leaving(problem: FitProblem, draft: Draft, leave_s: Floats) -> tuple[E
     caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
     found, steps = flown_on_time(problem, Schedule(draft, leave_s), caps_m_s)
     return found, 1 + steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s)
+
+
+def changed_flown(problem: FitProblem, changes: Iterable[tuple[Draft, Floats]]) -> list[Evaluation]:
+    """Changed drafts as they are flown in exact steps, without those that do not end or come down.
+
+    Args:
+        problem: what to fit.
+        changes: drafts of at least two places, and when each place is to be left then (n,).
+    """
+    found = []
+    for draft, leave_s in changes:
+        with suppress(MissionError):
+            found.append(flown_leaving(problem.exact, draft, leave_s)[0])
+    return [each for each in found if each.flight.stays_up]
 
 
 def flown_on_time(problem: FitProblem, plan: Schedule, caps_m_s: Floats) -> tuple[Evaluation, int]:
