@@ -5,7 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from flight_replay.planning.vehicle_limits import GAIN_NAMES, PARAMETER_NAMES, VehicleLimits, limits_of
+from flight_replay.planning.vehicle_limits import FOLLOWING_NAMES, PARAMETER_NAMES, VehicleLimits, limits_of
 from flight_replay.simulator.dynamics.limits import Limits
 
 DEFAULTS_46 = {
@@ -19,7 +19,16 @@ DEFAULTS_46 = {
     "WPNAV_ACCEL_Z": 100.0,
     "WP_YAW_BEHAVIOR": 2.0,
     "PSC_JERK_XY": 5.0,
+    "PSC_POSXY_P": 1.0,
+    "PSC_VELXY_P": 2.0,
+    "PSC_VELXY_I": 1.0,
+    "PSC_VELXY_D": 0.5,
+    "PSC_POSZ_P": 1.0,
+    "PSC_VELZ_P": 5.0,
     "ANGLE_MAX": 3000.0,
+    "ATC_ACCEL_R_MAX": 110000.0,
+    "ATC_RATE_R_MAX": 0.0,
+    "ATC_INPUT_TC": 0.15,
 }
 DEFAULTS_47 = {
     "WP_SPD": 10.0,
@@ -31,7 +40,16 @@ DEFAULTS_47 = {
     "WP_SPD_DN": 1.5,
     "WP_ACC_Z": 1.0,
     "PSC_NE_JERK": 5.0,
+    "PSC_NE_POS_P": 1.0,
+    "PSC_NE_VEL_P": 2.0,
+    "PSC_NE_VEL_I": 1.0,
+    "PSC_NE_VEL_D": 0.5,
+    "PSC_D_POS_P": 1.0,
+    "PSC_D_VEL_P": 5.0,
     "ATC_ANGLE_MAX": 30.0,
+    "ATC_ACC_R_MAX": 1100.0,
+    "ATC_RATE_R_MAX": 0.0,
+    "ATC_INPUT_TC": 0.15,
 }
 
 
@@ -114,10 +132,32 @@ def test_what_a_lossy_link_delivers_first_does_not_matter() -> None:
     assert limits_of({"EK3_DRAG_BCOEF_X": 0.0}, "ArduCopter") is None
 
 
+@pytest.mark.parametrize(
+    "changed",
+    [{"PSC_VELXY_D": 0.25, "ATC_INPUT_TC": 0.3}, {"PSC_NE_VEL_D": 0.25, "ATC_INPUT_TC": 0.3}],
+)
+def test_how_closely_the_vehicle_follows_its_targets_is_read_and_said(changed: dict[str, float]) -> None:
+    """Missions take longer or shorter by it: 4.7 has half of the derivative gain that 4.6 has."""
+    assert set(changed) <= set(PARAMETER_NAMES)
+    found = limits_of({"WPNAV_SPEED": 1000.0, "WPNAV_JERK": 1.0} | changed, "ArduCopter")
+    assert found is not None
+    assert found.notes == (
+        "Planned with the vehicle's limits: lean time 0.3 s (default 0.15), "
+        "derivative velocity gain 0.25 (default 0.5).",
+    )
+
+
+def test_gains_beyond_those_that_the_model_is_steady_with_count_as_the_nearest() -> None:
+    """A plan for a model that shakes would be none."""
+    found = limits_of(DEFAULTS_46 | {"PSC_VELXY_P": 50.0, "PSC_VELXY_D": -3.0}, "ArduCopter")
+    assert found is not None
+    assert (found.limits.velocity_p, found.limits.velocity_d) == (6.0, 0.0)
+
+
 def test_the_gains_of_every_version_are_read() -> None:
     """Those of 3.3 have other names, and no derivative."""
     old = {"WPNAV_SPEED": 500.0, "POS_XY_P": 1.5, "VEL_XY_P": 1.2, "VEL_XY_I": 0.6}
-    assert {"POS_XY_P", "PSC_POSXY_P", "PSC_NE_POS_P", "PSC_VELXY_D"} <= set(GAIN_NAMES)
+    assert {"POS_XY_P", "PSC_POSXY_P", "PSC_NE_POS_P", "PSC_VELXY_D"} <= set(FOLLOWING_NAMES)
     found = limits_of(old, "ArduCopter")
     assert found is not None
     limits = found.limits

@@ -11,8 +11,7 @@ from flight_replay.cli.options import Options
 from flight_replay.events import Listener, Notice
 from flight_replay.exceptions import VehicleError
 from flight_replay.mission.items import Home
-from flight_replay.planning import drag
-from flight_replay.planning.vehicle_limits import GAIN_NAMES, PARAMETER_NAMES, VehicleLimits, limits_of
+from flight_replay.planning.vehicle_limits import FOLLOWING_NAMES, PARAMETER_NAMES, VehicleLimits, limits_of
 
 if TYPE_CHECKING:
     from flight_replay.logs.tlog.writer import Recorder
@@ -96,11 +95,7 @@ def _check_options(connected: ConnectedVehicle, options: Options) -> None:
 
 def vehicle_limits(connected: ConnectedVehicle, options: Options, listener: Listener) -> VehicleLimits:
     """The limits of a vehicle; the defaults, with a warning, where it does not tell them."""
-    names = (
-        (*PARAMETER_NAMES, *GAIN_NAMES, *drag.PARAMETER_NAMES)
-        if options.mode == "guided"
-        else PARAMETER_NAMES
-    )
+    names = FOLLOWING_NAMES if options.mode == "guided" else PARAMETER_NAMES
     parameters: Mapping[str, float] = connected.parameters(names)
     if options.mode == "guided":
         parameters = _as_followed(connected, parameters)

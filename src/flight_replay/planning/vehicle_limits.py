@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import degrees, isclose
 
-from flight_replay.planning.drag import DragModel, drag_model_of
+from flight_replay.planning import drag
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
+from flight_replay.simulator.dynamics.shaping import clamp
 
 _FIELDS: dict[str, tuple[str, str]] = {
     "wp_speed_m_s": ("speed", "m/s"),
@@ -22,27 +23,39 @@ _FIELDS: dict[str, tuple[str, str]] = {
     "wp_yaw_behavior": ("yaw behaviour", ""),
     "shaping_jerk_m_s3": ("controller jerk", "m/s³"),
     "lean_angle_rad": ("lean angle", "deg"),
+    "lean_accel_rad_s2": ("lean acceleration", "deg/s²"),
+    "lean_rate_rad_s": ("lean rate", "deg/s"),
+    "attitude_input_s": ("lean time", "s"),
+    "position_p": ("position gain", "1/s"),
+    "velocity_p": ("velocity gain", "1/s"),
+    "velocity_i": ("integral velocity gain", "1/s²"),
+    "velocity_d": ("derivative velocity gain", ""),
+    "position_z_p": ("vertical position gain", "1/s"),
+    "velocity_z_p": ("vertical velocity gain", "1/s"),
     "yaw_slew_rad_s": ("turn rate", "deg/s"),
     "yaw_accel_rad_s2": ("turn acceleration", "deg/s²"),
     "mount_type": ("gimbal type", ""),
 }
 """Fields of ``Limits`` that are read from the vehicle, their names and units for people."""
-PARAMETER_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _FIELDS)
-"""What to read from a vehicle, in the names of all versions; each vehicle has some of them."""
-_GAINS = frozenset(
-    {
-        "position_p",
-        "velocity_p",
-        "velocity_i",
-        "velocity_d",
-        "guided_options",
-        "lean_accel_rad_s2",
-        "lean_rate_rad_s",
-    }
-)
-GAIN_NAMES = tuple(name for name, (limit, _) in PARAMETERS.items() if limit in _GAINS)
-"""Those of the controllers that follow a motion, which of them GUIDED uses, and how fast it leans."""
 _GAIN_WITHOUT_D = "VEL_XY_P"  # Of 3.3, whose velocity controller has no derivative.
+_OLD_GAINS = ("POS_XY_P", _GAIN_WITHOUT_D, "VEL_XY_I")
+"""Of 3.3, too, whose legs are led by a leash: with them the model of its missions is no nearer."""
+PARAMETER_NAMES = tuple(
+    name for name, (limit, _) in PARAMETERS.items() if limit in _FIELDS and name not in _OLD_GAINS
+)
+"""What to read from a vehicle, in the names of all versions; each vehicle has some of them."""
+FOLLOWING_NAMES = (*PARAMETER_NAMES, *_OLD_GAINS, "GUID_OPTIONS", *drag.PARAMETER_NAMES)
+"""What to read where the recording is followed."""
+_TRUSTED = {
+    "position_p": (0.25, 3.0),
+    "velocity_p": (0.1, 6.0),
+    "velocity_i": (0.0, 3.0),
+    "velocity_d": (0.0, 1.5),
+    "position_z_p": (0.25, 3.0),
+    "velocity_z_p": (1.0, 8.0),
+    "attitude_input_s": (0.0, 1.0),
+}
+"""The gains with which the model is steady: all that AC_PosControl.cpp has for their ranges, and more."""
 _JERK_NAMES = frozenset(name for name, (limit, _) in PARAMETERS.items() if limit == "wp_jerk_m_s3")
 _NO_JERK_LIMIT_M_S3 = 17.0
 """Before 4.1 legs had no jerk limit but that of the position controller (AC_PosControl.h)."""
@@ -59,7 +72,7 @@ class VehicleLimits:
 
     limits: Limits = field(default_factory=Limits)
     vehicle: str | None = None
-    drag: DragModel | None = None
+    drag: drag.DragModel | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -91,8 +104,7 @@ def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | 
     """The limits that a vehicle's parameters set, or None where its speed is not among them.
 
     Args:
-        parameters: those of ``PARAMETER_NAMES`` that the vehicle has, in its own units, and of its
-            controllers' gains and its drag, where they are asked for.
+        parameters: those of ``PARAMETER_NAMES`` or ``FOLLOWING_NAMES`` that it has, in its own units.
         vehicle: its name, for people.
     """
     known = {name: value for name, value in parameters.items() if name in PARAMETERS}
@@ -104,5 +116,6 @@ def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | 
         known["PSC_VELXY_D"] = 0.0
     limits, default = Limits.from_parameters(known), Limits()
     same = [name for name in _FIELDS if isclose(getattr(limits, name), getattr(default, name), rel_tol=_SAME)]
-    limits = replace(limits, **{name: getattr(default, name) for name in same})
-    return VehicleLimits(limits, vehicle, drag_model_of(parameters))
+    bounded = {name: clamp(getattr(limits, name), *ends) for name, ends in _TRUSTED.items()}
+    limits = replace(limits, **bounded | {name: getattr(default, name) for name in same})
+    return VehicleLimits(limits, vehicle, drag.drag_model_of(parameters))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from flight_replay.planning.following.braking import braking_within
-from flight_replay.planning.vehicle_limits import GAIN_NAMES, limits_of
+from flight_replay.planning.vehicle_limits import FOLLOWING_NAMES, limits_of
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 
@@ -62,7 +62,7 @@ def test_a_vehicle_that_is_not_pulled_to_targets_gets_none_that_brake(options: f
 )
 def test_a_vehicle_that_is_slow_to_lean_corrects_with_less_jerk(slow: dict[str, float]) -> None:
     """As AC_PosControl::set_max_speed_accel_xy has it, in the names of 4.6 and of 4.7."""
-    assert set(slow) & set(GAIN_NAMES)
+    assert set(slow) & set(FOLLOWING_NAMES)
     found = limits_of(slow, "ArduCopter")
     assert found is not None
     jerk_m_s3 = 0.5 * (1.0 * math.radians(300.0) * 9.80665) ** 0.5
