@@ -177,3 +177,15 @@ def test_an_overshoot_counts_though_no_fix_is_far_from_the_path() -> None:
     there, back = match_to_plan(draft, recording)
     assert there.apart_m.max() < 0.6
     assert back.apart_m.max() == pytest.approx(6.0, abs=0.1)
+
+
+def test_a_vehicle_that_is_late_by_whole_turns_is_still_on_its_path() -> None:
+    """How far it is from a fix at its time does not tell how far behind it is."""
+    turns = [(15 * np.sin(a), 12 * np.sin(2 * a)) for a in np.linspace(0, 8 * np.pi, 120)]
+    recording = local_track(along(turns, 6.0), 20.0)
+    draft = straight_draft(recording, np.append(np.arange(0, len(recording) - 1, 4), len(recording) - 1))
+    slow = replace(draft, speed_m_s=np.full(len(draft), 2.0))
+    late = evaluate(simulate_draft(slow, Limits(), 0.05), recording, timed=True)
+    assert late.late_m.max() > 25
+    assert late.flown[0].apart_m.max() < 2.5
+    assert late.flown[1].apart_m.max() < 2.5

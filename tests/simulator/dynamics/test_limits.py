@@ -53,6 +53,13 @@ def test_times_and_angles_are_converted() -> None:
     assert limits.yaw_slew_rad_s == pytest.approx(radians(60))
 
 
+def test_the_position_controllers_own_lean_angle_comes_first() -> None:
+    """0 stands for that of the vehicle."""
+    own, none = ({"PSC_ANGLE_MAX": angle, "ANGLE_MAX": 3500.0} for angle in (15.0, 0.0))
+    assert Limits.from_parameters(own).lean_angle_rad == pytest.approx(radians(15))
+    assert Limits.from_parameters(none).lean_angle_rad == pytest.approx(radians(35))
+
+
 def test_unflyable_values_are_replaced_as_on_board() -> None:
     """No jerk means the acceleration's number, and speed, radius and acceleration have a floor."""
     limits = Limits.from_parameters({"WPNAV_JERK": 0, "WPNAV_SPEED": 1, "WPNAV_RADIUS": 1, "WPNAV_ACCEL": 0})

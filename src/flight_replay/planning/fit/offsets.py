@@ -26,6 +26,8 @@ _EVERY = round(_BACK_SPACING_M / _SPACING_M)
 _PIECE_M = 1.0
 _APART_SHARE, _FLIGHT_NEAR_M, _PLAN_NEAR_M = 1.5, 4.0, 6.0
 """A vehicle flies by a fix about so many times as far along its path as it is from the fix at its time."""
+_VERY_LATE_M = 20.0
+"""One that is so far from a fix may be whole turns behind, which its distance does not tell."""
 _BESIDE_PLAN_M = 12.0
 """A vehicle at 10 m/s passes a place so far before or after its target is there."""
 _NUDGE = 0.01
@@ -73,11 +75,11 @@ def match_to_flight(
     Args:
         flight: in the metres of the recording.
         recording: at least one fix.
-        apart_m: how far the vehicle is from each fix (n,) at its time: it is searched around there first, or
-            else around where the plan has the fix.
+        apart_m: how far the vehicle is from each fix (n,) at its time: unless it is very late, it is searched
+            around there first, or else around where the plan has the fix.
     """
     drawn = _DrawnFlight.of(flight, recording.axes)
-    if apart_m is None:
+    if apart_m is None or apart_m.max() > _VERY_LATE_M:
         planned = match_to_plan(flight.draft, recording)
         near_m = drawn.near_plan_m(flight.passed_s, planned[0])
         feet = _matched_points(recording.places_m, drawn.line_m, near_m)

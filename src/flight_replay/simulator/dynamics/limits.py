@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from math import pi, sqrt
 from typing import Final
 
-from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
+from flight_replay.simulator.dynamics.parameter_names import NONE_IF_ZERO, PARAMETERS
 from flight_replay.simulator.dynamics.shaping import clamp
 
 GRAVITY_M_S2: Final = 9.80665
@@ -97,7 +97,7 @@ class Limits:
         """
         limits = cls()
         for name, (field, scale) in PARAMETERS.items():
-            if name in parameters:
+            if name in parameters and (name not in NONE_IF_ZERO or parameters[name] > 0):
                 limits = replace(limits, **{field: float(parameters[name]) * scale})
         return limits._with_valid_values()
 

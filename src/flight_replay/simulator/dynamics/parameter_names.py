@@ -95,5 +95,9 @@ PARAMETERS: dict[str, tuple[str, float]] = {
     "ATC_ACC_R_MAX": ("lean_accel_rad_s2", _DEG),
     "ATC_ACC_Y_MAX": ("yaw_accel_rad_s2", _DEG),
     "ATC_RATE_WPY_MAX": ("yaw_slew_rad_s", _DEG),
+    # From 3.6 on, instead of what comes before.
+    "PSC_ANGLE_MAX": ("lean_angle_rad", _DEG),
 }
 """Name: field of ``Limits``, and its value per unit of the parameter."""
+NONE_IF_ZERO = frozenset({"PSC_ANGLE_MAX"})
+"""Parameters of which 0 leaves the field as another has it (AC_PosControl::get_lean_angle_max_cd)."""
