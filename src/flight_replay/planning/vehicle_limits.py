@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import degrees, isclose
 
-from flight_replay.planning import drag
+from flight_replay.planning.drag import PARAMETER_NAMES as DRAG_NAMES
+from flight_replay.planning.drag import DragModel, drag_model_of
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.parameter_names import PARAMETERS
 from flight_replay.simulator.dynamics.shaping import clamp
@@ -44,7 +45,7 @@ PARAMETER_NAMES = tuple(
     name for name, (limit, _) in PARAMETERS.items() if limit in _FIELDS and name not in _OLD_GAINS
 )
 """What to read from a vehicle, in the names of all versions; each vehicle has some of them."""
-FOLLOWING_NAMES = (*PARAMETER_NAMES, *_OLD_GAINS, "GUID_OPTIONS", *drag.PARAMETER_NAMES)
+FOLLOWING_NAMES = (*PARAMETER_NAMES, *_OLD_GAINS, "GUID_OPTIONS", *DRAG_NAMES)
 """What to read where the recording is followed."""
 _TRUSTED = {
     "position_p": (0.25, 3.0),
@@ -72,7 +73,7 @@ class VehicleLimits:
 
     limits: Limits = field(default_factory=Limits)
     vehicle: str | None = None
-    drag: drag.DragModel | None = None
+    drag: DragModel | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -118,4 +119,4 @@ def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | 
     same = [name for name in _FIELDS if isclose(getattr(limits, name), getattr(default, name), rel_tol=_SAME)]
     bounded = {name: clamp(getattr(limits, name), *ends) for name, ends in _TRUSTED.items()}
     limits = replace(limits, **bounded | {name: getattr(default, name) for name in same})
-    return VehicleLimits(limits, vehicle, drag.drag_model_of(parameters))
+    return VehicleLimits(limits, vehicle, drag_model_of(parameters))
