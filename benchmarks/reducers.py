@@ -137,6 +137,13 @@ def reducers() -> dict[str, Reducer]:
         "min-max optimum": min_max,
     }
     if shutil.which("gpsbabel"):
-        found["GPSBabel crosstrack"] = lambda points_m, most: gpsbabel(points_m, most, "crosstrack")
-        found["GPSBabel length"] = lambda points_m, most: gpsbabel(points_m, most, "length")
+        name = f"GPSBabel {_gpsbabel_version()}"
+        found[f"{name} crosstrack"] = lambda points_m, most: gpsbabel(points_m, most, "crosstrack")
+        found[f"{name} length"] = lambda points_m, most: gpsbabel(points_m, most, "length")
     return found
+
+
+def _gpsbabel_version() -> str:
+    """Its filters keep other fixes from one version to the next."""
+    done = subprocess.run(["gpsbabel", "-V"], capture_output=True, text=True, check=True, timeout=60)
+    return done.stdout.split()[-1]
