@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -259,12 +259,41 @@ def test_requests_that_end_with_the_program_are_no_errors(caplog: pytest.LogCapt
         except asyncio.CancelledError:
             logger.error("Uncaught exception")
 
+    end_with(request())
+    assert caplog.records == []
+    logger.error("another")
+    assert [record.message for record in caplog.records] == ["another"]
+
+
+def test_servers_that_end_together_log_nothing_of_each_others_requests(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """One that is slow to end keeps its requests' errors back also after another has ended."""
+    is_ending, other_ended = threading.Event(), threading.Event()
+
+    async def slow_request() -> None:
+        try:
+            await asyncio.sleep(3600)
+        except asyncio.CancelledError:
+            is_ending.set()
+            other_ended.wait(10)
+            logging.getLogger("tornado.application").error("Uncaught exception")
+
+    slow = threading.Thread(target=end_with, args=(slow_request(),))
+    slow.start()
+    assert is_ending.wait(10)
+    end_with(asyncio.sleep(3600))
+    other_ended.set()
+    slow.join(10)
+    assert not slow.is_alive()
+    assert caplog.records == []
+
+
+def end_with(request: Coroutine[Any, Any, None]) -> None:
+    """End a loop in which a request waits."""
     loop = asyncio.new_event_loop()
-    task = loop.create_task(request())
+    task = loop.create_task(request)
     loop.run_until_complete(asyncio.sleep(0))
     end_tasks(loop)
     loop.close()
     assert task.done()
-    assert caplog.records == []
-    logger.error("another")
-    assert [record.message for record in caplog.records] == ["another"]

@@ -117,7 +117,7 @@ class LiveMap:
 def end_tasks(loop: asyncio.AbstractEventLoop) -> None:
     """Cancel what still runs on a stopped loop, and let it end: Bokeh 3.10 leaves its periodic tasks.
 
-    That a page's request ends so is no error to be logged.
+    That a page's request ends so is no error to be logged, as it is of threads that still serve.
     """
     tasks = asyncio.all_tasks(loop)
     if not tasks:
@@ -125,10 +125,15 @@ def end_tasks(loop: asyncio.AbstractEventLoop) -> None:
     for task in tasks:
         task.cancel()
     loggers = [logging.getLogger(name) for name in ("tornado.access", "tornado.application")]
+    ending = threading.get_ident()
+
+    def is_still_serving(record: logging.LogRecord) -> bool:
+        return record.thread != ending
+
     for logger in loggers:
-        logger.disabled = True
+        logger.addFilter(is_still_serving)
     try:
         loop.run_until_complete(asyncio.wait(tasks, timeout=_TASKS_END_S))
     finally:
         for logger in loggers:
-            logger.disabled = False
+            logger.removeFilter(is_still_serving)
