@@ -86,6 +86,8 @@ def test_the_limits_of_a_plan_are_told() -> None:
         "velocity_p": 2.0,
         "velocity_i": 1.0,
         "velocity_d": 0.5,
+        "velocity_error_hz": 5.0,
+        "velocity_d_hz": 5.0,
         "position_z_p": 1.0,
         "velocity_z_p": 5.0,
         "yaw_slew_deg_s": pytest.approx(60.0),

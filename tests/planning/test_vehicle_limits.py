@@ -23,6 +23,8 @@ DEFAULTS_46 = {
     "PSC_VELXY_P": 2.0,
     "PSC_VELXY_I": 1.0,
     "PSC_VELXY_D": 0.5,
+    "PSC_VELXY_FLTE": 5.0,
+    "PSC_VELXY_FLTD": 5.0,
     "PSC_POSZ_P": 1.0,
     "PSC_VELZ_P": 5.0,
     "ANGLE_MAX": 3000.0,
@@ -44,6 +46,8 @@ DEFAULTS_47 = {
     "PSC_NE_VEL_P": 2.0,
     "PSC_NE_VEL_I": 1.0,
     "PSC_NE_VEL_D": 0.5,
+    "PSC_NE_VEL_FLTE": 5.0,
+    "PSC_NE_VEL_FLTD": 5.0,
     "PSC_D_POS_P": 1.0,
     "PSC_D_VEL_P": 5.0,
     "ATC_ANGLE_MAX": 30.0,
@@ -145,6 +149,19 @@ def test_how_closely_the_vehicle_follows_its_targets_is_read_and_said(changed: d
         "Planned with the vehicle's limits: lean time 0.3 s (default 0.15), "
         "derivative velocity gain 0.25 (default 0.5).",
     )
+
+
+@pytest.mark.parametrize(
+    ("told_hz", "taken_hz"), [(2.0, 2.0), (0.2, 1.0), (0.0, 100.0)], ids=["slow", "too slow", "none"]
+)
+@pytest.mark.parametrize("name", ["PSC_VELXY_{}", "PSC_NE_VEL_{}"])
+def test_the_filters_of_the_velocity_controller_are_read(name: str, told_hz: float, taken_hz: float) -> None:
+    """The slower they are, the later the vehicle follows; 0 is none."""
+    filters = {name.format("FLTE"): told_hz, name.format("FLTD"): told_hz}
+    assert set(filters) <= set(PARAMETER_NAMES)
+    found = limits_of(DEFAULTS_46 | filters, "ArduCopter")
+    assert found is not None
+    assert (found.limits.velocity_error_hz, found.limits.velocity_d_hz) == (taken_hz, taken_hz)
 
 
 def test_gains_beyond_those_that_the_model_is_steady_with_count_as_the_nearest() -> None:

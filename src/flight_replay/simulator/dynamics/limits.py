@@ -23,6 +23,8 @@ MIN_RADIUS_M: Final = 0.05
 # Parameters.cpp: the range of ANGLE_MAX; AP_MotorsMulticopter.cpp: AP_MOTORS_THST_HOVER_MIN and _MAX.
 _LEAN_ANGLES_RAD = (10.0 * _DEG, 80.0 * _DEG)
 _HOVER_THROTTLES = (0.125, 0.6875)
+# LowPassFilter.cpp: a filter of 0 Hz passes everything on.
+_UNFILTERED_HZ = 1000.0
 # Parameters of which ArduCopter refuses or ignores values that are not above zero.
 _POSITIVE = (
     "wp_accel_m_s2",
@@ -40,7 +42,7 @@ _POSITIVE = (
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Speeds m/s, accelerations m/s², jerk m/s³, lengths m, times s, angles rad, yaw rates rad/s."""
+    """Speeds m/s, accelerations m/s², jerk m/s³, lengths m, times s, filters Hz, angles rad, turns rad/s."""
 
     wp_speed_m_s: float = 10.0
     wp_accel_m_s2: float = 2.5
@@ -64,6 +66,8 @@ class Limits:
     velocity_p: float = 2.0
     velocity_i: float = 1.0
     velocity_d: float = 0.5
+    velocity_error_hz: float = 5.0
+    velocity_d_hz: float = 5.0
     shaping_jerk_m_s3: float = 5.0
     position_z_p: float = 1.0
     velocity_z_p: float = 5.0
@@ -111,6 +115,8 @@ class Limits:
             wp_speed_m_s=max(self.wp_speed_m_s, MIN_SPEED_M_S),
             wp_radius_m=max(self.wp_radius_m, MIN_RADIUS_M),
             wp_jerk_m_s3=self.wp_jerk_m_s3 if self.wp_jerk_m_s3 > 0 else limits.wp_accel_m_s2,
+            velocity_error_hz=self.velocity_error_hz if self.velocity_error_hz > 0 else _UNFILTERED_HZ,
+            velocity_d_hz=self.velocity_d_hz if self.velocity_d_hz > 0 else _UNFILTERED_HZ,
             lean_angle_rad=clamp(self.lean_angle_rad, *_LEAN_ANGLES_RAD),
             hover_throttle=clamp(self.hover_throttle, *_HOVER_THROTTLES),
         )

@@ -7,7 +7,7 @@ lags only by what its attitude and the air take. Metres north, east, up of home.
 
 from __future__ import annotations
 
-from math import exp, sqrt, tan
+from math import exp, pi, sqrt, tan
 from typing import Final
 
 from flight_replay.simulator.dynamics.airframe import Airframe
@@ -20,11 +20,13 @@ from flight_replay.simulator.dynamics.shaping import (
     stopping_distance,
 )
 from flight_replay.simulator.dynamics.vector import Vector, norm
-from flight_replay.simulator.dynamics.velocity_pid import FILTER_S, VelocityPid
+from flight_replay.simulator.dynamics.velocity_pid import VelocityPid
 
 # AC_PosControl.h: POSCONTROL_STOPPING_DIST_UP_MAX and _DOWN_MAX.
 _STOP_UP_M: Final = 3.0
 _STOP_DOWN_M: Final = 2.0
+# PSC_VELZ_FLTE: 5 Hz.
+_FILTER_Z_S: Final = 1.0 / (2.0 * pi * 5.0)
 # The throttle PID works in thousandths of throttle per cm/s².
 _THROTTLE_PER_M_S2: Final = 0.1
 
@@ -50,7 +52,8 @@ class PositionControl(PositionTarget):
     def __init__(self, limits: Limits, airframe: Airframe) -> None:
         super().__init__(limits, airframe.dt)
         self._airframe = airframe
-        self._pid = VelocityPid(self.dt)
+        self._limits = limits
+        self._pid = VelocityPid(self.dt, limits)
         self.use_step(self.dt)
         self.load = 0.0
         self._error_max = self._error_up = self._error_down = self.throttle = 0.0
@@ -65,12 +68,13 @@ class PositionControl(PositionTarget):
         self._limits = limits
         self._lean_max = GRAVITY_M_S2 * tan(limits.lean_angle_rad)
         self.set_accelerations(limits)
+        self._pid.use_step(self.dt, limits)
 
     def use_step(self, dt: float) -> None:
         """Use steps of another duration from now on."""
         self.dt = dt
-        self._alpha = 1.0 - exp(-dt / FILTER_S)
-        self._pid.use_step(dt)
+        self._alpha = 1.0 - exp(-dt / _FILTER_Z_S)
+        self._pid.use_step(dt, self._limits)
 
     def limit_correction(self) -> None:
         """Largest position errors that are corrected (set_correction_speed_accel_xy, _z)."""

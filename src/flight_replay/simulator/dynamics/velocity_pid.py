@@ -9,8 +9,6 @@ from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
 from flight_replay.simulator.dynamics.vector import norm
 
-# PSC_VELXY_FLTE, _FLTD and PSC_VELZ_FLTE: 5 Hz.
-FILTER_S: Final = 1.0 / (2.0 * pi * 5.0)
 # PSC_VELXY_IMAX.
 _INTEGRATOR_MAX: Final = 10.0
 
@@ -18,16 +16,17 @@ _INTEGRATOR_MAX: Final = 10.0
 class VelocityPid(SnapshotPart):
     """Velocity error, m/s north and east, to acceleration, m/s²."""
 
-    __slots__ = ("_alpha", "_begins", "_dt", "_error", "_integral", "_limited", "_rate")
+    __slots__ = ("_begins", "_dt", "_error", "_error_part", "_integral", "_limited", "_rate", "_rate_part")
 
-    def __init__(self, dt: float) -> None:
-        self.use_step(dt)
+    def __init__(self, dt: float, limits: Limits) -> None:
+        self.use_step(dt, limits)
         self.reset((0.0, 0.0))
 
-    def use_step(self, dt: float) -> None:
-        """Use steps of another duration from now on."""
+    def use_step(self, dt: float, limits: Limits) -> None:
+        """Use steps of such a duration, and the filters of some limits, from now on."""
         self._dt = dt
-        self._alpha = dt / (dt + FILTER_S)
+        self._error_part = _lowpass_part(dt, limits.velocity_error_hz)
+        self._rate_part = _lowpass_part(dt, limits.velocity_d_hz)
 
     def reset(self, accel: tuple[float, float]) -> None:
         """Reset to an acceleration that is flown already."""
@@ -50,12 +49,14 @@ class VelocityPid(SnapshotPart):
         if self._begins:
             self._begins, self._error = False, error
         else:
-            part, dt = self._alpha, self._dt
+            part, rate_part, dt = self._error_part, self._rate_part, self._dt
             before_n, before_e = self._error
             step_n, step_e = (error[0] - before_n) * part, (error[1] - before_e) * part
             self._error = before_n + step_n, before_e + step_e
             rate_n, rate_e = self._rate
-            self._rate = rate_n + (step_n / dt - rate_n) * part, rate_e + (step_e / dt - rate_e) * part
+            rate_n += (step_n / dt - rate_n) * rate_part
+            rate_e += (step_e / dt - rate_e) * rate_part
+            self._rate = rate_n, rate_e
         n, e = self._error
         integral_n, integral_e = self._next_integral(n * limits.velocity_i, e * limits.velocity_i)
         self._integral = integral_n, integral_e
@@ -71,3 +72,8 @@ class VelocityPid(SnapshotPart):
         n, e = n + growth_n * self._dt, e + growth_e * self._dt
         size = norm(n, e)
         return (n * most / size, e * most / size) if size > most else (n, e)
+
+
+def _lowpass_part(dt: float, cutoff_hz: float) -> float:
+    """What part of a change passes a low-pass filter in a step (calc_lowpass_alpha_dt)."""
+    return dt / (dt + 1.0 / (2.0 * pi * cutoff_hz))
