@@ -1,5 +1,7 @@
 """airframe.py: how the lean follows its target."""
 
+from math import pi, radians
+
 import pytest
 
 from flight_replay.simulator.dynamics.aerodynamics import Air
@@ -19,3 +21,26 @@ def north_m(step_s: float) -> float:
 def test_long_steps_lean_as_late_as_short_ones() -> None:
     """The fit's steps of 0.02 s and those on board end 1 cm apart; 15 ms less of lag would make it 4."""
     assert north_m(0.02) == pytest.approx(north_m(0.0025), abs=0.02)
+
+
+def lean_north(yaw_rad: float, limits: Limits) -> float:
+    """The lean after 0.15 s of as much acceleration to the north as a lean allows."""
+    airframe = Airframe(limits, (0.0, 0.0, 100.0), yaw_rad, Air(), 0.0025)
+    for _ in range(60):
+        airframe.step(5.6, 0.0, limits.hover_throttle)
+    return airframe.lean_n
+
+
+def test_roll_and_pitch_have_each_an_acceleration_of_their_own() -> None:
+    """With both, as when the nose points elsewhere, a copter leans sooner (AC_AttitudeControl)."""
+    ahead, aside, between = (lean_north(yaw_rad, Limits()) for yaw_rad in (0.0, pi / 2, pi / 4))
+    assert aside == pytest.approx(ahead)
+    assert between > 1.1 * ahead
+
+
+def test_roll_and_pitch_share_the_highest_rate() -> None:
+    """At 30 degrees a second it counts for both together (ang_vel_limit)."""
+    slow = Limits(lean_rate_rad_s=radians(30.0))
+    leans = [lean_north(yaw_rad, slow) for yaw_rad in (0.0, pi / 2, pi / 4)]
+    assert leans == pytest.approx([leans[0]] * 3, rel=0.05)
+    assert max(leans) < radians(30.0) * 0.15

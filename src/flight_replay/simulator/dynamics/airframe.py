@@ -1,9 +1,9 @@
 """The airframe that ArduPilot's SITL flies: its motion under lean and throttle, in still or moving air.
 
-Sources: AC_AttitudeControl.cpp (input_thrust_vector_heading, input_shaping_angle: how the lean
-follows its target) and AP_MotorsMulticopter.cpp (the throttle filter); forces are in ``aerodynamics``.
-Leans are kept as the horizontal part of the thrust over its vertical part, north and east;
-positions are metres north, east and up of home.
+Sources: AC_AttitudeControl.cpp (input_thrust_vector_heading, input_shaping_angle, ang_vel_limit: how the
+lean follows its target, forward and to the right by themselves) and AP_MotorsMulticopter.cpp (the throttle
+filter); forces are in ``aerodynamics``. Leans are kept as the horizontal part of the thrust over its
+vertical part, north and east; positions are metres north, east and up of home.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from typing import Final
 from flight_replay.simulator.dynamics.aerodynamics import Air
 from flight_replay.simulator.dynamics.heading import Heading
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
-from flight_replay.simulator.dynamics.shaping import clamp, sqrt_controller, step_towards
+from flight_replay.simulator.dynamics.shaping import sqrt_controller, step_towards
 from flight_replay.simulator.dynamics.snapshot_part import SnapshotPart
-from flight_replay.simulator.dynamics.vector import Vector
+from flight_replay.simulator.dynamics.vector import Vector, norm
 
 # AC_PosControl.h: POSCONTROL_THROTTLE_CUTOFF_FREQ_HZ.
 _THROTTLE_FILTER_S: Final = 1.0 / (2.0 * pi * 2.0)
@@ -34,10 +34,12 @@ class Airframe(SnapshotPart):
         "_heading_unit",
         "_lean_decay",
         "_limits",
+        "_rate_forward",
+        "_rate_right",
         "_target_e",
         "_target_n",
-        "_target_rate_e",
-        "_target_rate_n",
+        "_target_unit",
+        "_target_yaw",
         "_throttle_decay",
         "accel_u",
         "dt",
@@ -66,9 +68,10 @@ class Airframe(SnapshotPart):
         self.n, self.e, self.u = position_m
         self.vn = self.ve = self.vu = 0.0
         self.lean_n = self.lean_e = 0.0
-        self._target_n = self._target_e = self._target_rate_n = self._target_rate_e = 0.0
+        self._target_n = self._target_e = self._rate_forward = self._rate_right = 0.0
         self.heading = Heading(limits, yaw_rad, dt)
-        self.yaw, self._heading_unit = yaw_rad, (cos(yaw_rad), sin(yaw_rad))
+        self.yaw = self._target_yaw = yaw_rad
+        self._heading_unit = self._target_unit = cos(yaw_rad), sin(yaw_rad)
         self.on_ground = self.u <= 0
         self.throttle = 0.0 if self.on_ground else limits.hover_throttle
         self.accel_u = 0.0
@@ -145,24 +148,33 @@ class Airframe(SnapshotPart):
     def _lean_towards(self, lean_n: float, lean_e: float) -> None:
         """Move the attitude target with limited rate and acceleration, and the lean after it."""
         dt = self.dt
-        self._target_rate_n = self._next_lean_rate(lean_n - self._target_n, self._target_rate_n)
-        self._target_rate_e = self._next_lean_rate(lean_e - self._target_e, self._target_rate_e)
+        rate_n, rate_e = self._next_lean_rates(lean_n - self._target_n, lean_e - self._target_e)
         # The lean follows a target that moves on evenly, so that its lag is the same in steps of any length.
         decay = self._lean_decay
-        late_n, late_e = self._target_rate_n * _LEAN_LAG_S, self._target_rate_e * _LEAN_LAG_S
+        late_n, late_e = rate_n * _LEAN_LAG_S, rate_e * _LEAN_LAG_S
         behind_n, behind_e = self._target_n - late_n - self.lean_n, self._target_e - late_e - self.lean_e
-        self._target_n += self._target_rate_n * dt
-        self._target_e += self._target_rate_e * dt
+        self._target_n += rate_n * dt
+        self._target_e += rate_e * dt
         self.lean_n = self._target_n - late_n - behind_n * decay
         self.lean_e = self._target_e - late_e - behind_e * decay
 
-    def _next_lean_rate(self, error: float, rate: float) -> float:
-        """Next rate, rad/s, that removes a lean error; limits of 0 are none (input_shaping_angle)."""
-        limits, dt = self._limits, self.dt
-        accel_max, rate_max = limits.lean_accel_rad_s2, limits.lean_rate_rad_s
-        wanted = sqrt_controller(error, 1.0 / max(limits.attitude_input_s, 0.01), accel_max, dt)
+    def _next_lean_rates(self, error_n: float, error_e: float) -> tuple[float, float]:
+        """Next rates of the lean north and east, rad/s, that remove its errors; a limit of 0 is none."""
+        c, s = self._target_unit
+        forward = self._next_lean_rate(error_n * c + error_e * s, self._rate_forward)
+        right = self._next_lean_rate(error_e * c - error_n * s, self._rate_right)
+        rate_max = self._limits.lean_rate_rad_s
         if rate_max > 0:
-            wanted = clamp(wanted, -rate_max, rate_max)
+            share = min(1.0, rate_max / max(norm(forward, right), 1e-9))
+            forward, right = forward * share, right * share
+        self._rate_forward, self._rate_right = forward, right
+        return forward * c - right * s, forward * s + right * c
+
+    def _next_lean_rate(self, error: float, rate: float) -> float:
+        """Next rate of the lean along an axis of the body (input_shaping_angle)."""
+        limits, dt = self._limits, self.dt
+        accel_max = limits.lean_accel_rad_s2
+        wanted = sqrt_controller(error, 1.0 / max(limits.attitude_input_s, 0.01), accel_max, dt)
         return step_towards(wanted, rate, accel_max * dt) if accel_max > 0 else wanted
 
     def turn_towards(self, yaw_rad: float, rate_rad_s: float) -> None:
@@ -176,6 +188,8 @@ class Airframe(SnapshotPart):
         self._turned()
 
     def _turned(self) -> None:
-        yaw = self.heading.yaw
+        yaw, target = self.heading.yaw, self.heading.target
         if yaw != self.yaw:
             self.yaw, self._heading_unit = yaw, (cos(yaw), sin(yaw))
+        if target != self._target_yaw:
+            self._target_yaw, self._target_unit = target, (cos(target), sin(target))
