@@ -26,10 +26,11 @@ from flight_replay.planning.fit.scalar.knot_cost import CandidateKnots, KnotCost
 USUAL_CANDIDATES = 2.0
 """Candidates for each place that is kept."""
 _CANDIDATES = (2.0, 4.0, 3.0, 1.5, 2.5, 3.5, 5.0)
-_LONG_LEGS = ((None, 1.0, 2.0), (0.9, 1.0, 4.0), (None, 1.1, 3.0))
+_LONG_LEGS = ((None, 1.0, 2.0), (0.9, 0.85, 4.0), (None, 1.15, 3.0))
 """Of what several selections are made: the way, how many places of those there may be, candidates for each.
 
-A way is the recorded one, or it is flyable with so much of the vehicle's acceleration.
+A way is the recorded one, or it is flyable with so much of the vehicle's acceleration. Stretches of a draft
+with fewer places pay for those of one with more; and a fast vehicle is slowed down by short legs.
 """
 _SHORT_LEG_S = 2.25
 """Legs that last less on average slow a vehicle."""
