@@ -67,8 +67,8 @@ def test_where_there_are_too_many_places_for_the_time_the_drafts_have_fewer() ->
     assert len({start.draft.places_m.tobytes() for start in few}) == 4
 
 
-def test_where_there_is_time_for_all_places_the_drafts_differ_in_where_they_stand() -> None:
-    """They are chosen from other candidates, as many as there may be, fewer, and more."""
+def test_where_there_is_time_for_all_places_one_draft_has_fewer_and_one_more() -> None:
+    """Stretches of the one pay for those of the other."""
     track = wander(2, fixes=200)
     starts = selections(problem_for(local_track(track, 20.0), 20, Limits(), timed=True), 20)
     assert [len(start.draft) for start in starts] == [20, 17, 23]

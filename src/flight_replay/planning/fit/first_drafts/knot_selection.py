@@ -75,8 +75,8 @@ def selections(problem: FitProblem, most: int) -> list[FirstDraft]:
     """Several drafts of about ``most`` places, the first of no more.
 
     They differ in what they are selected from. Where the recorded speed is to be kept, that may be a way on
-    which the vehicle can keep up; and if legs would be short, which slows it, there are fewer. Otherwise the
-    last has more places, of which stretches are taken where they are missed most.
+    which the vehicle can keep up; and if legs would be short, which slows it, all have fewer places. Else
+    one has fewer, and the last more, of which stretches are taken where they are missed most.
     """
     if not problem.timed:
         return [select_waypoints(problem, most, candidates) for candidates in _CANDIDATES]
