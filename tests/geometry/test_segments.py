@@ -24,7 +24,10 @@ def test_segments_one_by_one_are_as_near_as_many_at_once(seed: int, axes: int) -
     line_m[3] = line_m[2]
     share, apart_m = nearest_on_segments(points_m[:, None], line_m[:-1], np.diff(line_m, axis=0))
     segments = segments_of(places_of(line_m.tolist()))
-    found = [[nearest(segment, *place) for segment in segments] for place in places_of(points_m.tolist())]
+    found = [
+        [nearest(place, each.start, each.step, each.per_square) for each in segments]
+        for place in places_of(points_m.tolist())
+    ]
     assert np.array(found)[:, :, 0] == pytest.approx(share, abs=1e-12)
     assert np.sqrt(np.array(found)[:, :, 1]) == pytest.approx(apart_m, abs=1e-12)
     least = [least_square_m2(segments, place, 1, 4) for place in places_of(points_m.tolist())]

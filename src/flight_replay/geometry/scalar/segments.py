@@ -18,22 +18,23 @@ _SURELY: Final = 0.001
 class Segment:
     """Where a segment begins, the step from there to its end, m, and that by its squared length, 1/m."""
 
-    __slots__ = (
-        *("north_m", "east_m", "up_m", "length_m"),
-        *("step_n_m", "step_e_m", "step_u_m", "share_n", "share_e", "share_u"),
-    )
+    __slots__ = ("per_square", "start", "step")
 
     # No dataclass: one is made by interpreted code, also where this is compiled.
     def __init__(self, start: Place, end: Place) -> None:
         """From one place to another."""
-        n, e, u = end[0] - start[0], end[1] - start[1], end[2] - start[2]
-        square = n * n + e * e + u * u
-        self.length_m = sqrt(square)
-        if square <= 0.0:
-            square = 1.0
-        self.north_m, self.east_m, self.up_m = start
-        self.step_n_m, self.step_e_m, self.step_u_m = n, e, u
-        self.share_n, self.share_e, self.share_u = n / square, e / square, u / square
+        self.start = start
+        self.step = (end[0] - start[0], end[1] - start[1], end[2] - start[2])
+        self.per_square = per_square_of(self.step)
+
+
+def per_square_of(step: Place) -> Place:
+    """A step by its squared length, 1/m; by 1 where it has no length."""
+    n, e, u = step
+    square = n * n + e * e + u * u
+    if square <= 0.0:
+        square = 1.0
+    return n / square, e / square, u / square
 
 
 def places_of(rows: list[list[float]]) -> list[Place]:
@@ -46,27 +47,26 @@ def segments_of(line: list[Place]) -> list[Segment]:
     return [Segment(line[i], line[i + 1]) for i in range(len(line) - 1)]
 
 
-def nearest(segment: Segment, north_m: float, east_m: float, up_m: float) -> tuple[float, float]:
+def nearest(place: Place, start: Place, step: Place, per_square: Place) -> tuple[float, float]:
     """Where a segment is nearest to a place, as its share (0 to 1), and the square of how far that is, m².
 
     A segment without length is nearest at its start.
     """
-    n, e, u = north_m - segment.north_m, east_m - segment.east_m, up_m - segment.up_m
-    share = n * segment.share_n + e * segment.share_e + u * segment.share_u
-    share = max(share, 0.0)
-    share = min(share, 1.0)
-    n -= share * segment.step_n_m
-    e -= share * segment.step_e_m
-    u -= share * segment.step_u_m
+    n, e, u = place[0] - start[0], place[1] - start[1], place[2] - start[2]
+    share = n * per_square[0] + e * per_square[1] + u * per_square[2]
+    share = min(max(share, 0.0), 1.0)
+    n -= share * step[0]
+    e -= share * step[1]
+    u -= share * step[2]
     return share, n * n + e * e + u * u
 
 
 def least_square_m2(segments: list[Segment], place: Place, begin: int, end: int) -> float:
     """The square of how far a place is from the nearest of the segments ``begin`` to below ``end``."""
-    north, east, up = place
     least = float("inf")
     for i in range(begin, end):
-        square = nearest(segments[i], north, east, up)[1]
+        segment = segments[i]
+        square = nearest(place, segment.start, segment.step, segment.per_square)[1]
         least = min(least, square)
     return least
 
@@ -90,12 +90,12 @@ def nearest_in_bands(
     chosen: list[int] = []
     guess = 0
     for row in range(len(low)):
-        north, east, up = places[0][row], places[1][row], places[2][row]
+        place = (places[0][row], places[1][row], places[2][row])
         end = high[row]
         guess = min(max(guess, low[row]), end - 1)
-        least_m, at = line.apart_m(guess, north, east, up), low[row]
+        least_m, at = line.apart_m(guess, place), low[row]
         while at < end:
-            apart_m = line.apart_m(at, north, east, up)
+            apart_m = line.apart_m(at, place)
             if apart_m < least_m or (apart_m == least_m and at < guess):
                 guess, least_m = at, apart_m
             skipped = (apart_m - least_m) / line.longest_m - _SURELY
@@ -107,28 +107,19 @@ def nearest_in_bands(
 class _Line:
     """Segments one after the other; none is longer than ``longest_m``."""
 
-    __slots__ = ("_e", "_n", "_squares", "_step_e", "_step_n", "_step_u", "_u", "longest_m")
+    __slots__ = ("_starts", "_steps", "longest_m")
 
     def __init__(self, starts: Columns, steps: Columns) -> None:
         """Where they begin, and what leads to where they end."""
-        self._n, self._e, self._u = starts
-        self._step_n, self._step_e, self._step_u = steps
-        self._squares: list[float] = []
+        self._starts, self._steps = starts, steps
         longest_m2 = 1e-18
-        for i in range(len(self._step_n)):
-            n, e, u = self._step_n[i], self._step_e[i], self._step_u[i]
-            square = n * n + e * e + u * u
-            longest_m2 = max(longest_m2, square)
-            self._squares.append(square if square > 0.0 else 1.0)
+        for i in range(len(steps[0])):
+            n, e, u = steps[0][i], steps[1][i], steps[2][i]
+            longest_m2 = max(longest_m2, n * n + e * e + u * u)
         self.longest_m = sqrt(longest_m2)
 
-    def apart_m(self, i: int, north_m: float, east_m: float, up_m: float) -> float:
+    def apart_m(self, i: int, place: Place) -> float:
         """How far a place is from a segment."""
-        n, e, u = north_m - self._n[i], east_m - self._e[i], up_m - self._u[i]
-        step_n, step_e, step_u, square = self._step_n[i], self._step_e[i], self._step_u[i], self._squares[i]
-        share = n * (step_n / square) + e * (step_e / square) + u * (step_u / square)
-        share = min(max(share, 0.0), 1.0)
-        n -= share * step_n
-        e -= share * step_e
-        u -= share * step_u
-        return sqrt(n * n + e * e + u * u)
+        start = (self._starts[0][i], self._starts[1][i], self._starts[2][i])
+        step = (self._steps[0][i], self._steps[1][i], self._steps[2][i])
+        return sqrt(nearest(place, start, step, per_square_of(step))[1])

@@ -52,6 +52,11 @@ class Offsets:
         """Lengths (m,) of the vectors."""
         return np.asarray(np.linalg.norm(self.off_m, axis=1))
 
+    @property
+    def progress(self) -> Floats:
+        """How far along the path they are (m,), leg and part as one number: k where k legs are flown."""
+        return self.leg + self.part
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MatchedFlight:
@@ -90,7 +95,7 @@ def match_to_flight(
     marks, marks_s = drawn.line_m[::_EVERY], drawn.time_s[::_EVERY]
     order = np.maximum.accumulate(flown_s)
     back = _offsets_back(marks[:, :2], np.searchsorted(order, marks_s), recording)
-    progress = np.maximum.accumulate(planned[0].leg + planned[0].part)
+    progress = np.maximum.accumulate(planned[0].progress)
     rising_s = order + 1e-6 * np.arange(len(order))
     where = _leg_and_part(np.interp(marks_s, rising_s, progress), len(flight.draft))
     there = Offsets(planned[0].leg, planned[0].part, recording.north_east_m - feet[0][:, :2])
@@ -105,8 +110,8 @@ def match_to_plan(
     Args:
         draft: whose path it is.
         recording: at least one fix.
-        likely: about where on the path each fix is (n,), as the number of the place that it is on the way to
-            and the share of that leg together: it is searched around there first.
+        likely: about where on the path each fix is (n,), as ``Offsets.progress``: it is searched around there
+            first.
     """
     path = draft.path(CURVE_TOLERANCE_M)
     line = np.column_stack([path.north_east_m, path.up_m])[:, : recording.axes]
@@ -115,7 +120,7 @@ def match_to_plan(
     near_m = None
     if likely is not None:
         at_places_m = lengths_along_m(line)[np.maximum(begins + counts, 1) - 1]
-        likely_m = np.interp(likely, np.arange(len(draft)), at_places_m)
+        likely_m = np.interp(likely, np.arange(1, len(draft) + 1), at_places_m)
         near_m = likely_m - _PLAN_NEAR_M, likely_m + _PLAN_NEAR_M
     foot, piece, share = _matched_points(recording.places_m, line, near_m)
     # Point p of the path is the end of step p - begins of its leg.
@@ -173,17 +178,17 @@ class _DrawnFlight:
 
     def near_plan_m(self, passed_s: Floats, planned: Offsets) -> tuple[Floats, Floats]:
         """From where to where along the line it may fly by fixes for which the plan has such points."""
-        there_s = np.interp(planned.leg + planned.part, np.arange(1, len(passed_s) + 1), passed_s)
+        there_s = np.interp(planned.progress, np.arange(1, len(passed_s) + 1), passed_s)
         there_m = self._along_at(there_s)
         return there_m - _BESIDE_PLAN_M, there_m + _BESIDE_PLAN_M
 
     def progress(self, passed_s: Floats, feet: _Feet) -> Floats:
-        """At each of some points of the line (n,): the place that is flown to and how far that is, as one."""
+        """How far the plan is flown at each of some points of the line (n,), as ``Offsets.progress``."""
         _, piece, share = feet
         ends = np.minimum(piece + 1, len(self.along_m) - 1)
         feet_m = self.along_m[piece] + share * (self.along_m[ends] - self.along_m[piece])
         rising_m = self._along_at(passed_s) + 1e-6 * np.arange(len(passed_s))
-        return np.interp(feet_m, rising_m, np.arange(len(passed_s)))
+        return np.interp(feet_m, rising_m, np.arange(1, len(passed_s) + 1))
 
     def times_s(self, feet: _Feet) -> Floats:
         """When the vehicle is at each of some points of the line (n,)."""

@@ -112,7 +112,7 @@ def _moved_on_paper(draft: Draft, recording: LocalTrack) -> Draft:
     for _ in range(_PAPER_STEPS):
         residuals = weighted_residuals(moved, found, len(recording))
         moved = gauss_newton_step(moved, residuals, _PAPER_SMOOTHING, _PAPER_GAIN)
-        found = match_to_plan(moved, recording)
+        found = match_to_plan(moved, recording, found[0].progress)
     return moved if path_error_m(found) < path_error_m(start) else draft
 
 
