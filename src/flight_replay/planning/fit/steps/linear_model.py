@@ -16,6 +16,8 @@ from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
 from flight_replay.planning.fit.solvers.normal_equations import normal_equations
 
 _MOST_TIMES = 2
+_DECIMALS = 5
+"""Changes are kept to so many: what last bits leave of none would be blamed for delays like any other."""
 _NEAR_M, _LEAST_PATH_ERROR_M, _LEAST_SQUARE_M2 = 0.5, 0.1, 0.05
 
 
@@ -68,10 +70,12 @@ class LinearModel:
         most = _MOST_TIMES * usual
         sizes = np.tile(usual, 2) if self.both_sides else usual
         damped = self.normal + np.diag(damping / sizes**2)
-        if not self.both_sides:
-            return np.clip(np.linalg.solve(damped, -self.force), -most, most)
-        one, other = np.split(np.minimum(smallest_nonnegative(damped, -self.force), np.tile(most, 2)), 2)
-        return np.asarray(one - other)
+        if self.both_sides:
+            both = np.minimum(smallest_nonnegative(damped, -self.force), np.tile(most, 2))
+            changes = np.subtract(*np.split(both, 2))
+        else:
+            changes = np.clip(np.linalg.solve(damped, -self.force), -most, most)
+        return np.asarray(changes.round(_DECIMALS))
 
 
 def _weights(errors: ErrorVectors, evaluation: Evaluation) -> Floats:
