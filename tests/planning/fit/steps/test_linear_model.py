@@ -20,5 +20,5 @@ def test_what_last_bits_leave_of_no_change_is_none(both_sides: bool) -> None:
 
 def test_changes_are_at_most_twice_the_usual() -> None:
     """A step that is linear about a draft says nothing of one that is far from it."""
-    usual = np.array([0.1, 0.4])
-    assert LinearModel(np.eye(2), np.array([-5.0, 5.0]), False).best_changes(0.0, usual).tolist() == [0.2, -0.8]
+    model = LinearModel(np.eye(2), np.array([-5.0, 5.0]), both_sides=False)
+    assert model.best_changes(0.0, np.array([0.1, 0.4])).tolist() == [0.2, -0.8]
