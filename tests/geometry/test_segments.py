@@ -8,7 +8,6 @@ from flight_replay.geometry.polyline import nearest_on_segments
 from flight_replay.geometry.scalar.segments import (
     Columns,
     least_square_m2,
-    nearest,
     nearest_in_bands,
     places_of,
     segments_of,
@@ -22,14 +21,11 @@ def test_segments_one_by_one_are_as_near_as_many_at_once(seed: int, axes: int) -
     random = np.random.default_rng(seed)
     points_m, line_m = random.normal(0, 5, (7, axes)), random.normal(0, 5, (6, axes))
     line_m[3] = line_m[2]
-    share, apart_m = nearest_on_segments(points_m[:, None], line_m[:-1], np.diff(line_m, axis=0))
+    apart_m = nearest_on_segments(points_m[:, None], line_m[:-1], np.diff(line_m, axis=0))[1]
     segments = segments_of(places_of(line_m.tolist()))
-    found = [
-        [nearest(place, each.start, each.step, each.per_square) for each in segments]
-        for place in places_of(points_m.tolist())
-    ]
-    assert np.array(found)[:, :, 0] == pytest.approx(share, abs=1e-12)
-    assert np.sqrt(np.array(found)[:, :, 1]) == pytest.approx(apart_m, abs=1e-12)
+    for k in range(len(segments)):
+        alone = [least_square_m2(segments, place, k, k + 1) for place in places_of(points_m.tolist())]
+        assert np.sqrt(alone) == pytest.approx(apart_m[:, k], abs=1e-12)
     least = [least_square_m2(segments, place, 1, 4) for place in places_of(points_m.tolist())]
     assert np.sqrt(least) == pytest.approx(apart_m[:, 1:4].min(axis=1), abs=1e-12)
 

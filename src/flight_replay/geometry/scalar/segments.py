@@ -1,4 +1,4 @@
-"""Straight segments, and where on them a point is nearest: ``polyline.nearest_on_segments`` one by one."""
+"""Straight segments, and how far places are from them: ``polyline.nearest_on_segments`` one by one."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class Segment:
         """From one place to another."""
         self.start = start
         self.step = (end[0] - start[0], end[1] - start[1], end[2] - start[2])
-        self.per_square = per_square_of(self.step)
+        self.per_square = _per_square(self.step)
 
 
-def per_square_of(step: Place) -> Place:
+def _per_square(step: Place) -> Place:
     """A step by its squared length, 1/m; by 1 where it has no length."""
     n, e, u = step
     square = n * n + e * e + u * u
@@ -47,18 +47,15 @@ def segments_of(line: list[Place]) -> list[Segment]:
     return [Segment(line[i], line[i + 1]) for i in range(len(line) - 1)]
 
 
-def nearest(place: Place, start: Place, step: Place, per_square: Place) -> tuple[float, float]:
-    """Where a segment is nearest to a place, as its share (0 to 1), and the square of how far that is, m².
-
-    A segment without length is nearest at its start.
-    """
+def _square_m2(place: Place, start: Place, step: Place, per_square: Place) -> float:
+    """The square of how far a place is from a segment; one without length is a place itself."""
     n, e, u = place[0] - start[0], place[1] - start[1], place[2] - start[2]
     share = n * per_square[0] + e * per_square[1] + u * per_square[2]
     share = min(max(share, 0.0), 1.0)
     n -= share * step[0]
     e -= share * step[1]
     u -= share * step[2]
-    return share, n * n + e * e + u * u
+    return n * n + e * e + u * u
 
 
 def least_square_m2(segments: list[Segment], place: Place, begin: int, end: int) -> float:
@@ -66,8 +63,7 @@ def least_square_m2(segments: list[Segment], place: Place, begin: int, end: int)
     least = float("inf")
     for i in range(begin, end):
         segment = segments[i]
-        square = nearest(place, segment.start, segment.step, segment.per_square)[1]
-        least = min(least, square)
+        least = min(least, _square_m2(place, segment.start, segment.step, segment.per_square))
     return least
 
 
@@ -122,4 +118,4 @@ class _Line:
         """How far a place is from a segment."""
         start = (self._starts[0][i], self._starts[1][i], self._starts[2][i])
         step = (self._steps[0][i], self._steps[1][i], self._steps[2][i])
-        return sqrt(nearest(place, start, step, per_square_of(step))[1])
+        return sqrt(_square_m2(place, start, step, _per_square(step)))
