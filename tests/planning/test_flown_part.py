@@ -80,3 +80,13 @@ def test_a_log_without_flights_is_taken_whole() -> None:
     part, notes = flown_part(track)
     assert len(part) == len(track)
     assert len(notes) == 1
+
+
+def test_the_clock_goes_on_as_the_tracks_from_the_first_flown_fix() -> None:
+    """What was left out before it is told by the clock: when the flight began can be known."""
+    parts = landed_between(*(along([(0, 0), (30, 0)], 3.0) for _ in range(3)))
+    ground = replace(parts.select(slice(0, 1)), armed=np.array([Armed.NO], np.int8))
+    later = joined(ground, replace(parts, time_s=parts.time_s + 31.75))
+    flown, _ = flown_part(later)
+    assert flown.time_s[0] == 31.75
+    assert flown.time_s[-1] == pytest.approx(31.75 + 3 * 10.0 + 2 * 0.25)

@@ -51,11 +51,10 @@ class Recording:
     notes: tuple[str, ...] = ()
 
     def utc_s_of(self, part: Track) -> float | None:
-        """The Unix time of the first fix of a part of the track, whatever its clock counts from by now."""
-        first = (self.track.lat_deg == part.lat_deg[0]) & (self.track.lon_deg == part.lon_deg[0])
-        if self.start_utc_s is None or not first.any():
+        """The Unix time of the first fix of a part of the track that still has its clock."""
+        if self.start_utc_s is None:
             return None
-        return self.start_utc_s + float(self.track.time_s[first.argmax()] - self.track.time_s[0])
+        return self.start_utc_s + float(part.time_s[0] - self.track.time_s[0])
 
     @property
     def rejected_total(self) -> int:

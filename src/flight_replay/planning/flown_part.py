@@ -18,7 +18,8 @@ MAX_GAP_M = 50.0
 def flown_part(track: Track, *, tell_joins: bool = True) -> tuple[Track, tuple[str, ...]]:
     """The fixes of a track's flights with a clock that has no gaps, and notes for people.
 
-    A track without a flight is returned whole: nothing in it tells flying from standing.
+    The clock goes on as the track's from the first of them. A track without a flight is returned whole:
+    nothing in it tells flying from standing.
 
     Args:
         track: at least one fix.
@@ -38,13 +39,13 @@ def flown_part(track: Track, *, tell_joins: bool = True) -> tuple[Track, tuple[s
 
 
 def _times_without_gaps_s(parts: list[Track]) -> Floats:
-    """Seconds (n,) since the first fix of all parts, with one median step from each part to the next."""
+    """Times (n,) by the clock of the first part, with one median step from each part to the next."""
     steps_s = np.concatenate([np.diff(part.time_s) for part in parts])
     median_step_s = float(np.median(steps_s)) if len(steps_s) else 0.0
-    times_s, begin_s = [], 0.0
-    for part in parts:
-        times_s.append(part.time_s - part.time_s[0] + begin_s)
+    times_s = [parts[0].time_s]
+    for part in parts[1:]:
         begin_s = float(times_s[-1][-1]) + median_step_s
+        times_s.append(part.time_s - part.time_s[0] + begin_s)
     return np.concatenate(times_s)
 
 
