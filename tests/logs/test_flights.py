@@ -63,6 +63,13 @@ def test_without_word_of_arming_moving_stretches_are_flights() -> None:
     assert [each.fixes for each in halves] == [10, 10]
 
 
+def test_a_boot_without_word_of_arming_is_asked_for_movement_beside_one_with() -> None:
+    """A log of a boot that tells of nothing, joined to one that does, has the flights of both."""
+    armed = [Armed.UNKNOWN] * 10 + [Armed.NO] * 5 + [Armed.YES] * 5
+    track = made([int(each) for each in armed], [4.0] * 20, [0] * 10 + [1] * 10)
+    assert [(each.first, each.last) for each in find_flights(track)] == [(0, 9), (15, 19)]
+
+
 @pytest.mark.parametrize(("component_m_s", "moves"), [(0.3, True), (-0.3, True), (0.28, False)])
 def test_movement_is_faster_than_half_a_metre_a_second_in_any_direction(
     component_m_s: float, moves: bool

@@ -1,4 +1,4 @@
-"""The flights of a log: its armed stretches, or what moved where the log tells nothing of arming."""
+"""The flights of a log: its armed stretches, or what moved in boots of which it tells nothing of arming."""
 
 from __future__ import annotations
 
@@ -39,8 +39,9 @@ class Flight:
 def find_flights(track: Track) -> tuple[Flight, ...]:
     """The flights of a track, in order; one that spans a reboot is two."""
     flown = track.armed == Armed.YES
-    if (track.armed == Armed.UNKNOWN).all():
-        flown = _moving(track)
+    told = np.isin(track.boot, np.unique(track.boot[track.armed != Armed.UNKNOWN]))
+    if not told.all():
+        flown |= _moving(track) & ~told
     along_m = np.append(0.0, np.cumsum(track.steps_m))
     return tuple(
         _flight(track, along_m, number, first, last)
