@@ -52,6 +52,14 @@ def test_airdata_is_read_in_its_units(metric: bool) -> None:
     assert (track.armed == Armed.YES).all()
 
 
+def test_heights_of_older_tables_have_other_names() -> None:
+    """Of the names that are known the first is read that there is."""
+    table = airdata(name="ascent").replace(b"altitude_above_seaLevel", b"altitude")
+    track = read_bytes(table).track
+    assert track.alt_m[[0, 50]] == pytest.approx([20.0, 15.0])
+    assert track.amsl_m[0] == pytest.approx(220.0)
+
+
 def test_airdata_rows_with_the_same_time_are_spread() -> None:
     """Some of its tables repeat a time."""
     assert read_bytes(airdata(step_ms=50)).track.time_s == pytest.approx(np.arange(100) / 20)

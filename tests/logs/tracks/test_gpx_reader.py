@@ -134,6 +134,15 @@ def test_points_without_a_time_among_others_are_left_out() -> None:
     assert recording.notes == ("1 points without a time are left out",)
 
 
+def test_a_timed_track_is_read_beside_a_longer_one_without_times() -> None:
+    """The plan may have more points than what was flown."""
+    plan = [(None, 47.1, 8.1 + n * 1e-5, 400.0) for n in range(150)]
+    recording = read_bytes(gpx_of([[plan], [moving()]]))
+    assert recording.track.timed
+    assert len(recording.track) == 60
+    assert recording.notes[0] == "150 points without a time are left out"
+
+
 def test_a_track_without_times_is_flown_at_one_speed_as_one_flight() -> None:
     """Its clock only keeps the order, and it says so."""
     recording = read_bytes(gpx(moving(timed=False)))

@@ -91,6 +91,7 @@ def test_lines_that_join_are_one_and_the_longest_counts() -> None:
     fence = [(None, 47.1, 8.1, 0.0)] * 3
     recording = read_bytes(kml(kml_line(fence), kml_line(points[:20]), kml_line(points[20:])))
     assert len(recording.track) == 60
+    assert not recording.track.boot.any()
     assert recording.notes[0] == "The longest of its lines is read, 1 other is left out"
 
 

@@ -52,7 +52,10 @@ _MINUTES = re.compile(r"(?:(\d+)m\s*)?(\d+(?:\.\d+)?)s")
 
 @dataclass(frozen=True, slots=True)
 class _Dialect:
-    """A program's table: the column of each of a track's, and the one with dates, if there is one."""
+    """A program's table: the columns of each of a track's, of which the first that there is is read.
+
+    And the one with dates, and that of the motors, if there are such.
+    """
 
     format: str
     columns: Mapping[str, Sequence[str]]
@@ -159,7 +162,8 @@ def _wanted(
             titles.setdefault(match["name"].strip(), (title, (match["unit"] or "").strip().lower()))
     wanted: dict[str, tuple[str, Callable[[str], float]]] = {}
     for column, names in dialect.columns.items():
-        for title, unit in (titles[each] for each in names[:1] if each in titles):
+        known = [titles[each] for each in names if each in titles]
+        for title, unit in known[:1]:
             wanted[column] = (title, _reader(_factor(title, unit, name)))
     if dialect.utc in titles:
         wanted["utc_s"] = (titles[dialect.utc][0], unix_time_s)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flight_replay.geometry.geodesy import distance_m
@@ -14,7 +16,7 @@ _JOINED_M = 20.0
 def longest_line(lines: TrackPoints, our_track: int | None = None) -> tuple[TrackPoints, list[str]]:
     """The line with most points, and a sentence about the others if there are some.
 
-    Lines that begin where the last one ended are joined.
+    Lines that begin where the last one ended are joined to one track.
 
     Args:
         lines: The lines, each a track.
@@ -31,7 +33,8 @@ def longest_line(lines: TrackPoints, our_track: int | None = None) -> tuple[Trac
     gap_m = distance_m(lat_deg[last], lon_deg[last], lat_deg[following], lon_deg[following])
     chain = np.append(0, np.cumsum(~(gap_m <= _JOINED_M)))
     of_point = np.repeat(chain, ends - begins + 1)
-    joined = lines.select(of_point == np.argmax(np.bincount(of_point)))
+    longest = lines.select(of_point == np.argmax(np.bincount(of_point)))
+    joined = replace(longest, track=np.zeros_like(longest.track))
     others = int(chain[-1])
     if not others:
         return joined, []

@@ -38,8 +38,17 @@ def are_times(time_s: Floats) -> bool:
 
 
 def are_timed(points: TrackPoints) -> bool:
-    """Whether most points have a time, and not all the same."""
-    return are_times(points.utc_s)
+    """Whether most points of all, or of one of the tracks, have a time, and not all the same.
+
+    A planned track may stand beside the flown one, and have more points.
+    """
+    if are_times(points.utc_s):
+        return True
+    begins = np.flatnonzero(np.diff(points.track, prepend=-1))
+    lengths = np.diff(begins, append=len(points))
+    known = np.add.reduceat(np.isfinite(points.utc_s), begins, dtype=np.intp)
+    first_s, last_s = (end.reduceat(points.utc_s, begins) for end in (np.fmin, np.fmax))
+    return bool(((2 * known > lengths) & (last_s > first_s)).any())
 
 
 def in_order_of_time(points: TrackPoints) -> OrderedPoints:
