@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,6 +15,7 @@ _REACH_S = 1.0
 """Velocities are means from so long before a fix to so long behind it, in which noise evens out."""
 _LONGEST_STEP_S = 10.0
 """Nothing is known of the motion between positions that are farther apart."""
+_ROWS_AT_ONCE = 1 << 14
 
 
 def with_derived_velocity(track: Track) -> Track:
@@ -22,15 +24,18 @@ def with_derived_velocity(track: Track) -> Track:
     To be called with plausible positions only: such a velocity confirms whatever jump it is made from.
     Where only the height is unknown, so is the vertical velocity.
     """
-    recorded = np.column_stack([track.north_m_s, track.east_m_s, track.up_m_s])
-    if not track.timed or np.isfinite(recorded).all():
+    recorded = track.north_m_s, track.east_m_s, track.up_m_s
+    if not track.timed or all(np.isfinite(axis).all() for axis in recorded):
         return track
-    derived = np.full((len(track), 3), np.nan)
+    north, east, up = filled = [axis.copy() for axis in recorded]
     for first, end in _unbroken(track):
-        part = track.select(slice(first, end))
-        derived[first:end, :2] = _slopes(part.time_s, part.north_east_m())
-        derived[first:end, 2:] = _slopes(part.time_s, part.alt_m[:, None])
-    north, east, up = np.where(np.isfinite(recorded), recorded, derived).T
+        part, frame = track.select(slice(first, end)), track.select(slice(first, first + 1)).frame
+        for rows, around in _pieces(part.time_s):
+            near, at_s = part.select(around), part.time_s[rows]
+            values = *near.north_east_m(frame).T, near.alt_m
+            for axis, value in zip(filled, values, strict=True):
+                into = axis[first:end][rows]
+                np.copyto(into, _slopes(near.time_s, value, at_s), where=~np.isfinite(into))
     return replace(track, north_m_s=north, east_m_s=east, up_m_s=up)
 
 
@@ -41,11 +46,18 @@ def _unbroken(track: Track) -> list[tuple[int, int]]:
     return list(pairwise(cuts))
 
 
-def _slopes(time_s: Floats, values: Floats) -> Floats:
-    """Mean changes per second (n, d) of values (n, d) around times (n,); nothing moves at a single time."""
-    before_s = np.maximum(time_s - _REACH_S, time_s[0])
-    behind_s = np.minimum(time_s + _REACH_S, time_s[-1])
+def _pieces(time_s: Floats) -> Iterator[tuple[slice, slice]]:
+    """Times (n,) in pieces that take little memory, and what is within reach of each."""
+    for begin in range(0, len(time_s), _ROWS_AT_ONCE):
+        rows = slice(begin, min(begin + _ROWS_AT_ONCE, len(time_s)))
+        first = int(np.searchsorted(time_s, time_s[begin] - _REACH_S)) - 1
+        last = int(np.searchsorted(time_s, time_s[rows.stop - 1] + _REACH_S, "right"))
+        yield rows, slice(max(first, 0), last + 1)
+
+
+def _slopes(time_s: Floats, values: Floats, at_s: Floats) -> Floats:
+    """Mean changes per second (m,) around times (m,) of values (n,) at times (n,); 0 at a single one."""
+    before_s, behind_s = np.maximum(at_s - _REACH_S, time_s[0]), np.minimum(at_s + _REACH_S, time_s[-1])
     span_s = behind_s - before_s
-    columns = [np.interp(behind_s, time_s, axis) - np.interp(before_s, time_s, axis) for axis in values.T]
-    changes = np.column_stack(columns)
-    return np.asarray(changes / np.where(span_s > 0, span_s, 1.0)[:, None])
+    changes = np.interp(behind_s, time_s, values) - np.interp(before_s, time_s, values)
+    return np.asarray(changes / np.where(span_s > 0, span_s, 1.0))

@@ -73,6 +73,17 @@ def test_the_velocities_are_those_of_the_core_in_use(read: Read) -> None:
     assert set(north_m_s[41:].tolist()) == {53.0}
 
 
+def test_without_velocities_the_positions_tell_them(read: Read) -> None:
+    """EK3_LOG_LEVEL leaves XKF1 out: flights are found by motion all the same."""
+    log = unarmed()
+    for number in range(60):
+        time_s, place = 10 + 0.1 * number, {"Lat": 47.4 + number * 1e-5, "Lng": 8.5}
+        log.add("POS", TimeUS=round(time_s * 1e6), Alt=410.0, RelHomeAlt=10.0, RelOriginAlt=10.0, **place)
+    track = read(log).track
+    assert track.north_m_s == pytest.approx(11.12, abs=0.1)
+    assert [each.fixes for each in find_flights(track)] == [60]
+
+
 def test_without_pos_the_receivers_positions_count(read: Read) -> None:
     """One receiver's: the one in use; with velocities from its speed and course, less those without a fix."""
     log = unarmed()

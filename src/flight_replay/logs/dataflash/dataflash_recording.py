@@ -31,6 +31,7 @@ from flight_replay.logs.dataflash.message_tables import (
 from flight_replay.logs.dataflash.nearest_records import values_near
 from flight_replay.logs.dataflash.position_source import PositionSource, choose_positions
 from flight_replay.logs.dataflash.row_slices import slices
+from flight_replay.logs.derived_velocity import with_derived_velocity
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.logs.usable_fixes import usable_fixes
@@ -69,10 +70,10 @@ def dataflash_recording(contents: LogContents, log_format: str = "dataflash") ->
     notes = tuple(_notes(contents, tables, source, made))
     del source, tables  # their memory is as large as the track's
     usable = usable_fixes(made.track, made.lacks_3d_fix)
-    track = usable.track
-    if not len(track):
+    if not len(usable.track):
         why = usable.why_none()
         raise LogError(f"{contents.name} has no usable position: {why}; name a log of a flight")
+    track = with_derived_velocity(usable.track)
     count = None if vehicle.system_id is None else VehicleCount(vehicle.system_id, 1, len(track))
     kind = vehicle.kind
     return Recording(
