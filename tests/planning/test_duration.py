@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.mission.items import Home, Mission
+from flight_replay.mission.items import Home, Mission, change_speed
 from flight_replay.mission.path import Path, planned_path
 from flight_replay.planning.duration import duration_s
 from flight_replay.simulator.dynamics.limits import Limits
@@ -45,6 +45,15 @@ def test_short_straight_legs_are_timed_by_their_targets_alone() -> None:
         path = path_of(mission)
         corners = [(float(n), float(e), 30.0) for n, e in path.north_east_m]
         assert (duration_s(mission, path, Limits()) == straight_duration_s(corners, Limits())) is by_targets
+
+
+def test_what_takes_longer_than_batteries_last_is_told_by_its_speeds() -> None:
+    """The model is not flown so far: 6 km at 0.4 m/s, and a wait."""
+    slow = square(2000.0)
+    first, *others = slow.items
+    held = replace(others[0], params=(60.0, 0.0, 0.0, 0.0))
+    mission = replace(slow, items=(first, change_speed(0.4), held, *others[1:]))
+    assert duration_s(mission, path_of(mission), Limits()) == pytest.approx(6000 / 0.4 + 60, rel=0.001)
 
 
 def test_a_hold_takes_its_time() -> None:

@@ -23,6 +23,10 @@ _LONGEST_S = 14_400.0
 _HIGH_ENOUGH = 0.95
 
 
+class EndlessMissionError(MissionError):
+    """A mission takes longer than batteries last."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """Where the vehicle was: columns of shape (n,), SI units, one row per step and the start."""
@@ -68,7 +72,7 @@ class _Recorder:
             self.rows.append(copter.motion)
             self.turns_rad.append((copter.yaw_rad, copter.course_rad))
             if copter.steps > end:
-                raise MissionError("The mission does not end; remove its endless jumps or delays.")
+                raise EndlessMissionError("The mission does not end; remove its endless jumps or delays.")
 
     def auto(
         self, items: Sequence[LocalItem], start_seq: int
