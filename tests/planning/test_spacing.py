@@ -1,5 +1,6 @@
 """The 3 m rule of DroneKit's example, and the route that it gives."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -47,6 +48,16 @@ def test_keeps_first_spaced_and_last(steps_m: list[float], kept: list[int]) -> N
 def test_stops_at_the_most_points() -> None:
     """With the budget used up, the rest of the log is left."""
     assert decimate(track_of(line([4.0] * 300)), max_points=100).tolist() == list(range(100))
+
+
+def test_recorded_heights_count_in_space() -> None:
+    """A climb on the spot is kept, where it is to be flown."""
+    up_m = np.array([10.0, 12.0, 14.0, 14.5, 20.0, 20.0])
+    track = replace(track_of(line([0.0] * 5)), alt_m=up_m)
+    assert decimate(track).tolist() == [0, 5]
+    recorded = spaced_route(track, altitude_m="recorded").mission
+    assert [item.alt_m for _, item in recorded.waypoints] == [10.0, 14.0, 20.0, 20.0]
+    assert len(spaced_route(track).mission.waypoints) == 2
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,8 @@ def add_route_group(parser: argparse.ArgumentParser) -> None:
         dest="spacing_m",
         metavar="M",
         type=option_types.not_negative,
-        help=f"minimum distance between waypoints in metres, for --route spacing (default: {SPACING_M:g})",
+        help="minimum distance between waypoints in metres, with recorded heights in space, "
+        f"for --route spacing (default: {SPACING_M:g})",
     )
     group.add_argument(
         "--max-points",

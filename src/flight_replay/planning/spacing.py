@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.logs.track import Track
@@ -24,13 +25,23 @@ MAX_SPEED_M_S = 30.0
 """Where the clock stands still, no leg is faster than this."""
 
 
-def decimate(track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_POINTS) -> NDArray[np.intp]:
+def decimate(
+    track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_POINTS, up_m: Floats | None = None
+) -> NDArray[np.intp]:
     """Indices of the first fix, then of every fix more than ``spacing_m`` from the last kept one.
 
     Stops at ``max_points``; a track that ends before keeps its last fix too, so that the route
     reaches where the recording ended.
+
+    Args:
+        track: at least one fix.
+        spacing_m: over the ground, or in space where heights are given.
+        max_points: at least one.
+        up_m: the heights (n,) at which the fixes are to be flown, where they are not all the same.
     """
     xyz = surface_xyz_m(track.lat_deg, track.lon_deg)
+    if up_m is not None:
+        xyz = np.column_stack([xyz, up_m])
     kept = [0]
     while len(kept) < max_points:
         following = _first_beyond(xyz, kept[-1], spacing_m)
@@ -70,17 +81,18 @@ def spaced_route(  # noqa: PLR0913
 
     Args:
         track: at least one fix.
-        spacing_m: waypoints are farther apart than this.
+        spacing_m: waypoints are farther apart than this, over the ground, or with recorded heights in space.
         max_points: maximum number of waypoints; speed changes come on top.
         altitude_m: altitude above home, constant or as recorded.
         floor_m: lower recorded altitudes are raised to this.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
         limits: what the vehicle may do; ArduCopter's defaults if None.
     """
-    kept = decimate(track, spacing_m, max_points)
-    fixes = track.select(kept)
     limits = limits or Limits()
     heights = heights_of(track, altitude_m, floor_m, limits if speed_m_s == RECORDED else None)
+    up_m = heights.planned_m if altitude_m == RECORDED else None
+    kept = decimate(track, spacing_m, max_points, up_m)
+    fixes = track.select(kept)
     waypoints = [
         waypoint(float(lat), float(lon), float(altitude))
         for lat, lon, altitude in zip(fixes.lat_deg, fixes.lon_deg, heights.planned_m[kept], strict=True)
