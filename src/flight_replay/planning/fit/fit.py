@@ -103,11 +103,11 @@ def fit(  # noqa: PLR0913
 def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed: bool) -> FitProblem:
     """What the search looks at: some of the fixes, the longest hovers, steps that can be afforded."""
     work = recording.thinned(WORK_FIXES)
-    most_hovers = (max_points - 2) // _HOVER_SHARE
+    most_hovers = max(1, (max_points - 2) // _HOVER_SHARE)
     step_s = float(np.interp(recording.time_s[-1], *_STEPS_S))
     is_roomy = timed and recording.time_s[-1] > _ROOMY_LEG_S * max_points
     shortest_s = ROOMY_HOVER_S if is_roomy else SHORTEST_HOVER_S
-    waits = hovers(work, most_hovers, shortest_s) if most_hovers > 0 else []
+    waits = hovers(work, most_hovers, shortest_s) if max_points > 2 else []
     return FitProblem(work, waits, limits, timed, step_s)
 
 

@@ -65,3 +65,11 @@ def test_a_corner_is_as_high_as_its_curve() -> None:
     draft.places_m[:, 2] = [10.0, 14.0, 16.0, 20.0]
     assert with_whole_corners(FirstDraft(draft, {})).draft.places_m[:, 2].tolist() == [10.0, 15.0, 20.0]
     assert np.isnan(draft.speed_m_s).all()
+
+
+def test_a_climb_on_the_spot_meets_no_line() -> None:
+    """It has no way over the ground."""
+    around: Places = [(0, 0), (30, 0), (30, 0), (30, 0), (60, 0)]
+    draft = draft_of(around, [False] * 5, [6, 0, 0, 0, 0])
+    draft.places_m[:, 2] = [10.0, 10.0, 50.0, 10.0, 10.0]
+    assert places(with_whole_corners(FirstDraft(draft, {})).draft) == around

@@ -45,6 +45,8 @@ def _meeting_m(places_m: Floats) -> Floats | None:
     """
     origins, ways = places_m[[0, 3]], np.diff(places_m, axis=0)[[0, 2]] * [[1.0], [-1.0]]
     lengths_m = np.linalg.norm(ways, axis=1)
+    if not lengths_m.all():  # A climb on the spot has no way.
+        return None
     ways = ways / lengths_m[:, np.newaxis]
     columns = np.column_stack([ways[0], -ways[1]])
     if abs(np.linalg.det(columns)) < _LEAST_SINE:
