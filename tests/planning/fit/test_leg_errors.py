@@ -59,5 +59,19 @@ def test_a_change_that_does_not_end_is_none(monkeypatch: pytest.MonkeyPatch) -> 
     def refuse(*_: object) -> None:
         raise MissionError("the fitted flight does not end")
 
-    monkeypatch.setattr(FitProblem, "evaluate", refuse)
+    monkeypatch.setattr("flight_replay.planning.fit.rounds.flown_leaving", refuse)
     assert without_errors(problem, best) is best
+
+
+def test_the_leg_to_where_the_vehicle_comes_to_rest_behind_a_last_curve_is_mended() -> None:
+    """AUTO makes it, and in long steps of the model it may have no error."""
+    recording = local_track(along([(0.0, 0.0), (50.0, 0.0), (50.0, 40.0)], 3.0), 30.0)
+    problem = problem_for(recording, 10, Limits(), timed=False)
+    places = [(0.0, 0.0), (49.9747812, 0.0), (49.99715328, 40.00167448)]
+    best = problem.evaluate(draft_of(places, [False, True, True], [1, 10, 0]))
+    fine = replace(problem, step_s=0.02)
+    assert fine.evaluate(best.draft).flight.has_error
+    mended = without_errors(problem, best)
+    assert not fine.evaluate(mended.draft).flight.has_error
+    assert not mended.draft.spline[-1] or mended.draft.hold_s[-1]
+    assert mended.objective_m < 1.2 * best.objective_m
