@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import ErrorStatistics
-from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
+from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 from flight_replay.planning.heights import Heights
 
 MIN_LAG_M = 5.0
@@ -25,25 +23,17 @@ class FitResult:
     """A fitted mission.
 
     ``flown`` is the part of the log that it follows, the clock running on from flight to flight,
-    ``heights`` those of its fixes.
-    ``planned_error`` is its path error as planned, ``path_error`` and ``position_error`` are those
-    of the predicted flight; ``predicted_duration_s`` runs from reaching
-    the first waypoint to the end. ``time_s`` (k,), from reaching the first waypoint, and ``place_m`` (k, 3),
-    north, east of ``frame``'s origin and up, are the predicted flight. ``notes`` are sentences for
-    a person; ``objective_m`` is what the fit made small, see ``objective``.
+    ``heights`` those of its fixes. ``flight`` is the predicted one, in the metres of ``flat_frame(flown)``;
+    ``predicted_duration_s`` runs from reaching the first waypoint to the end. ``notes`` are sentences for a
+    person; ``objective_m`` is what the fit made small, see ``objective``.
     """
 
     mission: Mission
     flown: Track
     heights: Heights
-    frame: LocalFrame
-    planned_error: ErrorStatistics
-    path_error: ErrorStatistics
-    position_error: ErrorStatistics
+    flight: SimulatedDraft
     predicted_duration_s: float
     objective_m: float
-    time_s: Floats
-    place_m: Floats
     notes: tuple[str, ...]
 
 
