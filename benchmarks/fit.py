@@ -21,7 +21,7 @@ import numpy as np
 from reducers import reducers
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import errors_at_equal_times, path_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.logs.flights import select

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import Errors, errors_at_equal_times, path_errors
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.movement import Movement

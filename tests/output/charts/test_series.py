@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.geometry.distances import path_errors_m
+from flight_replay.geometry.matching import match_in_order
 from flight_replay.logs.track import track_from_columns
 from flight_replay.mission.items import Command, Mission
 from flight_replay.output.charts.series import (
@@ -67,7 +67,7 @@ def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:
     curved = route_of("made", Mission(splines), route.covered)
     drawn = replay_series(curved).planned_m
     assert 5 * len(splines) < len(drawn) < len(curved.path.north_east_m) / 3
-    assert path_errors_m(curved.path.north_east_m, drawn).max() < 0.05
+    assert match_in_order(curved.path.north_east_m, drawn).distance_m.max() < 0.05
 
 
 def test_what_is_followed_is_on_one_clock() -> None:

@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.logs.log_formats import format_title
 from flight_replay.mission.formats.item_text import description
 from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import Errors, FlightErrors, PathErrors
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import destinations, path_through
