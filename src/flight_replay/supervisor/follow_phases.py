@@ -24,7 +24,8 @@ from flight_replay.supervisor.vehicle_clock import VehicleClock
 from flight_replay.supervisor.vehicle_interface import Target
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
-_MIN_MOVE_M = 0.5
+_MIN_MOVE_M = 0.5  # A smaller movement is no progress.
+_MIN_ADVANCE_S = 0.5  # Less of the recording is no progress.
 _AT_START_M, _AT_REST_M_S = 0.5, 0.2
 _RETRY_S = 1.0
 _STEP_WALL_S, _MIN_STEP_WALL_S = 0.05, 0.001
@@ -101,7 +102,7 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
             clock.received(seen.time_s, monitor.wall_s)
         if monitor.caught_up and seen is not None:
             _send_target(monitor, follower, clock, keeper, seen)
-        if follower.recording_s > furthest_s + _MIN_MOVE_M:
+        if follower.recording_s > furthest_s + _MIN_ADVANCE_S:
             furthest_s = follower.recording_s
             deadline.restart()
         if deadline.passed:
