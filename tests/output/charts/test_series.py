@@ -39,8 +39,9 @@ def test_everything_lies_in_one_metric_frame() -> None:
     assert np.allclose(series.waypoints_m[0], 0, atol=1e-3)
     assert series.flown is not None
     assert np.allclose(series.flown.north_east_m[0], [1, 0], atol=1e-3)
-    assert series.path_error is not None
-    for errors in (series.path_error.recorded_to_path, series.path_error.path_to_recorded):
+    path_error = series.flown_error.path
+    assert path_error is not None
+    for errors in (path_error.recorded_to_path, path_error.path_to_recorded):
         assert errors is not None
         assert errors.statistics.max == pytest.approx(errors.error.max())
 
@@ -96,8 +97,9 @@ def test_times_are_named() -> None:
 def test_a_plan_has_no_flown_series() -> None:
     """What does not exist is None."""
     series = replay_series(made_replay()[0])
-    assert (series.flown, series.path_error, series.position_error, series.reached) == (None, None, None, ())
-    assert (series.height_error, series.heading_error) == (None, None)
+    assert (series.flown, series.reached) == (None, ())
+    none = series.flown_error
+    assert (none.path, none.position, none.height, none.heading) == (None, None, None, None)
     planned = series.planned_error
     assert planned.recorded_to_path is not None and planned.recorded_to_path.statistics.max < 1
     assert planned.path_to_recorded is not None and planned.path_to_recorded.statistics.max < 1
@@ -119,7 +121,7 @@ def test_a_plan_has_heights_and_what_is_predicted() -> None:
     assert series.shown_error.path is not None
     flown = replay_series(route, record, outcome)
     assert flown.predicted_unflown is None
-    assert flown.shown_error.position is flown.position_error
+    assert flown.shown_error.position is flown.flown_error.position
 
 
 def test_only_waypoints_count_as_reached() -> None:

@@ -83,9 +83,9 @@ class ReplaySeries:
 
     ``recording`` is all of the recorded flight, ``recorded`` what of it was flown again, or is
     planned to be. ``planned_height`` holds times and heights above home that the plan asks for,
-    ``predicted`` is where the model flies it, with ``predicted_error``; ``home_m`` is (north, east).
-    ``reached`` holds (time, planned altitude) of each waypoint reached. ``time_label`` is what charts over
-    time say of their time.
+    ``predicted`` is where the model flies it, with ``predicted_error``, ``flown`` the flight, with
+    ``flown_error``; ``home_m`` is (north, east). ``reached`` holds (time, planned altitude) of each waypoint
+    reached. ``time_label`` is what charts over time say of their time.
     """
 
     recording: TrackSeries
@@ -100,10 +100,7 @@ class ReplaySeries:
     predicted: TrackSeries | None = None
     predicted_error: FlightErrorSeries = FlightErrorSeries()
     flown: TrackSeries | None = None
-    path_error: PathErrorSeries | None = None
-    position_error: ErrorSeries | None = None
-    height_error: ErrorSeries | None = None
-    heading_error: ErrorSeries | None = None
+    flown_error: FlightErrorSeries = FlightErrorSeries()
     reached: tuple[tuple[float, float], ...] = ()
 
     @property
@@ -114,9 +111,7 @@ class ReplaySeries:
     @property
     def shown_error(self) -> FlightErrorSeries:
         """The errors that were flown, or else those that are predicted."""
-        if self.flown is None:
-            return self.predicted_error
-        return FlightErrorSeries(self.path_error, self.position_error, self.height_error, self.heading_error)
+        return self.predicted_error if self.flown is None else self.flown_error
 
     @property
     def recorded_lines(self) -> tuple[tuple[str, TrackSeries], ...]:
@@ -156,18 +151,7 @@ def replay_series(
     if record is not None:
         flown = _flown_series(route, record) if len(record.flown) else None
         series = replace(series, flown=flown, reached=_reached(route, record))
-    return series if outcome is None else _with_errors(series, outcome.errors)
-
-
-def _with_errors(series: ReplaySeries, errors: FlightErrors) -> ReplaySeries:
-    shown = _flight_error_series(errors)
-    return replace(
-        series,
-        path_error=shown.path,
-        position_error=shown.position,
-        height_error=shown.height,
-        heading_error=shown.heading,
-    )
+    return series if outcome is None else replace(series, flown_error=_flight_error_series(outcome.errors))
 
 
 def _flight_error_series(errors: FlightErrors | None) -> FlightErrorSeries:
