@@ -21,11 +21,10 @@ from flight_replay.output.charts.series import (
     ErrorSeries,
     PathErrorSeries,
     ReplaySeries,
-    flown_start_s,
     replay_series,
 )
 from flight_replay.output.event_log import LoggedEvent
-from flight_replay.output.outcome import Outcome
+from flight_replay.output.outcome import Outcome, flown_start_s
 from flight_replay.output.result_text import duration_text, statistics_text
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord

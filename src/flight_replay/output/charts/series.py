@@ -17,7 +17,7 @@ from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import Errors, FlightErrors, PathErrors
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import destinations, path_through
-from flight_replay.output.outcome import Outcome, followed_part
+from flight_replay.output.outcome import Outcome, flown_start_s, followed_part
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 
@@ -190,11 +190,6 @@ def time_label(route: Route) -> str:
     return (
         "time of the recording (s)" if route.pace == 1.0 else f"time of the recording at {route.pace:g}x (s)"
     )
-
-
-def flown_start_s(route: Route, record: FlightRecord) -> float:
-    """The vehicle's time when it reached the first waypoint, or when AUTO began if it never did."""
-    return dict(record.reached).get(route.mission.waypoints[0][0], record.auto_start_s)
 
 
 def _flown_series(route: Route, record: FlightRecord) -> TrackSeries:
