@@ -12,10 +12,10 @@ from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 from flight_replay.planning.heights import Heights
+from flight_replay.planning.stretches import worst_stretches
 
 MIN_LAG_M = 5.0
 """Nearer behind than this is keeping up."""
-_MOST_STRETCHES = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,14 +48,8 @@ def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
         return ()
     recorded_s = problem.recording.time_s
     behind_m = np.where(best.flown_s > recorded_s, best.late_m, 0.0)
-    lags = np.concatenate([[0], (behind_m > MIN_LAG_M).astype(int), [0]])
-    begins, ends = np.flatnonzero(np.diff(lags) == 1), np.flatnonzero(np.diff(lags) == -1)
-    stretches = [
-        (float(behind_m[begin:end].max()), float(recorded_s[begin]), float(recorded_s[end - 1]))
-        for begin, end in zip(begins, ends, strict=True)
-    ]
-    if not stretches:
+    lags = behind_m > MIN_LAG_M
+    if not lags.any():
         return ()
-    worst = sorted(sorted(stretches, reverse=True)[:_MOST_STRETCHES], key=lambda stretch: stretch[1])
-    told = ", ".join(f"{most:.0f} m from {begin:.0f} to {end:.0f} s" for most, begin, end in worst)
+    told = worst_stretches(lags, behind_m, recorded_s, 0)
     return (f"The vehicle cannot keep up everywhere: it is expected to be behind by up to {told}.",)
