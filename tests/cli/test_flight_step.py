@@ -127,7 +127,7 @@ def test_a_recording_that_fails_does_not_end_the_flight(
 
 def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """The check is repeated after a person has consented."""
-    real = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
+    real = Identity(1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
     here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
     positions = [here, replace(here, lat_deg=47.1)]
     connected = SimpleNamespace(
@@ -150,7 +150,7 @@ def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.M
 
 def told_before_following(monkeypatch: pytest.MonkeyPatch, speed_m_s: float) -> list[str]:
     """What a person is told before a real vehicle with this speed setting follows a reference."""
-    real = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
+    real = Identity(1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
     here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
     connected = SimpleNamespace(
         identity=real, wait_position=lambda limit_s, listener: here, fence_areas=lambda: ()

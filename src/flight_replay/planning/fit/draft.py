@@ -10,7 +10,6 @@ from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import (
-    FIRST_SEQ,
     Home,
     Mission,
     MissionItem,
@@ -75,13 +74,6 @@ class Draft:
             )
         return Mission(tuple(items), Home(frame.lat_deg, frame.lon_deg, 0.0))
 
-    @property
-    def seqs(self) -> list[int]:
-        """Sequence number on board of every place."""
-        asked = np.isfinite(self.speed_m_s)
-        first = FIRST_SEQ + int(asked[0])  # A speed from the start comes with a wait.
-        return [int(number) for number in first + np.arange(len(self)) + np.cumsum(asked)]
-
     def as_items_hold_it(self, frame: FlatFrame) -> Draft:
         """The draft with its places at degrees to 1e-7, in steps of a centimetre; itself if they are there.
 
@@ -108,7 +100,7 @@ class Draft:
         halts = self.halts
         return path_through(
             [
-                Destination(i, place, bool(self.spline[i]), float(self.hold_s[i]), bool(halts[i]))
+                Destination(i, place, bool(self.spline[i]), bool(halts[i]))
                 for i, place in enumerate(self.places_m)
             ],
             tolerance_m=tolerance_m,
