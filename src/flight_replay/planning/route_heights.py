@@ -18,7 +18,7 @@ _LEVEL_M = 0.05
 """A first waypoint so near to the take-off altitude is at it."""
 _KEPT_M = 0.5
 """Heights that are nearer to the wanted ones than this are kept."""
-_LONGEST_SIMULATED_M = 500.0
+_LONGEST_SIMULATED_CLIMB_M = 500.0
 _STEP_S = 0.05
 _BESIDE_DEG = 1e-4
 
@@ -60,7 +60,7 @@ def _climb_s(mission: Mission, takeoff_m: float, limits: Limits) -> float:
     """How long AUTO takes from the take-off to the first waypoint."""
     first = mission.waypoints[0][1]
     climb_m = first.alt_m - takeoff_m
-    if abs(climb_m) > _LONGEST_SIMULATED_M:
+    if abs(climb_m) > _LONGEST_SIMULATED_CLIMB_M:
         return abs(climb_m) / (limits.wp_speed_up_m_s if climb_m > 0 else limits.wp_speed_down_m_s)
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import simulate
