@@ -38,6 +38,8 @@ CURVE_TOLERANCE_M = 0.05
 """Largest distance between a spline leg and the line segments that are drawn for it."""
 MAX_CHART_POINTS = 4000
 """Most points of a line in a chart."""
+SMALLEST_RANGE = 0.1
+"""Of an axis of errors, metres or degrees: millimetres must not look like much."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

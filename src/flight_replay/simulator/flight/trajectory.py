@@ -11,7 +11,7 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.mission.items import FIRST_SEQ, Mission
+from flight_replay.mission.items import FIRST_SEQ, TAKEOFF_REACHED_SHARE, Mission
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import STEP_S, Copter
@@ -19,8 +19,6 @@ from flight_replay.simulator.mission.local_items import LocalItem, local_items
 
 # Longer than batteries last: a mission that does not end by then never will.
 _LONGEST_S = 14_400.0
-# GUIDED hands over to AUTO at this share of the take-off altitude, as DroneKit's example does.
-_HIGH_ENOUGH = 0.95
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -202,7 +200,7 @@ def simulate_flight(
     recorder = _Recorder(copter)
     up = _first_altitude_m(items) if takeoff_m is None else takeoff_m
     copter.takeoff(up)
-    recorder.run(lambda: copter.position_m[2] >= _HIGH_ENOUGH * up)
+    recorder.run(lambda: copter.position_m[2] >= TAKEOFF_REACHED_SHARE * up)
     reached_s, auto_s = recorder.auto(items, FIRST_SEQ)
     recorder.run(lambda: not copter.motors or copter.time_s >= auto_s[1] + after_s)
     if copter.motors:
