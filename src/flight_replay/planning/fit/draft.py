@@ -86,14 +86,13 @@ class Draft:
         held = replace(self, places_m=places_m)
         return self if np.array_equal(held.places_m, self.places_m) else held
 
+    def select(self, which: slice | Flags) -> Draft:
+        """The places that a slice or a mask picks."""
+        return Draft(self.places_m[which], self.spline[which], self.hold_s[which], self.speed_m_s[which])
+
     def part(self, first: int, end: int) -> Draft:
         """The places from ``first`` up to below ``end``."""
-        return Draft(
-            self.places_m[first:end],
-            self.spline[first:end],
-            self.hold_s[first:end],
-            self.speed_m_s[first:end],
-        )
+        return self.select(slice(first, end))
 
     def path(self, tolerance_m: float) -> Path:
         """The planned path; ``seq`` of its points is the index of the place that they lead to."""

@@ -63,9 +63,4 @@ def _changes(evaluation: Evaluation, short_m: float) -> Iterator[tuple[Draft, Fl
         yield replace(draft, spline=curved), leave_s
         yield replace(draft, hold_s=waits), leave_s
         if place < len(draft) - 1:
-            yield _left_out(draft, place), np.delete(leave_s, place)
-
-
-def _left_out(draft: Draft, place: int) -> Draft:
-    kept = np.arange(len(draft)) != place
-    return Draft(draft.places_m[kept], draft.spline[kept], draft.hold_s[kept], draft.speed_m_s[kept])
+            yield draft.select(np.arange(len(draft)) != place), np.delete(leave_s, place)
