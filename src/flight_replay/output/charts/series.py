@@ -252,9 +252,9 @@ def thin_indices(n: int, most: int = MAX_CHART_POINTS) -> Indices:
     return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(np.intp))
 
 
-def peak_indices(values: Floats, most: int = MAX_CHART_POINTS) -> Indices:
-    """At most ``most`` indices: that of the highest value in each of ``most`` equal parts."""
-    if len(values) <= most:
+def peak_indices(values: Floats) -> Indices:
+    """At most ``MAX_CHART_POINTS`` indices: that of the highest value in each of so many equal parts."""
+    if len(values) <= MAX_CHART_POINTS:
         return np.arange(len(values))
-    edges = np.linspace(0, len(values), most + 1).astype(np.intp)
+    edges = np.linspace(0, len(values), MAX_CHART_POINTS + 1).astype(np.intp)
     return np.array([a + int(np.argmax(values[a:b])) for a, b in pairwise(edges)])

@@ -139,7 +139,6 @@ def simulate(  # noqa: PLR0913
     *,
     start_m: Vector | None = None,
     velocity_m_s: Vector = (0.0, 0.0, 0.0),
-    yaw_rad: float = 0.0,
     wind_m_s: Vector = (0.0, 0.0, 0.0),
     start_seq: int = FIRST_SEQ,
     step_s: float = STEP_S,
@@ -151,7 +150,6 @@ def simulate(  # noqa: PLR0913
         limits: what the vehicle's parameters allow.
         start_m: position when AUTO begins; above home at the first item's altitude if None.
         velocity_m_s: velocity when AUTO begins, north, east, up.
-        yaw_rad: heading when AUTO begins.
         wind_m_s: velocity of the air.
         start_seq: sequence number of the first item to fly.
         step_s: duration of a step.
@@ -166,7 +164,6 @@ def simulate(  # noqa: PLR0913
             limits,
             position_m=start,
             velocity_m_s=velocity_m_s,
-            yaw_rad=yaw_rad,
             wind_m_s=wind_m_s,
             home_amsl_m=_home_amsl_m(mission),
             step_s=step_s,
@@ -180,7 +177,6 @@ def simulate_flight(
     limits: Limits,
     *,
     takeoff_m: float | None = None,
-    wind_m_s: Vector = (0.0, 0.0, 0.0),
     after_s: float = 0.0,
 ) -> Trajectory:
     """Fly a whole flight: take-off at home in GUIDED, AUTO, ``after_s`` seconds more, RTL until disarmed.
@@ -189,14 +185,13 @@ def simulate_flight(
         mission: what to fly.
         limits: what the vehicle's parameters allow.
         takeoff_m: altitude of the take-off; that of the first item if None. AUTO begins at 95 % of it.
-        wind_m_s: velocity of the air, north, east, up.
         after_s: how long to stay in AUTO after the last item.
 
     Raises:
         MissionError: the mission has no location, never ends, or has an item that cannot be simulated.
     """
     items = _items(mission)
-    copter = Copter(limits, wind_m_s=wind_m_s, home_amsl_m=_home_amsl_m(mission))
+    copter = Copter(limits, home_amsl_m=_home_amsl_m(mission))
     recorder = _Recorder(copter)
     up = _first_altitude_m(items) if takeoff_m is None else takeoff_m
     copter.takeoff(up)
