@@ -53,7 +53,7 @@ def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch, after
     good, bad = (problem.evaluate(start.draft) for start in starts[:2])
     bad = replace(bad, late_m=bad.late_m + 100.0)
     found, rounds = [good, good if after_round else bad], [good, bad] if after_round else [good]
-    monkeypatch.setattr(timed_search, "timed", lambda *_: found.pop(0))
+    monkeypatch.setattr(timed_search, "flown_on_schedule", lambda *_: found.pop(0))
     monkeypatch.setattr(timed_search, "rounded", lambda _p, s, _b: replace(s, best=rounds.pop(0)))
     (kept,) = timed_search._rounded(problem, starts[:2], budget(1000))
     assert kept.best is good

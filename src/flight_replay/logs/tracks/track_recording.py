@@ -112,7 +112,7 @@ def _velocity_m_s(points: TrackPoints) -> Floats:
 
 def _timed(track: Track) -> Track:
     """The track with its clock from 0, with velocities, and heights above home in place of those unknown."""
-    track = replace(track, time_s=track.time_s - track.time_s[0], boot=_numbered(track.boot))
+    track = replace(track, time_s=track.time_s - track.time_s[0], boot=boots_from_0(track.boot))
     climbing = replace(track, alt_m=np.where(np.isfinite(track.alt_m), track.alt_m, track.amsl_m))
     moving = with_derived_velocity(_without_wrong_velocity(climbing))
     return with_heights_above_home(replace(moving, alt_m=track.alt_m))
@@ -135,11 +135,11 @@ def _untimed(track: Track) -> Track:
     """The track as flown at one speed, armed all along, with heights above home in place of those unknown."""
     along_s = np.append(0.0, np.cumsum(track.steps_m)) / UNTIMED_SPEED_M_S
     armed = np.full(len(track), Armed.YES, np.int8)
-    track = replace(track, time_s=along_s, boot=_numbered(track.boot), armed=armed, timed=False)
+    track = replace(track, time_s=along_s, boot=boots_from_0(track.boot), armed=armed, timed=False)
     return with_heights_above_home(track)
 
 
-def _numbered(boot: NDArray[np.int32]) -> NDArray[np.int32]:
+def boots_from_0(boot: NDArray[np.int32]) -> NDArray[np.int32]:
     """Boots (n,) numbered from 0 without those of which nothing is left."""
     return np.unique(boot, return_inverse=True)[1].astype(np.int32)
 
