@@ -27,7 +27,7 @@ _MOST_ROUNDS = 10
 
 
 def without_errors(problem: FitProblem, best: Evaluation) -> Evaluation:
-    """Of the drafts like ``best`` on which there is no error the best; itself where there is none such."""
+    """The best draft near ``best`` without such an error; ``best`` itself if none is found."""
     found = best
     for _ in range(_MOST_ROUNDS):
         if not found.flight.has_error:
