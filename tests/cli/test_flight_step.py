@@ -26,13 +26,7 @@ from tests.helpers.supervised import s_curve
 
 SAMPLE_HOME = Start(47.397742, 8.545594, 488.1)
 SPEEDUP = "20"
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Run in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from flight_replay.logs.track import COLUMNS, Armed, Track, track_from_columns
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.fit import FitResult
 from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.problem import Budget
 from flight_replay.planning.fit.reference import LocalTrack, flat_frame
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 from flight_replay.planning.route import movement_of
@@ -82,6 +83,11 @@ def sped_up(track: Track, factor: float) -> Track:
 def draft_of(places: list[tuple[float, float]], spline: list[bool], hold: list[float]) -> Draft:
     flat = np.column_stack([np.array(places, float), np.full(len(places), 20.0)])
     return Draft(flat, np.array(spline), np.array(hold), np.full(len(places), np.nan))
+
+
+def budget(flights: int = 1000) -> Budget:
+    """So many flights, whose progress nobody is told."""
+    return Budget(flights, lambda done, total: None)
 
 
 def recording_of(flight: SimulatedDraft) -> LocalTrack:

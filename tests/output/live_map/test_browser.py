@@ -63,12 +63,6 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     driver.quit()
 
 
-@pytest.fixture
-def no_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No tile server is asked."""
-    monkeypatch.setattr(map_tiles, "probe", threading.Event)
-
-
 def show(browser: Any, url: str) -> None:
     """Open a page and wait until it is drawn."""
     browser.get(url)
