@@ -21,19 +21,20 @@ import numpy as np
 from reducers import reducers
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import ErrorStatistics, position_errors_m
-from flight_replay.geometry.flight_errors import path_errors
+from flight_replay.geometry.error_statistics import ErrorStatistics
+from flight_replay.geometry.flight_errors import errors_at_equal_times, path_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.logs.flights import select
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import RECORDED, Recorded
-from flight_replay.planning.fit import fit
+from flight_replay.planning.fit import FitResult, fit
 from flight_replay.planning.fit.first_drafts.line_simplification import straight_draft
-from flight_replay.planning.fit.reference import LocalTrack, local_track
+from flight_replay.planning.fit.reference import LocalTrack, flat_frame, local_track
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.route import movement_of
 from flight_replay.simulator.dynamics.limits import Limits
 
 SAMPLE = Path(__file__).resolve().parents[1] / "data" / "flight.tlog"
@@ -50,27 +51,41 @@ def row(name: str, points: int, *cells: str) -> None:
     print(f"| {name} | {points} | {' | '.join(cells)} |", flush=True)
 
 
-def both_ways(time_s: Floats, fixes_m: Floats, path_m: Floats) -> tuple[str, str]:
+def movement(time_s: Floats, place_m: Floats) -> Movement:
+    """A movement over the ground; all else is unknown."""
+    unknown = np.full(len(time_s), np.nan)
+    return Movement(time_s, place_m[:, :2], unknown, unknown)
+
+
+def both_ways(fixes: Movement, path_m: Floats) -> tuple[str, str]:
     """Path error of the fixes from a path, and of the path from the recorded line."""
-    nothing = np.full(len(time_s), np.nan)
-    errors = path_errors(Movement(time_s, fixes_m, nothing, nothing), path_m)
+    errors = path_errors(fixes, path_m)
     return numbers(errors.recorded_to_path.statistics), numbers(errors.path_to_recorded.statistics)
+
+
+def mean_position_error_m(recorded: Movement, flown: Movement) -> float:
+    return float(errors_at_equal_times(recorded, flown)[0].error.mean())
+
+
+def predicted_flight(found: FitResult) -> Movement:
+    """The predicted flight of a fit in ground metres."""
+    lat_deg, lon_deg = flat_frame(found.flown).to_degrees(found.flight.place_m[:, :2])
+    return movement(found.flight.time_s, found.flown.frame.to_metres(lat_deg, lon_deg))
 
 
 def reduced(name: str, recording: LocalTrack, kept: np.ndarray, cpu_s: float) -> None:
     """One reducer: its straight route on paper and in the model's air."""
     draft = straight_draft(recording, kept)
-    times, covered = recording.time_s[: kept[-1] + 1], recording.north_east_m[: kept[-1] + 1]
+    covered = movement(recording.time_s[: kept[-1] + 1], recording.north_east_m[: kept[-1] + 1])
     air = simulate_draft(draft, Limits(), STEP_S)
-    there = air.place_m[:, :2]
-    late = position_errors_m(times, covered, air.time_s, there)
+    predicted = movement(air.time_s, air.place_m)
     whole = len(covered) == len(recording)
     row(
         name + ("" if whole else f", covers {100 * len(covered) // len(recording)} %"),
         len(kept),
-        *both_ways(times, covered, draft.path(0.001).north_east_m),
-        *both_ways(times, covered, there),
-        f"{late.mean():.1f}",
+        *both_ways(covered, draft.path(0.001).north_east_m),
+        *both_ways(covered, predicted.north_east_m),
+        f"{mean_position_error_m(covered, predicted):.1f}",
         f"{air.passed_s[-1]:.0f}",
         f"{cpu_s:.1f}",
     )
@@ -81,14 +96,14 @@ def fitted(name: str, part: Track, max_points: int, speed: Recorded | None) -> N
     begin = time.process_time()
     found = fit(part, max_points=max_points, altitude_m=ALTITUDE_M, speed_m_s=speed)
     cpu_s = time.process_time() - begin
-    fixes_m = found.flown.north_east_m(found.frame)
-    times = found.flown.time_s - found.flown.time_s[0]
+    frame = found.flown.frame
+    fixes, predicted = movement_of(found.flown, frame), predicted_flight(found)
     row(
         name,
         len(found.mission.waypoints),
-        *both_ways(times, fixes_m, planned_path(found.mission, found.frame).north_east_m),
-        *both_ways(times, fixes_m, found.place_m[:, :2]),
-        f"{found.position_error.mean:.1f}",
+        *both_ways(fixes, planned_path(found.mission, frame).north_east_m),
+        *both_ways(fixes, predicted.north_east_m),
+        f"{mean_position_error_m(fixes, predicted):.1f}",
         f"{found.predicted_duration_s:.0f}",
         f"{cpu_s:.1f}",
     )
@@ -107,7 +122,9 @@ def spread(part: Track, max_points: int, count: int) -> None:
     found = []
     for seed in range(1, count + 1):
         of_seed = fit(jittered(part, seed), max_points=max_points, altitude_m=ALTITUDE_M, speed_m_s=RECORDED)
-        found.append((of_seed.objective_m, of_seed.position_error.mean))
+        recorded = movement_of(of_seed.flown, of_seed.flown.frame)
+        position_error_m = mean_position_error_m(recorded, predicted_flight(of_seed))
+        found.append((of_seed.objective_m, position_error_m))
         print("jitter {}: objective {:.2f} m, position error {:.2f} m".format(seed, *found[-1]), flush=True)
     least, most = np.min(found, axis=0), np.max(found, axis=0)
     share = (most - least)[0] / np.mean(found, axis=0)[0]

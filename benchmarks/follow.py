@@ -20,7 +20,7 @@ from flight_replay.cli.flight_step import FlightResult, fly
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.plan_step import Planner, read_recording
 from flight_replay.events import ignore
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import FlightErrors
 from flight_replay.logs.sample import sample_log
 from flight_replay.output.console.console import open_console

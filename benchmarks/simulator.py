@@ -19,7 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import path_errors_m, position_errors_m
+from flight_replay.geometry.flight_errors import errors_at_equal_times
+from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.movement import Movement
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Home, Mission, waypoint
 from flight_replay.simulator.dynamics.limits import Limits
@@ -83,18 +85,20 @@ def compare(truth: Recording, limits: Limits) -> tuple[Result, Trajectory]:
     flown = simulate_flight(
         truth.mission, limits, after_s=returning[0] - truth.last_s if len(returning) else 0.0
     )
-    ours = flown.north_east_m
     auto = (truth.time_s >= truth.auto_s) & (truth.time_s <= truth.last_s)
     own_auto = (flown.time_s >= flown.auto_s[0]) & (flown.time_s <= flown.auto_s[1] + 1.0)
     first = min(truth.reached_s)
-    theirs = truth.position_m[auto, :2]
-    late = truth.time_s[auto] - truth.reached_s[first]
-    own = flown.time_s - flown.reached_s[first]
+    unknown = np.full(len(truth.time_s), np.nan)
+    theirs = Movement(
+        truth.time_s - truth.reached_s[first], truth.position_m[:, :2], truth.position_m[:, 2], unknown
+    ).select(auto)
+    own_time_s = flown.time_s - flown.reached_s[first]
+    ours = Movement(own_time_s, flown.north_east_m, flown.up_m, flown.heading_deg).select(own_auto)
     rtl_begin = returning[0] if len(returning) else float("nan")
     after = rtl_begin - truth.last_s
     return Result(
-        path_errors_m(theirs, ours[own_auto]),
-        position_errors_m(late, theirs, own[own_auto], ours[own_auto]),
+        match_in_order(theirs.north_east_m, ours.north_east_m).distance_m,
+        errors_at_equal_times(theirs, ours)[0].error,
         (truth.last_s - truth.auto_s, flown.auto_s[1] - flown.auto_s[0]),
         (truth.auto_s - truth.time_s[0], flown.auto_s[0]),
         (truth.disarmed_s - rtl_begin, flown.time_s[-1] - flown.auto_s[1] - after),

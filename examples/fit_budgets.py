@@ -4,19 +4,20 @@ python examples/fit_budgets.py [LOG]
 """
 
 import sys
-from pathlib import Path
 
-from flight_replay.logs.read_log import read_log
+import flight_replay
 from flight_replay.logs.sample import default_log
-from flight_replay.planning.fit import fit
 
-log = read_log(Path(sys.argv[1]) if len(sys.argv) > 1 else default_log())
+log = flight_replay.read_log(sys.argv[1] if len(sys.argv) > 1 else default_log())
 for max_points in (25, 50, 100):
-    result = fit(log.track, max_points=max_points, speed_m_s="recorded")
+    route = flight_replay.fit(log.track, max_points=max_points, speed_m_s="recorded")
+    planned, predicted = route.planned_error, route.predicted
+    assert predicted is not None, "only missions that the model cannot fly have none"
     print(
-        f"{len(result.mission.waypoints):4} waypoints: planned path error {result.planned_error.mean:.2f} m, "
-        f"predicted path error {result.path_error.mean:.2f} m, "
-        f"position error {result.position_error.mean:.1f} m, {result.predicted_duration_s:.0f} s"
+        f"{len(route.mission.waypoints):4} waypoints: "
+        f"planned path error {planned.recorded_to_path.error.mean():.2f} m, "
+        f"predicted path error {predicted.path_m.recorded_to_path.error.mean():.2f} m, "
+        f"position error {predicted.position_m.error.mean():.1f} m, {route.predicted_duration_s:.0f} s"
     )
-for note in result.notes:
+for note in route.notes:
     print(note)

@@ -26,13 +26,7 @@ from tests.helpers.supervised import s_curve
 
 SAMPLE_HOME = Start(47.397742, 8.545594, 488.1)
 SPEEDUP = "20"
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Run in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.fixture
@@ -127,7 +121,7 @@ def test_a_recording_that_fails_does_not_end_the_flight(
 
 def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """The check is repeated after a person has consented."""
-    real = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
+    real = Identity(1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
     here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
     positions = [here, replace(here, lat_deg=47.1)]
     connected = SimpleNamespace(
@@ -150,7 +144,7 @@ def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.M
 
 def told_before_following(monkeypatch: pytest.MonkeyPatch, speed_m_s: float) -> list[str]:
     """What a person is told before a real vehicle with this speed setting follows a reference."""
-    real = Identity(1, 1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
+    real = Identity(1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
     here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
     connected = SimpleNamespace(
         identity=real, wait_position=lambda limit_s, listener: here, fence_areas=lambda: ()

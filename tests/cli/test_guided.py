@@ -21,13 +21,7 @@ SAMPLE_HOME = Start(47.397742, 8.545594, 488.1)
 SPEEDUP = 5.0
 PART = ("--from", "85", "--to", "110")  # With the first turns of the sample flight.
 LOW = ("--altitude", "10", "--takeoff-altitude", "10")
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Run in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.fixture

@@ -26,13 +26,7 @@ ROUTE_KEYS = {
     "predicted_duration_s",
 }
 ERROR_KEYS = {"path_error_m", "position_error_m", "height_error_m", "heading_error_deg"}
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Run in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def run_json(capsys: pytest.CaptureFixture[str], *argv: str) -> Any:

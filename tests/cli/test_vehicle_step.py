@@ -18,7 +18,7 @@ from flight_replay.vehicle.identity import Identity
 
 def vehicle(parameters: dict[str, float], *, simulated: bool = True, version: str = "4.6.0") -> Any:
     """A vehicle that has some parameters."""
-    identity = Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=simulated)
+    identity = Identity(1, 2, 3, version, takes_item_int=True, simulated=simulated)
 
     def read(names: Iterable[str]) -> dict[str, float]:
         return {name: parameters[name] for name in names if name in parameters}

@@ -79,6 +79,15 @@ def test_errors_at_equal_times() -> None:
     assert heading.error.tolist() == pytest.approx([25.0] * 4)
 
 
+def test_positions_are_compared_at_the_recorded_times() -> None:
+    """With the flown place between two rows; the first and last flown times count, fixes beyond do not."""
+    recorded = movement([(0, 0), (1, 4), (2, 8), (3, 0)])
+    flown = movement([(0, 5), (3, 4), (8, 4)], time_s=np.array([-1.0, 0.0, 2.5]))
+    assert errors_at_equal_times(recorded, flown)[0].error == pytest.approx([5, 4, np.hypot(5, 4)])
+    part = movement([(1, 5), (3, 2)], time_s=np.array([1.0, 3.0]))
+    assert errors_at_equal_times(recorded, part)[0].error == pytest.approx([1, 4.5, 2])
+
+
 @pytest.mark.parametrize("side", ["recorded", "flown"])
 def test_what_is_unknown_has_no_error(side: str) -> None:
     """Fixes without a height or a heading are left out of that error, and of no other."""

@@ -11,7 +11,6 @@ from hypothesis.extra.numpy import arrays
 
 from flight_replay.geometry import matching
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.geometry.distances import path_errors_m
 from flight_replay.geometry.matching import distances_in_order_m, match_in_order
 from flight_replay.geometry.monotone_path import cheapest_monotone_path
 
@@ -44,8 +43,8 @@ def smallest_sum(fixes: Floats, path: Floats, step_m: float = 0.004) -> float:
 
 def test_a_fix_beside_a_line_is_as_far_as_the_line() -> None:
     """Distances are from the lines, not from their corners."""
-    distances = path_errors_m([[5, 2], [8, -1], [12, 0]], [[0, 0], [10, 0]])
-    assert distances == pytest.approx([2, 1, 2])
+    match = match_in_order([[5, 2], [8, -1], [12, 0]], [[0, 0], [10, 0]])
+    assert match.distance_m == pytest.approx([2, 1, 2])
 
 
 def test_matching_never_goes_back() -> None:
@@ -59,7 +58,8 @@ def test_matching_never_goes_back() -> None:
 
 def test_fixes_that_step_back_on_one_line_share_a_place() -> None:
     """Going back 2 m along a line costs 2 m, because the match may only stand still."""
-    assert path_errors_m([[5, 0], [3, 0], [6, 0]], [[0, 0], [10, 0]]).sum() == pytest.approx(2, abs=0.002)
+    match = match_in_order([[5, 0], [3, 0], [6, 0]], [[0, 0], [10, 0]])
+    assert match.distance_m.sum() == pytest.approx(2, abs=0.002)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -67,7 +67,7 @@ def test_the_matching_has_the_smallest_sum(seed: int) -> None:
     """On wandering paths the sum is the best one of a search at 4 mm, to 1 mm per fix."""
     path = wander(seed, 30, 1.5)
     fixes = scattered(path, 50, 0.8, seed)
-    assert path_errors_m(fixes, path).sum() == pytest.approx(smallest_sum(fixes, path), abs=0.05)
+    assert match_in_order(fixes, path).distance_m.sum() == pytest.approx(smallest_sum(fixes, path), abs=0.05)
 
 
 @settings(max_examples=30)
@@ -76,7 +76,7 @@ def test_any_matching_is_in_order_and_no_nearer_than_the_path(fixes: Floats, pat
     """Along never falls, and no fix is nearer than the nearest place of the whole path."""
     match = match_in_order(fixes, path)
     assert (np.diff(match.along_m) >= -1e-9).all()
-    alone = [path_errors_m([fix], path)[0] for fix in fixes]
+    alone = [match_in_order([fix], path).distance_m[0] for fix in fixes]
     assert (match.distance_m >= np.array(alone) - 1e-9).all()
     assert match.distance_m.sum() <= smallest_sum(fixes, path, 0.02) + 0.01 * len(fixes)
 

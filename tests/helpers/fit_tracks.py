@@ -6,11 +6,18 @@ from typing import Any
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.error_statistics import ErrorStatistics
+from flight_replay.geometry.flight_errors import Errors, errors_at_equal_times, path_errors
 from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.geometry.movement import Movement
 from flight_replay.logs.track import COLUMNS, Armed, Track, track_from_columns
+from flight_replay.mission.path import planned_path
+from flight_replay.planning.fit import FitResult
 from flight_replay.planning.fit.draft import Draft
-from flight_replay.planning.fit.reference import LocalTrack
+from flight_replay.planning.fit.problem import Budget
+from flight_replay.planning.fit.reference import LocalTrack, flat_frame
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
+from flight_replay.planning.route import movement_of
 
 FRAME = LocalFrame(47.3, 8.5)
 
@@ -78,10 +85,54 @@ def draft_of(places: list[tuple[float, float]], spline: list[bool], hold: list[f
     return Draft(flat, np.array(spline), np.array(hold), np.full(len(places), np.nan))
 
 
+def budget(flights: int = 1000) -> Budget:
+    """So many flights, whose progress nobody is told."""
+    return Budget(flights, lambda done, total: None)
+
+
 def recording_of(flight: SimulatedDraft) -> LocalTrack:
     """Every tenth position of a draft as the model flew it."""
     some = slice(None, None, 10)
     return LocalTrack(flight.time_s[some], flight.place_m[some, :2], flight.place_m[some, 2])
+
+
+def places_m(result: FitResult) -> Floats:
+    """The waypoints (n, 2) of a fit in ground metres."""
+    items = [item for _, item in result.mission.waypoints]
+    frame = result.flown.frame
+    return frame.to_metres([item.lat_deg for item in items], [item.lon_deg for item in items])
+
+
+def predicted(result: FitResult) -> Movement:
+    """The predicted flight of a fit in ground metres."""
+    flight, flown = result.flight, result.flown
+    ground_m = flown.frame.to_metres(*flat_frame(flown).to_degrees(flight.place_m[:, :2]))
+    return Movement(flight.time_s, ground_m, flight.place_m[:, 2], np.full(len(ground_m), np.nan))
+
+
+def planned_error(result: FitResult) -> ErrorStatistics:
+    """How far the fixes are from the path of a fit as planned."""
+    recorded = movement_of(result.flown, result.flown.frame)
+    path = planned_path(result.mission, result.flown.frame)
+    return _statistics(path_errors(recorded, path.north_east_m).recorded_to_path)
+
+
+def path_error(result: FitResult) -> ErrorStatistics:
+    """How far the fixes are from the path of the predicted flight of a fit."""
+    recorded = movement_of(result.flown, result.flown.frame)
+    return _statistics(path_errors(recorded, predicted(result).north_east_m).recorded_to_path)
+
+
+def position_error(result: FitResult) -> ErrorStatistics:
+    """How far the fixes are from the predicted flight of a fit at equal times."""
+    recorded = movement_of(result.flown, result.flown.frame)
+    return _statistics(errors_at_equal_times(recorded, predicted(result))[0])
+
+
+def _statistics(errors: Errors) -> ErrorStatistics:
+    found = errors.statistics
+    assert found is not None
+    return found
 
 
 MIXED = draft_of(

@@ -14,6 +14,13 @@ def cpu_share() -> float:
     return _MEASURED_S / (time.monotonic() - began_s)
 
 
+def free_udp_port() -> int:
+    """A UDP port that nobody listens on."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
 def outside_address() -> str:
     """An address of this machine other than 127.0.0.1, outside loopback if it has one."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:

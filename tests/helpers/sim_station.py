@@ -72,6 +72,15 @@ class Station:
         """The latest message of a kind."""
         return self.of(kind)[-1]
 
+    def reached(self) -> list[int]:
+        """Items reported as reached."""
+        return [message.seq for message in self.of("MISSION_ITEM_REACHED")]
+
+    def order_of(self, count: int) -> list[str]:
+        """The items begun, as spoken, until the last of ``count`` is reached."""
+        self.run(300, lambda: f"Reached command #{count}" in self.texts)
+        return [text.removeprefix("Mission: ") for text in self.texts if text.startswith("Mission: ")]
+
     @property
     def texts(self) -> list[str]:
         """Status texts, long ones put together again; those just spoken come with the next step."""

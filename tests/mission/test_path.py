@@ -52,7 +52,6 @@ def test_straight_legs_are_lines_through_the_places_and_carry_their_sequence_num
     path = planned_path(Mission((at(0, 0), change_speed(3), at(0, 40), at(30, 40, hold_s=5))), FRAME)
     assert np.allclose(path.north_east_m, [[0, 0], [0, 0], [0, 40], [30, 40]], atol=1e-6)
     assert path.seq.tolist() == [1, 1, 3, 4]
-    assert path.hold_s.tolist() == [0, 0, 0, 5]
     assert path.length_m == pytest.approx(70, abs=1e-6)
 
 
@@ -96,7 +95,7 @@ def test_a_spline_comes_from_where_the_last_leg_went() -> None:
 @pytest.mark.parametrize("spline", [False, True])
 def test_a_halt_has_no_tangent(spline: bool) -> None:
     """Where the vehicle halts, and at the route's end, the curve starts and ends without a tangent."""
-    first = stop(0, 10, spline=spline, hold_s=2.0, halts=True)
+    first = stop(0, 10, spline=spline, halts=True)
     legs = vectors([first, stop(10, 10, spline=True)])
     assert legs[0][1] == legs[1][0] == legs[1][1] == [0, 0]
 

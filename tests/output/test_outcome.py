@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import Errors
 from flight_replay.logs.track import track_from_columns
 from flight_replay.output.outcome import compare_flight

@@ -29,7 +29,7 @@ def test_a_route_is_predicted_both_ways() -> None:
 
 def test_a_route_that_is_too_long_is_not_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
     """It would take minutes to simulate."""
-    monkeypatch.setattr(prediction, "_LONGEST_SIMULATED_M", 10.0)
+    monkeypatch.setattr(prediction, "LONGEST_SIMULATED_M", 10.0)
     assert with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0)), Limits(), 30.0).predicted is None
 
 

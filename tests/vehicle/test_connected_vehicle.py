@@ -21,6 +21,7 @@ from flight_replay.vehicle import ConnectedVehicle, connect
 from flight_replay.vehicle import connected_vehicle as module
 from tests.helpers.fault_link import fault_link
 from tests.helpers.fault_runs import ROUTE
+from tests.helpers.machine import free_udp_port
 
 START = Start(47.397742, 8.545594, 488.0)
 
@@ -40,12 +41,6 @@ def copter(
         listener = (events if events is not None else []).append
         with connect(connection, speedup=speedup, listener=listener, limit_s=60.0) as connected:
             yield connected
-
-
-def free_udp_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @pytest.mark.parametrize("kind", ["tcp", "udpout", "udpin"])

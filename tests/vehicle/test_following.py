@@ -18,7 +18,7 @@ def _parameters(version: str, *, simulated: bool, own: dict[str, float]) -> dict
     def known(names: Iterable[str]) -> dict[str, float]:
         return {name: own[name] for name in names if name in own}
 
-    identity = Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=simulated)
+    identity = Identity(1, 2, 3, version, takes_item_int=True, simulated=simulated)
     return dict(parameters_for_following(SimpleNamespace(identity=identity, parameters=known)))  # type: ignore[arg-type]
 
 
@@ -36,7 +36,7 @@ def test_only_simulated_vehicles_with_old_firmware_get_higher_limits() -> None:
 
 def test_tuning_is_the_firmwares() -> None:
     def of(version: str) -> Tuning:
-        return tuning_of(Identity(1, 1, 2, 3, version, takes_item_int=True, simulated=True))
+        return tuning_of(Identity(1, 2, 3, version, takes_item_int=True, simulated=True))
 
     assert of("4.6.0") == of("4.2.0") == Tuning()
     assert of("4.1.0") == Tuning(braking_m_s2=0.0, braking_ahead_m=0.0, braking_slower_m_s=0.0)

@@ -13,7 +13,7 @@ from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.preflight import MAX_DISTANCE_M, check
 
 COPTER = Identity(
-    system=1, component=1, vehicle_type=2, autopilot=3, version="4.6.0", takes_item_int=True, simulated=False
+    system=1, vehicle_type=2, autopilot=3, version="4.6.0", takes_item_int=True, simulated=False
 )
 HERE = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False, 12.3, 77.0)
 STEP_DEG = 9e-5  # 10 m of latitude.

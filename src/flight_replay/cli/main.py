@@ -17,7 +17,7 @@ from flight_replay.cli import output_step, plan_step, save_step
 from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
-from flight_replay.events import Notice, Relay, combine_listeners
+from flight_replay.events import Listener, Notice, Relay, combine_listeners
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.logs.log_formats import format_title
 from flight_replay.output.console.background_console import BackgroundConsole
@@ -30,7 +30,6 @@ from flight_replay.writing.background import Background
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
-    from flight_replay.events import Listener
     from flight_replay.mission.items import Home
     from flight_replay.planning.route import Route
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from flight_replay.cli.options import Options
 from flight_replay.cli.whole_flight import whole_flight_command
 from flight_replay.exceptions import FlightReplayError
-from flight_replay.logs.flights import find_flights
+from flight_replay.logs.flights import Flight, find_flights
 from flight_replay.logs.sample import default_log
 from flight_replay.output.console.console import Console
 from flight_replay.output.console.terminal import write_verbatim
@@ -25,7 +25,6 @@ from flight_replay.writing.output_files import check_suffix
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
-    from flight_replay.logs.flights import Flight
     from flight_replay.logs.recording import Recording
     from flight_replay.output.event_log import LoggedEvent
     from flight_replay.planning.route import Route

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Flags, Floats
-from flight_replay.geometry.distances import ErrorStatistics, error_statistics
+from flight_replay.geometry.error_statistics import ErrorStatistics, error_statistics
 from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import lengths_along_m

@@ -39,63 +39,50 @@ def format_title(name: str) -> str:
     return next(each.title for each in (*FORMATS, TELEMETRY_LOG) if each.name == name)
 
 
-# The readers are imported when a log is read: most runs need one of them.
-
-
-def _read_tlog(log: OpenLog, vehicle: VehicleId | None, progress: Progress | None) -> Recording:
-    from flight_replay.logs.tlog.reader import read_tlog
-
-    return read_tlog(log, vehicle, progress)
-
-
-def _read_dataflash(log: OpenLog, vehicle: VehicleId | None, progress: Progress | None) -> Recording:
-    from flight_replay.logs.dataflash.read_bin import read_dataflash
-
-    return read_dataflash(log, vehicle, progress)
-
-
-def _read_dataflash_text(log: OpenLog, vehicle: VehicleId | None, progress: Progress | None) -> Recording:
-    from flight_replay.logs.dataflash.read_text_log import read_dataflash_text
-
-    return read_dataflash_text(log, vehicle, progress)
-
-
-def _track_reader(module: str, function: str) -> Read:
-    """A reader in ``tracks``, by its module and its name there."""
+def _reader(module: str, function: str) -> Read:
+    """A reader by its module in ``logs``, imported when a log is read: most runs need one of them."""
 
     def read(log: OpenLog, vehicle: VehicleId | None, progress: Progress | None) -> Recording:
-        reader = getattr(import_module(f"flight_replay.logs.tracks.{module}"), function)
+        reader = getattr(import_module(f"flight_replay.logs.{module}"), function)
         return cast(Read, reader)(log, vehicle, progress)
 
     return read
 
 
-def _read_ulog(log: OpenLog, vehicle: VehicleId | None, progress: Progress | None) -> Recording:
-    from flight_replay.logs.ulog.ulog_reader import read_ulog
-
-    return read_ulog(log, vehicle, progress)
-
-
 FORMATS: tuple[LogFormat, ...] = (
-    LogFormat("dataflash", "DataFlash log", begins_dataflash, _read_dataflash),
-    LogFormat("dataflash-text", "DataFlash log", begins_dataflash_text, _read_dataflash_text),
-    LogFormat("ulog", "ULog", lambda head: head.startswith(b"ULog\x01\x12\x35"), _read_ulog),
-    LogFormat("gpx", "GPX", track_marks.begins_gpx, _track_reader("gpx_reader", "read_gpx")),
-    LogFormat("kml", "KML", track_marks.begins_kml, _track_reader("kml_reader", "read_kml")),
-    LogFormat("kmz", "KMZ", track_marks.begins_zip, _track_reader("kml_reader", "read_kmz")),
     LogFormat(
-        "geojson", "GeoJSON", track_marks.begins_geojson, _track_reader("geojson_reader", "read_geojson")
+        "dataflash", "DataFlash log", begins_dataflash, _reader("dataflash.read_bin", "read_dataflash")
     ),
-    LogFormat("csv", "CSV", track_marks.begins_saved_csv, _track_reader("saved_csv", "read_saved_csv")),
-    LogFormat("airdata", "AirData CSV", track_marks.begins_airdata, _track_reader("dji_csv", "read_airdata")),
-    LogFormat("dji-csv", "DJI CSV", track_marks.begins_dji_csv, _track_reader("dji_csv", "read_dji_csv")),
+    LogFormat(
+        "dataflash-text",
+        "DataFlash log",
+        begins_dataflash_text,
+        _reader("dataflash.read_text_log", "read_dataflash_text"),
+    ),
+    LogFormat(
+        "ulog",
+        "ULog",
+        lambda head: head.startswith(b"ULog\x01\x12\x35"),
+        _reader("ulog.ulog_reader", "read_ulog"),
+    ),
+    LogFormat("gpx", "GPX", track_marks.begins_gpx, _reader("tracks.gpx_reader", "read_gpx")),
+    LogFormat("kml", "KML", track_marks.begins_kml, _reader("tracks.kml_reader", "read_kml")),
+    LogFormat("kmz", "KMZ", track_marks.begins_zip, _reader("tracks.kml_reader", "read_kmz")),
+    LogFormat(
+        "geojson", "GeoJSON", track_marks.begins_geojson, _reader("tracks.geojson_reader", "read_geojson")
+    ),
+    LogFormat("csv", "CSV", track_marks.begins_saved_csv, _reader("tracks.saved_csv", "read_saved_csv")),
+    LogFormat(
+        "airdata", "AirData CSV", track_marks.begins_airdata, _reader("tracks.dji_csv", "read_airdata")
+    ),
+    LogFormat("dji-csv", "DJI CSV", track_marks.begins_dji_csv, _reader("tracks.dji_csv", "read_dji_csv")),
     LogFormat(
         "dji-txt",
         "DJI flight record",
         track_marks.begins_dji_record,
-        _track_reader("dji_record", "read_dji_record"),
+        _reader("tracks.dji_record", "read_dji_record"),
     ),
 )
 """All formats that have marks of their own, the surest first."""
 
-TELEMETRY_LOG = LogFormat("tlog", "tlog", lambda _head: True, _read_tlog)
+TELEMETRY_LOG = LogFormat("tlog", "tlog", lambda _head: True, _reader("tlog.reader", "read_tlog"))

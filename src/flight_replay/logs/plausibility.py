@@ -38,7 +38,7 @@ REASONS = {
 }
 
 _NEAR_ZERO_DEG = 0.02  # 2.2 km: positions without a fix were seen 0.01 degrees from 0, 0
-_FASTEST_M_S = 60.0  # multicopters beyond this are built for records, and report their speed
+FASTEST_M_S = 60.0  # multicopters beyond this are built for records, and report their speed
 _VELOCITY_FACTOR = 1.5  # between two records a vehicle may have been faster than at either
 _SLACK_M = 20.0  # estimators correct themselves by metres at once
 _SLACK_DEG = 1.2e-4  # 13.4 m: with steps below this both ways, the slack is never used up
@@ -64,7 +64,7 @@ class RecordedPositions:
 
     def places(self, index: Indices) -> Places:
         """Where and when the vehicle was at some positions (m,), and how fast it may have been there."""
-        fastest_m_s = np.fmax(_VELOCITY_FACTOR * self.speed_m_s_at(index), _FASTEST_M_S)
+        fastest_m_s = np.fmax(_VELOCITY_FACTOR * self.speed_m_s_at(index), FASTEST_M_S)
         xyz_m = surface_xyz_m(self.lat_deg[index], self.lon_deg[index])
         return np.column_stack([self.time_s[index], fastest_m_s, xyz_m])
 

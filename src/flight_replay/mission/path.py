@@ -39,14 +39,12 @@ _HALTED_AT = frozenset({Command.LOITER_TURNS, Command.LAND})
 class Path:
     """A line through m points: where each is, and which mission item the line up to there leads to.
 
-    ``north_east_m`` (m, 2); ``up_m`` (m,); ``seq`` (m,) the items' sequence numbers; ``hold_s`` (m,)
-    how long the vehicle waits at each point.
+    ``north_east_m`` (m, 2); ``up_m`` (m,); ``seq`` (m,) the items' sequence numbers.
     """
 
     north_east_m: Floats
     up_m: Floats
     seq: Indices
-    hold_s: Floats
 
     @property
     def length_m(self) -> float:
@@ -58,14 +56,12 @@ class Path:
 class Destination:
     """Where a leg ends, in local metres (north, east, up).
 
-    ``spline`` is whether the leg is a curve, ``halts`` whether the vehicle comes to rest at its end,
-    be it to wait for ``hold_s`` or for another reason.
+    ``spline`` is whether the leg is a curve, ``halts`` whether the vehicle comes to rest at its end.
     """
 
     seq: int
     position_m: Floats
     spline: bool = False
-    hold_s: float = 0.0
     halts: bool = False
 
 
@@ -101,9 +97,8 @@ def destinations(
             continue
         if item.command in _FLOWN_INTO or item.command in _HALTED_AT:
             here = _position_m(item, frame, here)
-            found.append(
-                Destination(seq, here, item.is_spline, item.hold_s, item.hold_s > 0 or not item.is_waypoint)
-            )
+            halts = item.hold_s > 0 or not item.is_waypoint
+            found.append(Destination(seq, here, item.is_spline, halts))
     return found
 
 
@@ -123,7 +118,7 @@ def path_through(
     """The path along ``route``; its curves are drawn as lines that stay within ``tolerance_m``."""
     if not route:
         alone = np.zeros((0, 3)) if start_m is None else start_m[None]
-        return Path(alone[:, :2], alone[:, 2], np.full(len(alone), FIRST_SEQ, np.intp), np.zeros(len(alone)))
+        return Path(alone[:, :2], alone[:, 2], np.full(len(alone), FIRST_SEQ, np.intp))
     positions = [destination.position_m for destination in route]
     corners = np.array([positions[0] if start_m is None else start_m, *positions])
     spline = np.array([destination.spline for destination in route])
@@ -136,9 +131,7 @@ def path_through(
     line = np.concatenate([corners[:1], np.einsum("nk,nkd->nd", curve_weights(t), curves[leg])])
     line[ends] = corners[1:]
     seq = np.array([destination.seq for destination in route])
-    hold_s = np.zeros(len(line))
-    hold_s[ends] = [destination.hold_s for destination in route]
-    return Path(line[:, :2], line[:, 2], np.append(seq[0], seq[leg]).astype(np.intp), hold_s)
+    return Path(line[:, :2], line[:, 2], np.append(seq[0], seq[leg]).astype(np.intp))
 
 
 def leg_tangents(route: Sequence[Destination], corners_m: Floats) -> tuple[Floats, Floats]:

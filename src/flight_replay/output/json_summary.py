@@ -14,7 +14,7 @@ import numpy as np
 from flight_replay.mission.items import FIRST_SEQ, MissionItem
 
 if TYPE_CHECKING:
-    from flight_replay.geometry.distances import ErrorStatistics
+    from flight_replay.geometry.error_statistics import ErrorStatistics
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
     from flight_replay.geometry.reference_motion import ReferenceMotion
     from flight_replay.logs.flights import Flight

@@ -87,7 +87,7 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
     reached_s = dict(record.reached)
     passed = [reached_s[seq] for seq, _ in route.mission.waypoints if seq in reached_s]
     first_s = reached_s.get(route.mission.waypoints[0][0])
-    start_s = record.auto_start_s if first_s is None else first_s
+    start_s = flown_start_s(route, record)
     fixes, line = _fixes_reached(route, record)
     flown = movement_of(record.flown, route.frame, start_s)
     errors = flight_errors(
@@ -98,6 +98,11 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
         line=line,
     )
     return Outcome(errors, _coverage(route, fixes), first_s)
+
+
+def flown_start_s(route: Route, record: FlightRecord) -> float:
+    """The vehicle's time when it reached the first waypoint, or when AUTO began if it never did."""
+    return dict(record.reached).get(route.mission.waypoints[0][0], record.auto_start_s)
 
 
 def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) -> Outcome:

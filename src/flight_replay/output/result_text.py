@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 
 if TYPE_CHECKING:
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors

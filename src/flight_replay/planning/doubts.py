@@ -8,7 +8,7 @@ import numpy as np
 
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import error_statistics
+from flight_replay.geometry.error_statistics import error_statistics
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.flights import Flight
 from flight_replay.logs.recording import Recording

@@ -14,7 +14,7 @@ _STEP_S = 0.1
 """Steps of the flight model that are good enough for a duration: 0.2 % off on 3 m legs."""
 _SHORT_LEG_M = 6.0
 """Straight legs up to this are flown so slowly that the vehicle is where its target is: 0.5 % off."""
-_LONGEST_SIMULATED_M = 50_000.0
+LONGEST_SIMULATED_M = 50_000.0
 """Longer routes are beyond any copter: their duration is that of their length at the speeds asked for."""
 
 
@@ -26,7 +26,7 @@ def duration_s(mission: Mission, path: Path, limits: Limits) -> float:
         path: the path of the mission.
         limits: what the vehicle may do.
     """
-    if path.length_m > _LONGEST_SIMULATED_M:
+    if path.length_m > LONGEST_SIMULATED_M:
         return _at_the_speeds_asked_for_s(mission, path, limits)
     if _is_straight(mission) and segment_lengths_m(path.north_east_m).max(initial=0.0) <= _SHORT_LEG_M:
         corners = np.column_stack([path.north_east_m, path.up_m]).tolist()

@@ -12,7 +12,7 @@ from flight_replay.planning.altitude import home_of
 from flight_replay.planning.prediction import SAMPLE_S, step_for_s
 from flight_replay.planning.route import Route
 from flight_replay.simulator.flight.trajectory import Trajectory, home_frame, simulate
-from flight_replay.supervisor.flight_plan import FlightRecord
+from flight_replay.supervisor.flight_plan import FlightRecord, FollowPlan
 
 
 def fly_in_model(route: Route, *, duration_s: float | None, takeoff_m: float) -> FlightRecord:
@@ -89,17 +89,10 @@ def _followed(route: Route, duration_s: float | None) -> FlightRecord:
     if route.reference is None:
         raise MissionError("the route has no reference to follow; plan it with --mode guided")
     recorded_s = float(route.wanted.time_s[-1])
-    whole = duration_s is None or duration_s >= recorded_s
-    end_s = recorded_s if duration_s is None else min(duration_s, recorded_s)
+    plan = FollowPlan(reference=route.reference, recorded_s=recorded_s, duration_s=duration_s)
     flown = predicted_following(route, route.reference, route.limits.limits)
-    flown = flown.select(flown.time_s <= end_s)
-    return _record(
-        "recording complete" if whole else "duration",
-        0.0,
-        end_s,
-        _track_of(route, flown),
-        recording=flown,
-    )
+    flown = flown.select(flown.time_s <= plan.end_s)
+    return _record(plan.ended, 0.0, plan.end_s, _track_of(route, flown), recording=flown)
 
 
 def _track_of(route: Route, flown: Movement) -> Track:

@@ -9,6 +9,7 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Command
+from flight_replay.planning.duration import LONGEST_SIMULATED_M
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -19,7 +20,6 @@ _STEP_S, _LONG_STEP_S = 0.02, 0.05
 _LONG_M = 5_000.0
 """Beyond this, the tenths of a second at splines' sharp turns that long steps miss are not worth the wait."""
 SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
-_LONGEST_SIMULATED_M = 50_000.0
 _ERROR = (
     "ArduCopter reports an internal error on a short straight leg of this mission, and does not arm again "
     "before a reboot; plan it otherwise, such as with another --spacing or --max-points."
@@ -37,7 +37,7 @@ def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
         takeoff_m: take-off altitude above home.
     """
     climb_m = abs(route.mission.waypoints[0][1].alt_m - takeoff_m)
-    if route.path.length_m + climb_m > _LONGEST_SIMULATED_M:
+    if route.path.length_m + climb_m > LONGEST_SIMULATED_M:
         return route
     try:
         flown, last_s, flight = predicted_flight(route, limits, takeoff_m)

@@ -11,14 +11,14 @@ from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.mission.items import FIRST_SEQ, Mission
 from flight_replay.planning.heights import HeightChange, RouteHeights
 from flight_replay.planning.route import Route
+from flight_replay.planning.stretches import worst_stretches
 from flight_replay.simulator.dynamics.limits import Limits
 
 _LEVEL_M = 0.05
 """A first waypoint so near to the take-off altitude is at it."""
 _KEPT_M = 0.5
 """Heights that are nearer to the wanted ones than this are kept."""
-_MOST_STRETCHES = 3
-_LONGEST_SIMULATED_M = 500.0
+_LONGEST_SIMULATED_CLIMB_M = 500.0
 _STEP_S = 0.05
 _BESIDE_DEG = 1e-4
 
@@ -60,7 +60,7 @@ def _climb_s(mission: Mission, takeoff_m: float, limits: Limits) -> float:
     """How long AUTO takes from the take-off to the first waypoint."""
     first = mission.waypoints[0][1]
     climb_m = first.alt_m - takeoff_m
-    if abs(climb_m) > _LONGEST_SIMULATED_M:
+    if abs(climb_m) > _LONGEST_SIMULATED_CLIMB_M:
         return abs(climb_m) / (limits.wp_speed_up_m_s if climb_m > 0 else limits.wp_speed_down_m_s)
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import simulate
@@ -97,14 +97,7 @@ def _floor_note(floor_m: float, below_m: Floats, of_fixes: int) -> str:
 
 def _limited_note(off: Flags, off_m: Floats, time_s: Floats) -> str:
     """A sentence on the stretches where heights are farthest off."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]])))
-    stretches = [
-        (float(off_m[begin:end].max()), float(time_s[begin]), float(time_s[end - 1]))
-        for begin, end in zip(edges[::2], edges[1::2], strict=True)
-    ]
-    worst = sorted(sorted(stretches, reverse=True)[:_MOST_STRETCHES], key=lambda stretch: stretch[1])
-    told = ", ".join(f"{most:.1f} m from {begin:.0f} to {end:.0f} s" for most, begin, end in worst)
     return (
         "The vehicle cannot climb and descend as fast as recorded everywhere: it begins sooner and ends "
-        f"later, off the recorded height by up to {told}."
+        f"later, off the recorded height by up to {worst_stretches(off, off_m, time_s, 1)}."
     )

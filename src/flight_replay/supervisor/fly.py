@@ -139,7 +139,7 @@ def _both(latest: str | None, before: str | None) -> str | None:
 
 
 def _return(monitor: VehicleMonitor) -> tuple[bool, str | None]:
-    """Command RTL at the end of AUTO: whether it is confirmed, and the problem if it is not."""
+    """Command RTL when the flight is over: whether it is confirmed, and the problem if it is not."""
     try:
         confirmed = monitor.may_be_armed and command_rtl(monitor, monitor.deadlines.give_up_wall_s)
     except FlightEnded as end:

@@ -24,7 +24,8 @@ from flight_replay.supervisor.vehicle_clock import VehicleClock
 from flight_replay.supervisor.vehicle_interface import Target
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
-_MIN_MOVE_M = 0.5
+_MIN_MOVE_M = 0.5  # A smaller movement is no progress.
+_MIN_ADVANCE_S = 0.5  # Less of the recording is no progress.
 _AT_START_M, _AT_REST_M_S = 0.5, 0.2
 _RETRY_S = 1.0
 _STEP_WALL_S, _MIN_STEP_WALL_S = 0.05, 0.001
@@ -94,14 +95,14 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
     deadline, furthest_s = Deadline(monitor, monitor.deadlines.no_progress_s), -np.inf
     seen: VehicleState | None = None
     while follower.recording_s < plan.end_s + _BEYOND_S:
-        monitor.step(_until_next_target_wall_s(clock, follower, monitor))
+        monitor.step(_until_next_target_wall_s(monitor, follower, clock))
         _check_still_following(monitor, follower, plan)
         if monitor.state is not None and monitor.state is not seen:
             seen = monitor.state
             clock.received(seen.time_s, monitor.wall_s)
         if monitor.caught_up and seen is not None:
             _send_target(monitor, follower, clock, keeper, seen)
-        if follower.recording_s > furthest_s + _MIN_MOVE_M:
+        if follower.recording_s > furthest_s + _MIN_ADVANCE_S:
             furthest_s = follower.recording_s
             deadline.restart()
         if deadline.passed:
@@ -148,10 +149,9 @@ def _send_target(
     state: VehicleState,
 ) -> None:
     """Send the next target if it is time for it: for when it arrives, by the vehicle's clock."""
-    now_s = clock.now_s(monitor.wall_s)
-    if now_s is None:
+    arrives_s = _arrives_s(monitor, clock)
+    if arrives_s is None:
         return  # Nothing is heard of the vehicle: it stops by itself (GUID_TIMEOUT).
-    arrives_s = now_s + min(monitor.vehicle.round_trip_s(), _LONGEST_ROUND_TRIP_S) * clock.rate
     position_m = _position_m(follower.reference, state)
     velocity_m_s = np.array(state.velocity_m_s)
     gap_s = follower.gap_s(arrives_s)
@@ -166,12 +166,19 @@ def _send_target(
     keeper.target_sent(arrives_s, gap_s)
 
 
-def _until_next_target_wall_s(clock: VehicleClock, follower: Follower, monitor: VehicleMonitor) -> float:
-    """How long to wait for reports before the next target is due."""
+def _arrives_s(monitor: VehicleMonitor, clock: VehicleClock) -> float | None:
+    """When a target sent now arrives, by the vehicle's clock; None if nothing is heard."""
     now_s = clock.now_s(monitor.wall_s)
-    if now_s is None or clock.rate <= 0:
+    if now_s is None:
+        return None
+    return now_s + min(monitor.vehicle.round_trip_s(), _LONGEST_ROUND_TRIP_S) * clock.rate
+
+
+def _until_next_target_wall_s(monitor: VehicleMonitor, follower: Follower, clock: VehicleClock) -> float:
+    """How long to wait for reports before the next target is due."""
+    arrives_s = _arrives_s(monitor, clock)
+    if arrives_s is None or clock.rate <= 0:
         return _STEP_WALL_S
-    arrives_s = now_s + min(monitor.vehicle.round_trip_s(), _LONGEST_ROUND_TRIP_S) * clock.rate
     wait_s = (TARGET_S - follower.gap_s(arrives_s)) / clock.rate
     return min(max(wait_s, _MIN_STEP_WALL_S), _STEP_WALL_S)
 

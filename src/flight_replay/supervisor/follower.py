@@ -96,7 +96,7 @@ class Learned:
 
     @staticmethod
     def nothing(tuning: Tuning = DEFAULT_TUNING) -> Learned:
-        """What is known before."""
+        """Nothing learned yet: no lead, and the tuning's own share of the drag's lag."""
         return Learned(
             LearnedShare(0.0, _LEADS_S, _SLOWEST_M2_S2),
             LearnedShare(tuning.drag_share, _DRAG_SHARES, _SMALLEST_LAG_M2),
@@ -302,7 +302,7 @@ class Follower:
     def _corrected(self, recording_s: float) -> MotionState:
         """Where targets have to be for the vehicle to be on the reference.
 
-        A slower clock leaves less to make up for, and a vehicle that stands nothing.
+        Corrections shrink with the clock's rate; at rest there are none.
         """
         learned, reference = self.learned, self.reference
         state = self._at(recording_s)

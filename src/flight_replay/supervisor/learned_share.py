@@ -37,8 +37,8 @@ class LearnedShare:
     def observe(self, time_s: float, behind_m: Floats, along: Floats) -> None:
         """Learn from where the vehicle was.
 
-        The share that makes the squared distances small weighs places by the square of the correction;
-        one much larger than before counts as the usual, until that is known.
+        What is missing of the share is divided by the mean square of the correction, or by its own square
+        where that is larger, so that one place does not teach too much.
 
         Args:
             time_s: the vehicle's.

@@ -41,7 +41,6 @@ class Identity:
     """
 
     system: int
-    component: int
     vehicle_type: int
     autopilot: int
     version: str
@@ -125,7 +124,6 @@ def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
     capabilities = version.capabilities if version else 0
     return Identity(
         system=vehicle.system,
-        component=vehicle.component,
         vehicle_type=vehicle.vehicle_type,
         autopilot=vehicle.autopilot,
         version=_version(version.flight_sw_version) if version else "",

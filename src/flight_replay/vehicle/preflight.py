@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntFlag
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,11 +18,8 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.fence import FenceArea, active_fence_types
 from flight_replay.mission.items import Frame, Mission, MissionItem
-from flight_replay.vehicle.identity import RTL_END_PARAMETERS
+from flight_replay.vehicle.identity import RTL_END_PARAMETERS, Identity
 from flight_replay.vehicle.route_words import MissionWords, RouteWords
-
-if TYPE_CHECKING:
-    from flight_replay.vehicle.identity import Identity
 
 MAX_DISTANCE_M = 1000.0
 """The default of ``--max-distance``: how far from home the first waypoint may be."""

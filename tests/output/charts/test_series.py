@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.geometry.distances import path_errors_m
+from flight_replay.geometry.matching import match_in_order
 from flight_replay.logs.track import track_from_columns
 from flight_replay.mission.items import Command, Mission
 from flight_replay.output.charts.series import (
@@ -39,8 +39,9 @@ def test_everything_lies_in_one_metric_frame() -> None:
     assert np.allclose(series.waypoints_m[0], 0, atol=1e-3)
     assert series.flown is not None
     assert np.allclose(series.flown.north_east_m[0], [1, 0], atol=1e-3)
-    assert series.path_error is not None
-    for errors in (series.path_error.recorded_to_path, series.path_error.path_to_recorded):
+    path_error = series.flown_error.path
+    assert path_error is not None
+    for errors in (path_error.recorded_to_path, path_error.path_to_recorded):
         assert errors is not None
         assert errors.statistics.max == pytest.approx(errors.error.max())
 
@@ -67,7 +68,7 @@ def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:
     curved = route_of("made", Mission(splines), route.covered)
     drawn = replay_series(curved).planned_m
     assert 5 * len(splines) < len(drawn) < len(curved.path.north_east_m) / 3
-    assert path_errors_m(curved.path.north_east_m, drawn).max() < 0.05
+    assert match_in_order(curved.path.north_east_m, drawn).distance_m.max() < 0.05
 
 
 def test_what_is_followed_is_on_one_clock() -> None:
@@ -96,8 +97,9 @@ def test_times_are_named() -> None:
 def test_a_plan_has_no_flown_series() -> None:
     """What does not exist is None."""
     series = replay_series(made_replay()[0])
-    assert (series.flown, series.path_error, series.position_error, series.reached) == (None, None, None, ())
-    assert (series.height_error, series.heading_error) == (None, None)
+    assert (series.flown, series.reached) == (None, ())
+    none = series.flown_error
+    assert (none.path, none.position, none.height, none.heading) == (None, None, None, None)
     planned = series.planned_error
     assert planned.recorded_to_path is not None and planned.recorded_to_path.statistics.max < 1
     assert planned.path_to_recorded is not None and planned.path_to_recorded.statistics.max < 1
@@ -119,7 +121,7 @@ def test_a_plan_has_heights_and_what_is_predicted() -> None:
     assert series.shown_error.path is not None
     flown = replay_series(route, record, outcome)
     assert flown.predicted_unflown is None
-    assert flown.shown_error.position is flown.position_error
+    assert flown.shown_error.position is flown.flown_error.position
 
 
 def test_only_waypoints_count_as_reached() -> None:

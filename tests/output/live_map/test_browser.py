@@ -63,12 +63,6 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     driver.quit()
 
 
-@pytest.fixture
-def no_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No tile server is asked."""
-    monkeypatch.setattr(map_tiles, "probe", threading.Event)
-
-
 def show(browser: Any, url: str) -> None:
     """Open a page and wait until it is drawn."""
     browser.get(url)
@@ -247,9 +241,7 @@ def test_the_tiles_around_the_flight_are_requested(browser: Any, monkeypatch: py
     network = threading.Event()
     network.set()
     monkeypatch.setattr(map_tiles, "probe", lambda: network)
-    monkeypatch.setattr(
-        map_tiles.tile_source, "__defaults__", (f"http://127.0.0.1:{server.server_port}/{{Z}}/{{X}}/{{Y}}",)
-    )
+    monkeypatch.setattr(map_tiles, "URL", f"http://127.0.0.1:{server.server_port}/{{Z}}/{{X}}/{{Y}}")
     try:
         with LiveMap(made_replay()[0], tiles=True) as live:
             show(browser, live.url)

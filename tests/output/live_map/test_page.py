@@ -264,4 +264,6 @@ def test_a_route_of_one_waypoint_has_a_page() -> None:
     """A log of a hover has a map too."""
     route = spaced_route(figure_of_eight().select(slice(0, 1)))
     page = Page(MapData(route), replay_series(route), route.covered.frame, threading.Event())
-    page.fill(Document())
+    document = Document()
+    page.fill(document)
+    assert document.roots

@@ -24,12 +24,6 @@ from tests.helpers.machine import outside_address
 from tests.helpers.made_replays import made_replay, vehicle_at
 
 
-@pytest.fixture
-def no_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No tile server is asked."""
-    monkeypatch.setattr(map_tiles, "probe", threading.Event)
-
-
 @pytest.mark.usefixtures("no_tiles")
 def test_the_page_is_served_on_loopback_with_its_scripts() -> None:
     """Page and scripts come from the server itself, which listens on loopback only."""

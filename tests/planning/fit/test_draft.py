@@ -1,7 +1,5 @@
 """Routes while they are fitted: what is asked of their legs, whatever a search would like."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from flight_replay.planning.fit.draft import Draft, without_hooks
 from flight_replay.planning.fit.reference import flat_frame
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import FRAME, along, draft_of
+from tests.helpers.fit_tracks import along, draft_of
 
 BEHIND_A_STOP: list[tuple[float, float]] = [(0, 0), (20, 0), (25, 0), (49, 4), (70, 0)]
 CURVES = [False, False, True, True, True]
@@ -56,11 +54,3 @@ def test_places_are_where_items_hold_them() -> None:
     assert held.places_m[:, :2] == pytest.approx(frame.to_metres(lat, lon), abs=1e-6)
     assert 0 < np.abs(held.places_m - draft.places_m).max() < 0.01
     assert held.as_items_hold_it(frame) is held
-
-
-def test_places_are_numbered_as_their_items_are() -> None:
-    """Behind the speed changes, of which the first comes with a wait."""
-    draft = draft_of([(0, 0), (20, 0), (40, 0)], [False] * 3, [0] * 3)
-    for speeds in ((np.nan, np.nan, np.nan), (3.0, np.nan, np.nan), (np.nan, 2.0, np.nan), (3.0, 2.0, 4.0)):
-        asked = replace(draft, speed_m_s=np.array(speeds))
-        assert asked.seqs == [seq for seq, _ in asked.mission(FRAME).waypoints]

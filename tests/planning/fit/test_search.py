@@ -17,7 +17,7 @@ from flight_replay.planning.fit.rounds import State
 from flight_replay.planning.fit.search import search
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import DIVE, recording_of, wander
+from tests.helpers.fit_tracks import DIVE, budget, recording_of, wander
 
 
 def problem_and_starts(*, timed: bool) -> tuple[FitProblem, list[FirstDraft]]:
@@ -32,7 +32,7 @@ def test_no_start_is_better_than_what_is_found() -> None:
     """Speeds set and places moved, the objective is below that of every start."""
     for timed in (True, False):
         problem, starts = problem_and_starts(timed=timed)
-        best, _ = search(problem, starts, 20, Budget(60, lambda done, total: None))
+        best, _ = search(problem, starts, 20, budget(60))
         assert best.objective_m < min(problem.evaluate(start.draft).objective_m for start in starts)
 
 
@@ -41,7 +41,7 @@ def test_what_is_found_is_what_items_hold(timed: bool) -> None:
     """And what was flown: nothing is rounded after the search."""
     problem, starts = problem_and_starts(timed=timed)
     problem = replace(problem, frame=flat_frame(wander(2)))
-    best, _ = search(problem, starts, 20, Budget(60, lambda done, total: None))
+    best, _ = search(problem, starts, 20, budget(60))
     assert problem.held(best.draft) is best.draft
     assert best.objective_m == problem.exact.evaluate(best.draft).objective_m
 
@@ -49,8 +49,8 @@ def test_what_is_found_is_what_items_hold(timed: bool) -> None:
 def test_a_search_says_why_it_stopped() -> None:
     """It ends when its flights are spent, or when no step is worth taking."""
     problem, starts = problem_and_starts(timed=True)
-    assert "enough" in search(problem, starts[:1], 20, Budget(1, lambda done, total: None))[1]
-    assert "gained" in search(problem, starts[:1], 20, Budget(10_000, lambda done, total: None))[1]
+    assert "enough" in search(problem, starts[:1], 20, budget(1))[1]
+    assert "gained" in search(problem, starts[:1], 20, budget(10_000))[1]
 
 
 def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -64,7 +64,7 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
 
     way = replace(search_module._UNTIMED, gone_on=dead_end_first)
     monkeypatch.setattr(search_module, "_UNTIMED", way)
-    best, _ = search(problem, [curved, curved], 20, Budget(150, lambda done, total: None))
+    best, _ = search(problem, [curved, curved], 20, budget(150))
     assert best.objective_m < gone_on[0]
     assert len(gone_on) == 2, "what exchanging leaves as it was does not go on again"
 
@@ -74,9 +74,9 @@ def test_where_the_vehicle_comes_down_no_search_goes_on() -> None:
     slow = replace(DIVE, speed_m_s=np.where(np.isnan(DIVE.speed_m_s), np.nan, 3.0))
     recording = recording_of(simulate_draft(slow, Limits(), 0.05))
     problem = problem_for(recording, 20, Limits(), timed=False)
-    budget = Budget(20, lambda done, total: None)
-    best, _ = search(problem, [FirstDraft(DIVE, {}), FirstDraft(slow, {})], 20, budget)
+    spent = budget(20)
+    best, _ = search(problem, [FirstDraft(DIVE, {}), FirstDraft(slow, {})], 20, spent)
     assert best.flight.stays_up
     assert best.objective_m < 1.0
     with pytest.raises(MissionError, match="come down to less than half of its lowest planned height"):
-        search(problem, [FirstDraft(DIVE, {})], 20, budget)
+        search(problem, [FirstDraft(DIVE, {})], 20, spent)

@@ -54,8 +54,9 @@ def test_items_of_a_changed_draft_are_made_of_those_before(every_speed: bool) ->
 def test_what_follows_a_climb_or_descent_begins_later(takeoff_m: float) -> None:
     """From take-off at another height the first leg lasts longer, as it does after all of that way."""
     level, after = (simulate_draft(DRAFT, Limits(), 0.02, Takeoff(0.0, up_m)) for up_m in (None, takeoff_m))
-    whole = simulate(DRAFT.mission(FRAME), Limits(), start_m=(0.0, 0.0, takeoff_m), step_s=0.02)
-    reached_s = [whole.reached_s[seq] for seq in DRAFT.seqs[:2]]
+    mission = DRAFT.mission(FRAME)
+    whole = simulate(mission, Limits(), start_m=(0.0, 0.0, takeoff_m), step_s=0.02)
+    reached_s = [whole.reached_s[seq] for seq, _ in mission.waypoints[:2]]
     assert after.passed_s[1] == pytest.approx(reached_s[1] - reached_s[0], abs=0.1)
     assert after.passed_s[1] > level.passed_s[1] + 0.2
 

@@ -7,20 +7,16 @@ import pytest
 from flight_replay.planning.fit import timed_search
 from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
+from flight_replay.planning.fit.problem import FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.search import search
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import wander
+from tests.helpers.fit_tracks import budget, wander
 
 
 def problem_and_starts(seed: int = 2) -> tuple[FitProblem, list[FirstDraft]]:
     problem = problem_for(local_track(wander(seed), 20.0), 20, Limits(), timed=True)
     return problem, selections(problem, 20)
-
-
-def budget(flights: int) -> Budget:
-    return Budget(flights, lambda done, total: None)
 
 
 def test_what_several_starts_come_to_is_as_good_as_what_one_does() -> None:
@@ -53,7 +49,7 @@ def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch, after
     good, bad = (problem.evaluate(start.draft) for start in starts[:2])
     bad = replace(bad, late_m=bad.late_m + 100.0)
     found, rounds = [good, good if after_round else bad], [good, bad] if after_round else [good]
-    monkeypatch.setattr(timed_search, "timed", lambda *_: found.pop(0))
+    monkeypatch.setattr(timed_search, "flown_on_schedule", lambda *_: found.pop(0))
     monkeypatch.setattr(timed_search, "rounded", lambda _p, s, _b: replace(s, best=rounds.pop(0)))
     (kept,) = timed_search._rounded(problem, starts[:2], budget(1000))
     assert kept.best is good

@@ -11,16 +11,12 @@ from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.rounds import State
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import wander
+from tests.helpers.fit_tracks import budget, wander
 
 
 def problem_and_starts(seed: int = 2) -> tuple[FitProblem, list[FirstDraft]]:
     problem = problem_for(local_track(wander(seed), 20.0), 20, Limits(), timed=False)
     return problem, selections(problem, 20)
-
-
-def budget(flights: int) -> Budget:
-    return Budget(flights, lambda done, total: None)
 
 
 def test_as_many_starts_as_there_is_time_for_are_begun() -> None:

@@ -13,7 +13,6 @@ from tests.helpers.sim_station import (
     LOITER,
     MISSION_START,
     READY_S,
-    Station,
     act,
     item_at,
     sim,
@@ -24,11 +23,6 @@ ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 
 SQUARE = [item_at(40, 0), item_at(40, 40), item_at(0, 40)]
-
-
-def reached(station: Station) -> list[int]:
-    """Items reported as reached."""
-    return [message.seq for message in station.of("MISSION_ITEM_REACHED")]
 
 
 def test_auto_from_the_ground_needs_a_takeoff_item() -> None:
@@ -64,7 +58,7 @@ def test_a_whole_mission_from_takeoff_to_landing() -> None:
     assert autopilot.flight.landed
     assert station.command(MISSION_START) == ACCEPTED
     assert station.run(200, lambda: not autopilot.armed)
-    assert reached(station) == [1, 2, 3]
+    assert station.reached() == [1, 2, 3]
     assert math.dist(autopilot.flight.position_m, (0, 0, 0)) < 0.5
     assert station.texts.count("Mission: 1 Takeoff") == 1
     station.run(1)
@@ -137,14 +131,8 @@ def test_a_mission_changed_in_flight_is_flown_as_changed() -> None:
         )
         station.run(1)
         assert ("Auto mission changed, restarted command" in station.texts) == restarts
-    assert station.run(200, lambda: 5 in reached(station))
+    assert station.run(200, lambda: 5 in station.reached())
     assert math.dist(autopilot.flight.position_m, (-20, 0, 20)) < 3
-
-
-def order_of(station: Station, count: int) -> list[str]:
-    """The items begun, as spoken."""
-    station.run(300, lambda: f"Reached command #{count}" in station.texts)
-    return [text.removeprefix("Mission: ") for text in station.texts if text.startswith("Mission: ")]
 
 
 def test_a_mission_that_waits_on_the_ground_can_be_written_anew() -> None:

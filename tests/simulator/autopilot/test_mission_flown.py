@@ -13,7 +13,6 @@ from tests.helpers.sim_station import (
     AUTO,
     LOITER,
     Item,
-    Station,
     act,
     item_at,
     sim,
@@ -25,25 +24,14 @@ ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 SQUARE = [item_at(40, 0), item_at(40, 40), item_at(0, 40)]
 
 
-def reached(station: Station) -> list[int]:
-    """Items reported as reached."""
-    return [message.seq for message in station.of("MISSION_ITEM_REACHED")]
-
-
-def order_of(station: Station, count: int) -> list[str]:
-    """The items begun, as spoken."""
-    station.run(300, lambda: f"Reached command #{count}" in station.texts)
-    return [text.removeprefix("Mission: ") for text in station.texts if text.startswith("Mission: ")]
-
-
 def test_a_mission_is_flown_item_by_item() -> None:
     """Each item is announced, reached and counted; after the last the copter stays, still in AUTO."""
     autopilot, station = sim()
     station.fly()
     station.upload(SQUARE)
     assert station.mode(AUTO) == ACCEPTED
-    assert station.run(120, lambda: 3 in reached(station))
-    assert reached(station) == [1, 2, 3]
+    assert station.run(120, lambda: 3 in station.reached())
+    assert station.reached() == [1, 2, 3]
     for text in ("Mission: 1 WP", "Reached command #1", "Mission: 3 WP", "Reached command #3"):
         assert text in station.texts
     station.run(5)
@@ -93,8 +81,8 @@ def test_do_items_take_the_place_of_the_item_before_in_the_report() -> None:
     station.fly()
     station.upload([item_at(30, 0), act(178, 1, 3, -1), act(112, 1), act(178, 1, 4, -1), item_at(30, 30)])
     station.mode(AUTO)
-    assert station.run(120, lambda: 5 in reached(station))
-    assert reached(station) == [2, 3, 4, 5]
+    assert station.run(120, lambda: 5 in station.reached())
+    assert station.reached() == [2, 3, 4, 5]
     assert station.texts.index("Mission: 2 ChangeSpeed") < station.texts.index("Mission: 5 WP")
 
 
@@ -104,7 +92,7 @@ def test_jumps_are_flown_as_often_as_they_say() -> None:
     station.fly()
     station.upload([item_at(10, 0), item_at(0, 0), act(177, 1, 2), item_at(0, 10)])
     station.mode(AUTO)
-    assert order_of(station, 4) == [*["1 WP", "2 WP"] * 3, "4 WP"]
+    assert station.order_of(4) == [*["1 WP", "2 WP"] * 3, "4 WP"]
 
 
 def test_jumps_can_go_on_for_ever_and_lead_nowhere() -> None:
@@ -120,7 +108,7 @@ def test_jumps_can_go_on_for_ever_and_lead_nowhere() -> None:
     station.mode(AUTO)
     station.run(120)
     assert autopilot.mode.value == AUTO
-    assert reached(station).count(1) > 3
+    assert station.reached().count(1) > 3
 
 
 @pytest.mark.parametrize(
@@ -150,7 +138,7 @@ def test_a_loiter_without_end_is_left_by_a_station_only() -> None:
     assert autopilot.mission.seq == 1
     assert math.dist(autopilot.flight.position_m, (20, 0, 20)) < 1
     assert station.command(224, 2) == ACCEPTED
-    assert station.run(60, lambda: 2 in reached(station))
+    assert station.run(60, lambda: 2 in station.reached())
 
 
 def test_a_land_item_lands_there_and_ends_the_mission() -> None:
@@ -193,8 +181,8 @@ def test_items_that_arducopter_cannot_fly_are_passed_over() -> None:
         [item_at(20, 0), act(183, 5, 1500), item_at(20, 5, command=30), act(178, 1, 1), item_at(0, 0)]
     )
     station.mode(AUTO)
-    assert order_of(station, 5) == ["1 WP", "2 SetServo", "3 ContinueAndChangeAlt", "5 WP"]
-    assert reached(station) == [1, 5]
+    assert station.order_of(5) == ["1 WP", "2 SetServo", "3 ContinueAndChangeAlt", "5 WP"]
+    assert station.reached() == [1, 5]
 
 
 @pytest.mark.parametrize(

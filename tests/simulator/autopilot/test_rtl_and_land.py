@@ -14,7 +14,6 @@ from tests.helpers.sim_station import (
     AUTO,
     LAND,
     RTL,
-    Station,
     act,
     item_at,
     sim,
@@ -22,11 +21,6 @@ from tests.helpers.sim_station import (
 )
 
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
-
-
-def reached(station: Station) -> list[int]:
-    """Items reported as reached."""
-    return [message.seq for message in station.of("MISSION_ITEM_REACHED")]
 
 
 def test_rtl_climbs_returns_waits_and_lands() -> None:
@@ -85,7 +79,7 @@ def test_it_flies_anywhere_on_earth(start: Start) -> None:
     there = start.location_of((60.0, 60.0, 0.0))
     station.upload([(16, 3, (0.0, 0.0, 0.0, 0.0), there.lat_e7, there.lon_e7, 10.0)])
     station.mode(AUTO)
-    assert station.run(60, lambda: reached(station) == [1])
+    assert station.run(60, lambda: station.reached() == [1])
     assert math.dist(autopilot.flight.position_m, (60, 60, 10)) < 2.5
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import MissionError
-from flight_replay.geometry.distances import path_errors_m
+from flight_replay.geometry.matching import match_in_order
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Frame, Home, Mission, MissionItem, change_speed, waypoint
 from flight_replay.planning.fit.draft import Draft
@@ -63,7 +63,7 @@ def test_the_step_changes_next_to_nothing(kind: str) -> None:
     mission = random_mission(12 + KINDS.index(kind))
     fine, coarse = (simulate(mission, LIMITS, step_s=step) for step in (0.01, 0.04))
     assert coarse.auto_s[1] == pytest.approx(fine.auto_s[1], rel=0.004, abs=0.2)
-    assert path_errors_m(fine.north_east_m[::20], coarse.north_east_m).mean() < 0.05
+    assert match_in_order(fine.north_east_m[::20], coarse.north_east_m).distance_m.mean() < 0.05
 
 
 def _winding_mission(seed: int) -> Mission:
@@ -117,7 +117,7 @@ def test_part_of_a_mission_may_be_flown_from_anywhere() -> None:
     part = simulate(mission, LIMITS, start_m=start, velocity_m_s=velocity, start_seq=3)
     assert list(part.reached_s) == [3, 4, 5]
     assert part.auto_s[1] == pytest.approx(whole.auto_s[1] - whole.reached_s[2], abs=2.5)
-    assert path_errors_m(part.north_east_m[500:], whole.north_east_m[k:]).max() < 0.5
+    assert match_in_order(part.north_east_m[500:], whole.north_east_m[k:]).distance_m.max() < 0.5
 
 
 def test_a_whole_flight_takes_off_flies_returns_and_lands() -> None:
@@ -151,7 +151,7 @@ def test_wind_changes_little_and_is_felt() -> None:
     """In 6 m/s of wind the path stays within decimetres of that in still air, but is not the same."""
     mission = mission_at(SQUARE)
     empty_segment, windy = simulate(mission, LIMITS), simulate(mission, LIMITS, wind_m_s=(0.0, 6.0, 0.0))
-    off = path_errors_m(windy.north_east_m[::10], empty_segment.north_east_m)
+    off = match_in_order(windy.north_east_m[::10], empty_segment.north_east_m).distance_m
     assert 0.02 < off.max() < 2.0
 
 
@@ -217,7 +217,7 @@ def test_recordings_of_arducopter_are_met(name: str) -> None:
         [row["lat_e7"] * 1e-7 for row in auto], [row["lon_e7"] * 1e-7 for row in auto]
     )
     path = flown.north_east_m[(flown.time_s >= flown.auto_s[0]) & (flown.time_s <= flown.auto_s[1] + 1.0)]
-    off = path_errors_m(places, path)
+    off = match_in_order(places, path).distance_m
     assert off.mean() <= 0.15
     assert off.max() <= 0.6
     ours = flown.auto_s[1] - flown.auto_s[0]

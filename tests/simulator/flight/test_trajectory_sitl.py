@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight_replay.geometry.distances import path_errors_m, position_errors_m
+from flight_replay.geometry.flight_errors import errors_at_equal_times
+from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Mission
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import home_frame, simulate_flight
@@ -42,14 +44,14 @@ def check(mission: Mission, parameters: dict[str, float], folder: Path) -> None:
     auto = (rows[:, 0] >= truth.auto_s) & (rows[:, 0] <= last_s)
     places = home_frame(mission).to_metres(rows[auto, 1], rows[auto, 2])
     own = (flown.time_s >= flown.auto_s[0]) & (flown.time_s <= flown.auto_s[1] + 1.0)
-    off = path_errors_m(places, flown.north_east_m[own])
+    off = match_in_order(places, flown.north_east_m[own]).distance_m
     first = min(truth.reached_s)
-    late = position_errors_m(
-        rows[auto, 0] - truth.reached_s[first],
-        places,
-        flown.time_s[own] - flown.reached_s[first],
-        flown.north_east_m[own],
+    unknown = np.full(len(places), np.nan)
+    recorded = Movement(rows[auto, 0] - truth.reached_s[first], places, unknown, unknown)
+    simulated = Movement(
+        flown.time_s - flown.reached_s[first], flown.north_east_m, flown.up_m, flown.heading_deg
     )
+    late = errors_at_equal_times(recorded, simulated.select(own))[0].error
     theirs, ours = last_s - truth.auto_s, flown.auto_s[1] - flown.auto_s[0]
     takeoff_s, home_s = truth.high_s - truth.armed_s, truth.disarmed_s - truth.rtl_s
     assert off.mean() <= 0.15

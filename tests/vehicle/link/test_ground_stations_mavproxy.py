@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +12,7 @@ from flight_replay.logs.read_log import read_log
 from flight_replay.mission import formats
 from flight_replay.mission.items import Home, Mission, change_speed, waypoint
 from flight_replay.simulator.server.launch import run
+from tests.helpers.machine import free_udp_port
 from tests.helpers.mavproxy import ARMED_ON_GROUND, DEADLINE_S, MavProxy
 from tests.helpers.paths import SAMPLE
 from tests.helpers.sim_station import START
@@ -20,17 +20,10 @@ from tests.helpers.sim_station import START
 pytestmark = pytest.mark.mavproxy
 
 
-def free_port() -> int:
-    """A UDP port that nobody listens on."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 def test_a_station_watches_the_whole_replay_and_may_take_over(tmp_path: Path) -> None:
     """MAVProxy hears the vehicle from connecting on, fetches the parameters, and its LOITER counts."""
     pytest.importorskip("MAVProxy")
-    port = free_port()
+    port = free_udp_port()
     station = MavProxy(f"udpin:127.0.0.1:{port}", tmp_path)
     station.expect("Waiting for heartbeat")
     options = ["--tlog", str(SAMPLE), "--sim", "builtin", "--speedup", "5", "--duration", "all"]

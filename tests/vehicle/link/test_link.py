@@ -123,11 +123,10 @@ def test_a_closed_connection_is_reopened(vehicle: Vehicle) -> None:
     link.close()
 
 
-def test_a_link_retries_until_it_is_closed(vehicle: Vehicle) -> None:
-    """While nothing listens the link tries again and again, and can be closed meanwhile."""
+def test_a_link_without_a_vehicle_can_be_closed(vehicle: Vehicle) -> None:
+    """Also while it tries to connect again."""
     link = linked(vehicle)
     vehicle.close()
-    time.sleep(0.1)
     link.send(BEAT)
     link.send(BEAT)
     began_s = time.monotonic()

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from flight_replay.cli.many.log_content import LogContent
+from flight_replay.output.many.result_store import FlightKey
 
 TOPIC = "flight-replay-many"
-FlightKey = tuple[int | None, int | None, int | None]
 
 
 def teller(log: LogContent, flight: FlightKey | None) -> Callable[[], None]:

@@ -6,8 +6,6 @@ import json
 import sys
 import time
 from collections import deque
-from collections.abc import Callable
-from typing import TextIO
 
 from flight_replay.cli.many.many_run import Counts
 from flight_replay.output.console.terminal import is_capable_terminal, write_line, write_verbatim
@@ -22,19 +20,12 @@ _LEAST_S = 1.0
 class RunProgress:
     """Shows a run while it lasts."""
 
-    def __init__(
-        self,
-        *,
-        as_json: bool,
-        quiet: bool,
-        stream: TextIO = sys.stderr,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
-        self._json, self._quiet, self._stream, self._clock = as_json, quiet, stream, clock
-        self._terminal = not as_json and is_capable_terminal(stream)
+    def __init__(self, *, as_json: bool, quiet: bool) -> None:
+        self._json, self._quiet = as_json, quiet
+        self._terminal = not as_json and is_capable_terminal(sys.stderr)
         self._every_s = _PROGRAM_S if as_json else _TERMINAL_S if self._terminal else _FILE_S
-        self._shown_s = clock()
-        self._samples: deque[tuple[float, int, int]] = deque([(clock(), 0, 0)])
+        self._shown_s = time.monotonic()
+        self._samples: deque[tuple[float, int, int]] = deque([(self._shown_s, 0, 0)])
 
     def row(self, row: Row) -> None:
         """A new row: a line for programs."""
@@ -43,7 +34,7 @@ class RunProgress:
 
     def counts(self, counts: Counts) -> None:
         """Show how far the run is, now and then."""
-        now_s = self._clock()
+        now_s = time.monotonic()
         if (self._quiet and not self._json) or now_s - self._shown_s < self._every_s:
             return
         self._shown_s = now_s
@@ -75,13 +66,13 @@ class RunProgress:
         done = f"{counts.logs_done} of {counts.logs} logs, {counts.rows} flights"
         text = f"{done}, {rows_per_s:.1f} flights/s{left}"
         if self._terminal:
-            self._stream.write(f"\r\x1b[K{text}")
-            self._stream.flush()
+            sys.stderr.write(f"\r\x1b[K{text}")
+            sys.stderr.flush()
         else:
-            write_line(self._stream, text)
+            write_line(sys.stderr, text)
 
     def end(self) -> None:
         """Leave the terminal as it was."""
         if self._terminal:
-            self._stream.write("\r\x1b[K")
-            self._stream.flush()
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()

@@ -27,7 +27,7 @@ from flight_replay.cli.many.survey import (
 )
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.many.flight_columns import Row, Status
-from flight_replay.output.many.result_store import ResultStore, flight_key
+from flight_replay.output.many.result_store import FlightKey, ResultStore, flight_key
 from flight_replay.output.many.row_values import clean
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class ManyRun:
     counts: Counts = field(default_factory=Counts)
     _tasks: dict[Any, _Task] = field(default_factory=dict)
     _left: dict[str, int] = field(default_factory=dict)
-    _flying: set[tuple[str, Any]] = field(default_factory=set)
+    _flying: set[tuple[str, FlightKey]] = field(default_factory=set)
     _copies: list[tuple[LogFile, str]] = field(default_factory=list)
     _ready: deque[_Task] = field(default_factory=deque)
     _threads: int = 1
@@ -199,7 +199,7 @@ class ManyRun:
         if not new:
             self._finish_log(log)
 
-    def _is_known(self, sha256: str, key: Any) -> bool:
+    def _is_known(self, sha256: str, key: FlightKey) -> bool:
         """Whether a flight of that content is done, or is being done now, under whatever path."""
         return self.store.has_flight(sha256, key) or (sha256, key) in self._flying
 

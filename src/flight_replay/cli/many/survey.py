@@ -16,6 +16,7 @@ from flight_replay.logs.flights import find_flights
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.vehicles import VehicleId
 from flight_replay.output.many.flight_columns import Status
+from flight_replay.output.many.result_store import FlightKey
 from flight_replay.output.many.row_values import Values, clean, doubt_values, recording_values
 from flight_replay.planning.doubts import doubts
 
@@ -34,7 +35,7 @@ class FoundFlight:
     several: bool
 
     @property
-    def key(self) -> tuple[int | None, int | None, int | None]:
+    def key(self) -> FlightKey:
         """What tells it from other flights of the log."""
         return self.system, self.component, self.number
 

@@ -59,7 +59,6 @@ class RecordFormat:
     ``dtype`` is None where the columns do not add up to the length, so that only the length counts.
     """
 
-    type: int
     length: int
     name: str
     columns: tuple[str, ...]
@@ -80,7 +79,7 @@ def record_format(fmt: bytes) -> RecordFormat:
         for column, letter in zip(names, letters, strict=False)
         if (divisor := _LETTERS.get(letter, ("", None))[1]) is not None
     }
-    return RecordFormat(fmt[3], fmt[4], name, names, dtype, divisors)
+    return RecordFormat(fmt[4], name, names, dtype, divisors)
 
 
 def _dtype(names: tuple[str, ...], letters: str, length: int) -> np.dtype[Any] | None:

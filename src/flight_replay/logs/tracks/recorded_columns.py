@@ -17,6 +17,7 @@ from flight_replay.logs.tracks.point_times import are_times
 from flight_replay.logs.tracks.track_points import TrackPoints
 from flight_replay.logs.tracks.track_recording import (
     TrackFile,
+    boots_from_0,
     nothing_usable,
     plausible_heights_m,
     track_recording,
@@ -53,12 +54,13 @@ def columns_recording(
     usable = usable_fixes(replace(track, boot=np.maximum.accumulate(track.boot)))
     if not len(usable.track):
         raise LogError(nothing_usable(file, usable.why_none()))
+    track = replace(usable.track, boot=boots_from_0(usable.track.boot))
     utc = [] if utc_s is None else utc_s[order][time_s[order] >= usable.track.time_s[0]][:1]
     return Recording(
         path=file.name,
         format=file.format,
         bytes=file.bytes,
-        track=with_heights_above_home(with_derived_velocity(_renumbered(usable.track))),
+        track=with_heights_above_home(with_derived_velocity(track)),
         without_position=usable.without_position,
         rejected=usable.rejected,
         start_utc_s=float(utc[0]) if len(utc) and np.isfinite(utc[0]) else None,
@@ -111,8 +113,3 @@ def _points(known: Mapping[str, Floats], boot: Indices) -> TrackPoints:
     return TrackPoints(
         **columns, utc_s=unknown, north_m_s=unknown, east_m_s=unknown, track=boot, segment=boot
     )
-
-
-def _renumbered(track: Track) -> Track:
-    """The track with its boots numbered from 0."""
-    return replace(track, boot=np.unique(track.boot, return_inverse=True)[1].astype(np.int32))

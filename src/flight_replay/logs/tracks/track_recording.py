@@ -13,6 +13,7 @@ from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.derived_velocity import with_derived_velocity
 from flight_replay.logs.heights_above_home import with_heights_above_home
+from flight_replay.logs.plausibility import FASTEST_M_S
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import UNTIMED_SPEED_M_S, Armed, Track, track_from_columns
 from flight_replay.logs.tracks.point_times import (
@@ -26,7 +27,6 @@ from flight_replay.logs.usable_fixes import UsableFixes, usable_fixes
 
 _LONGEST_STEP_M = 10_000.0
 """Points of an untimed line that are farther apart are no flight of a multicopter."""
-_PLAUSIBLE_SPEED_M_S = 60.0  # of ``plausibility``, which judges by times
 _LOWEST_M, _HIGHEST_M = -500.0, 20_000.0
 _HEIGHT_SLACK_M, _STEEPEST_M_S = 50.0, 30.0
 """A height that no multicopter can have climbed to from the ones beside it, nor descended from."""
@@ -87,7 +87,7 @@ def nothing_usable(file: TrackFile, why: str) -> str:
 def _judged(ordered: OrderedPoints, *, timed: bool) -> UsableFixes:
     """The plausible points, their times still Unix times, their heights above home as the file tells."""
     points = ordered.points
-    by_index_s = np.arange(len(points)) * (_LONGEST_STEP_M / _PLAUSIBLE_SPEED_M_S)
+    by_index_s = np.arange(len(points)) * (_LONGEST_STEP_M / FASTEST_M_S)
     time_s = np.asarray(points.utc_s if timed else by_index_s, float)
     climbing_s = np.asarray(time_s if timed else np.arange(len(points)) * _LONGEST_CLIMB_S, float)
     track = track_from_columns(
@@ -106,13 +106,13 @@ def _judged(ordered: OrderedPoints, *, timed: bool) -> UsableFixes:
 def _velocity_m_s(points: TrackPoints) -> Floats:
     """Velocities north, east and up (n, 3), of which files tell the first two at most."""
     velocity = np.column_stack([points.north_m_s, points.east_m_s, np.full(len(points), np.nan)])
-    velocity[~(np.hypot(*velocity.T[:2]) <= _PLAUSIBLE_SPEED_M_S)] = np.nan
+    velocity[~(np.hypot(*velocity.T[:2]) <= FASTEST_M_S)] = np.nan
     return velocity
 
 
 def _timed(track: Track) -> Track:
     """The track with its clock from 0, with velocities, and heights above home in place of those unknown."""
-    track = replace(track, time_s=track.time_s - track.time_s[0], boot=_numbered(track.boot))
+    track = replace(track, time_s=track.time_s - track.time_s[0], boot=boots_from_0(track.boot))
     climbing = replace(track, alt_m=np.where(np.isfinite(track.alt_m), track.alt_m, track.amsl_m))
     moving = with_derived_velocity(_without_wrong_velocity(climbing))
     return with_heights_above_home(replace(moving, alt_m=track.alt_m))
@@ -135,11 +135,11 @@ def _untimed(track: Track) -> Track:
     """The track as flown at one speed, armed all along, with heights above home in place of those unknown."""
     along_s = np.append(0.0, np.cumsum(track.steps_m)) / UNTIMED_SPEED_M_S
     armed = np.full(len(track), Armed.YES, np.int8)
-    track = replace(track, time_s=along_s, boot=_numbered(track.boot), armed=armed, timed=False)
+    track = replace(track, time_s=along_s, boot=boots_from_0(track.boot), armed=armed, timed=False)
     return with_heights_above_home(track)
 
 
-def _numbered(boot: NDArray[np.int32]) -> NDArray[np.int32]:
+def boots_from_0(boot: NDArray[np.int32]) -> NDArray[np.int32]:
     """Boots (n,) numbered from 0 without those of which nothing is left."""
     return np.unique(boot, return_inverse=True)[1].astype(np.int32)
 

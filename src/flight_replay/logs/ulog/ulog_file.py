@@ -17,7 +17,6 @@ from flight_replay.logs.byte_source import OpenLog, Progress, contents
 if TYPE_CHECKING:
     from pyulog.core import ULog
 
-MARKS = b"ULog\x01\x12\x35"
 _MOST_BUFFERED = 512 << 20
 """pyulog needs a file to move in: what comes through a pipe or out of gzip is kept in memory."""
 _MOST_FIELDS = 4096

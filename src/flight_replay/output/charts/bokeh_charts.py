@@ -25,6 +25,7 @@ from flight_replay.output.charts.series import (
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 LABEL_GAP_SHARE = 0.14
 """Least distance between two waypoint numbers, as a share of the map's longer side."""
+_TIME_CHART_HEIGHT = 220
 _MARGIN_SHARE = 0.16  # Waypoint numbers stand outside the path, on narrow screens too.
 _LABEL_OFFSET_PX = 13
 _LEGEND_COLUMNS = 2  # More do not fit a telephone.
@@ -137,9 +138,9 @@ def _add_waypoints(chart: figure, series: ReplaySeries) -> None:
     )
 
 
-def label_indices(points_m: Floats, gap_share: float = LABEL_GAP_SHARE) -> list[int]:
+def label_indices(points_m: Floats) -> list[int]:
     """Indices of the points (n, 2) to label so that no two labels overlap; the first is always included."""
-    gap_m = max(gap_share * float(np.ptp(points_m, axis=0).max()), 1e-9)
+    gap_m = max(LABEL_GAP_SHARE * float(np.ptp(points_m, axis=0).max()), 1e-9)
     chosen: list[int] = []
     for n, point in enumerate(points_m):
         if not chosen or np.linalg.norm(points_m[chosen] - point, axis=1).min() >= gap_m:
@@ -156,13 +157,11 @@ def left_of_path(points_m: Floats) -> Floats:
     return np.where(length[:, None] > 0, left / np.maximum(length, 1e-9)[:, None], [1.0, 0.0])
 
 
-def time_chart(
-    title: str, x_label: str, y_label: str, *, x_range: Range | None = None, height: int = 220
-) -> figure:
+def time_chart(title: str, x_label: str, y_label: str, *, x_range: Range | None = None) -> figure:
     """An empty chart over time; charts that are given the same ``x_range`` zoom together."""
     chart = figure(
         title=title,
-        height=height,
+        height=_TIME_CHART_HEIGHT,
         x_axis_label=x_label,
         y_axis_label=y_label,
         tools=TOOLS,

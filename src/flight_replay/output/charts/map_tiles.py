@@ -37,7 +37,7 @@ def probe(host: str = HOST, port: int = 443) -> threading.Event:
     return answered
 
 
-def tile_source(frame: LocalFrame, url: str = URL) -> WMTSTileSource:
+def tile_source(frame: LocalFrame) -> WMTSTileSource:
     """OpenStreetMap's tiles in metres east and north of the frame's origin."""
     lat, lon = math.radians(frame.lat_deg), math.radians(frame.lon_deg)
     scale = math.cos(lat)
@@ -45,7 +45,7 @@ def tile_source(frame: LocalFrame, url: str = URL) -> WMTSTileSource:
     x_m = EQUATORIAL_RADIUS_M * lon
     y_m = EQUATORIAL_RADIUS_M * math.asinh(math.tan(lat))
     return WMTSTileSource(
-        url=url,
+        url=URL,
         attribution=ATTRIBUTION,
         tile_size=_TILE_PX,
         max_zoom=_MAX_ZOOM,

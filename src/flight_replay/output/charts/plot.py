@@ -19,6 +19,7 @@ from flight_replay.output.charts.series import (
     LINE_COLOURS,
     PLANNED_COLOUR,
     PREDICTED_COLOUR,
+    SMALLEST_RANGE,
     ErrorSeries,
     PathErrorSeries,
     ReplaySeries,
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".svg", ".pdf")
 _PAGE_IN = (7.2, 11.4)
 _PNG_DOTS_PER_IN = 150
-_SMALLEST_RANGE = 0.1  # Metres or degrees: millimetres must not look like much.
 _STYLE: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -146,7 +146,7 @@ def _draw_error(
             axes.plot(error.time_s[shown], error.error[shown], color=colour, linewidth=width)
             axes.set_title(f"{title}\n{statistics_text(error.statistics, unit)}")
     axes.set_ylabel(f"error ({unit})")
-    axes.set_ylim(top=max(axes.get_ylim()[1], _SMALLEST_RANGE))
+    axes.set_ylim(top=max(axes.get_ylim()[1], SMALLEST_RANGE))
 
 
 def _draw_map(axes: Axes, series: ReplaySeries) -> None:

@@ -12,20 +12,20 @@ from importlib.resources import files
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.logs.log_formats import format_title
 from flight_replay.mission.formats.item_text import description
 from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
 from flight_replay.output.charts.series import (
     FLOWN_COLOUR,
+    SMALLEST_RANGE,
     ErrorSeries,
     PathErrorSeries,
     ReplaySeries,
-    flown_start_s,
     replay_series,
 )
 from flight_replay.output.event_log import LoggedEvent
-from flight_replay.output.outcome import Outcome
+from flight_replay.output.outcome import Outcome, flown_start_s
 from flight_replay.output.result_text import duration_text, statistics_text
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from bokeh.models import Range
 
 SUFFIXES = (".html", ".htm")
-_SMALLEST_RANGE = 0.1  # Metres or degrees: millimetres must not look like much.
 Summary = Mapping[str, Any]
 _SUMMARIES = {
     None: "Plan only: nothing was flown.",
@@ -160,8 +159,8 @@ def _error_charts(series: ReplaySeries) -> list[Model]:
             continue
         chart = time_chart(title, series.time_label, y_label, x_range=x_range)
         x_range = chart.x_range
-        if max(each.statistics.max for each in (planned, flown) if each is not None) < _SMALLEST_RANGE:
-            chart.y_range = Range1d(start=0, end=_SMALLEST_RANGE)
+        if max(each.statistics.max for each in (planned, flown) if each is not None) < SMALLEST_RANGE:
+            chart.y_range = Range1d(start=0, end=SMALLEST_RANGE)
         end_s = math.inf if flown is None else flown.time_s[-1]
         lines = (("planned", planned), ("flown", flown))
         if series.flown is None:

@@ -13,11 +13,11 @@ from itertools import pairwise
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
-from flight_replay.geometry.distances import ErrorStatistics
+from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import Errors, FlightErrors, PathErrors
 from flight_replay.logs.track import Track
 from flight_replay.mission.path import destinations, path_through
-from flight_replay.output.outcome import Outcome, followed_part
+from flight_replay.output.outcome import Outcome, flown_start_s, followed_part
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 
@@ -38,6 +38,8 @@ CURVE_TOLERANCE_M = 0.05
 """Largest distance between a spline leg and the line segments that are drawn for it."""
 MAX_CHART_POINTS = 4000
 """Most points of a line in a chart."""
+SMALLEST_RANGE = 0.1
+"""Of an axis of errors, metres or degrees: millimetres must not look like much."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,9 +85,9 @@ class ReplaySeries:
 
     ``recording`` is all of the recorded flight, ``recorded`` what of it was flown again, or is
     planned to be. ``planned_height`` holds times and heights above home that the plan asks for,
-    ``predicted`` is where the model flies it, with ``predicted_error``; ``home_m`` is (north, east).
-    ``reached`` holds (time, planned altitude) of each waypoint reached. ``time_label`` is what charts over
-    time say of their time.
+    ``predicted`` is where the model flies it, with ``predicted_error``, ``flown`` the flight, with
+    ``flown_error``; ``home_m`` is (north, east). ``reached`` holds (time, planned altitude) of each waypoint
+    reached. ``time_label`` is what charts over time say of their time.
     """
 
     recording: TrackSeries
@@ -100,10 +102,7 @@ class ReplaySeries:
     predicted: TrackSeries | None = None
     predicted_error: FlightErrorSeries = FlightErrorSeries()
     flown: TrackSeries | None = None
-    path_error: PathErrorSeries | None = None
-    position_error: ErrorSeries | None = None
-    height_error: ErrorSeries | None = None
-    heading_error: ErrorSeries | None = None
+    flown_error: FlightErrorSeries = FlightErrorSeries()
     reached: tuple[tuple[float, float], ...] = ()
 
     @property
@@ -114,9 +113,7 @@ class ReplaySeries:
     @property
     def shown_error(self) -> FlightErrorSeries:
         """The errors that were flown, or else those that are predicted."""
-        if self.flown is None:
-            return self.predicted_error
-        return FlightErrorSeries(self.path_error, self.position_error, self.height_error, self.heading_error)
+        return self.predicted_error if self.flown is None else self.flown_error
 
     @property
     def recorded_lines(self) -> tuple[tuple[str, TrackSeries], ...]:
@@ -156,18 +153,7 @@ def replay_series(
     if record is not None:
         flown = _flown_series(route, record) if len(record.flown) else None
         series = replace(series, flown=flown, reached=_reached(route, record))
-    return series if outcome is None else _with_errors(series, outcome.errors)
-
-
-def _with_errors(series: ReplaySeries, errors: FlightErrors) -> ReplaySeries:
-    shown = _flight_error_series(errors)
-    return replace(
-        series,
-        path_error=shown.path,
-        position_error=shown.position,
-        height_error=shown.height,
-        heading_error=shown.heading,
-    )
+    return series if outcome is None else replace(series, flown_error=_flight_error_series(outcome.errors))
 
 
 def _flight_error_series(errors: FlightErrors | None) -> FlightErrorSeries:
@@ -206,11 +192,6 @@ def time_label(route: Route) -> str:
     return (
         "time of the recording (s)" if route.pace == 1.0 else f"time of the recording at {route.pace:g}x (s)"
     )
-
-
-def flown_start_s(route: Route, record: FlightRecord) -> float:
-    """The vehicle's time when it reached the first waypoint, or when AUTO began if it never did."""
-    return dict(record.reached).get(route.mission.waypoints[0][0], record.auto_start_s)
 
 
 def _flown_series(route: Route, record: FlightRecord) -> TrackSeries:
@@ -271,9 +252,9 @@ def thin_indices(n: int, most: int = MAX_CHART_POINTS) -> Indices:
     return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(np.intp))
 
 
-def peak_indices(values: Floats, most: int = MAX_CHART_POINTS) -> Indices:
-    """At most ``most`` indices: that of the highest value in each of ``most`` equal parts."""
-    if len(values) <= most:
+def peak_indices(values: Floats) -> Indices:
+    """At most ``MAX_CHART_POINTS`` indices: that of the highest value in each of so many equal parts."""
+    if len(values) <= MAX_CHART_POINTS:
         return np.arange(len(values))
-    edges = np.linspace(0, len(values), most + 1).astype(np.intp)
+    edges = np.linspace(0, len(values), MAX_CHART_POINTS + 1).astype(np.intp)
     return np.array([a + int(np.argmax(values[a:b])) for a, b in pairwise(edges)])

@@ -13,6 +13,7 @@ from flight_replay.output.many.flight_columns import ERRORS, GOOD, Row, error_co
 _COMPARED = ("mean", "p95")  # One position decides a maximum: it differs from flight to flight.
 _DEG_PER_M = 10.0
 """A tolerance of 0.2 m is one of 2 degrees."""
+_MOST_LINES = 20
 _Flight = tuple[str, int | None, int | None, int | None]
 
 
@@ -150,7 +151,7 @@ _NEEDED = frozenset(
 }
 
 
-def comparison_lines(comparison: FleetComparison, most: int = 20) -> list[str]:
+def comparison_lines(comparison: FleetComparison) -> list[str]:
     """The comparison for people: the worst first."""
     worse, better = comparison.worse, comparison.better
     lines = [
@@ -160,9 +161,9 @@ def comparison_lines(comparison: FleetComparison, most: int = 20) -> list[str]:
     for title, changes in (("Worse", worse), ("Better", better)):
         if changes:
             lines.append(f" {title}:")
-            lines += [f"  {each.flight}: {each.text}" for each in changes[:most]]
-            if len(changes) > most:
-                lines.append(f"  and {len(changes) - most} more")
+            lines += [f"  {each.flight}: {each.text}" for each in changes[:_MOST_LINES]]
+            if len(changes) > _MOST_LINES:
+                lines.append(f"  and {len(changes) - _MOST_LINES} more")
     return lines
 
 

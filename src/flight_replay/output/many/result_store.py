@@ -108,11 +108,6 @@ class ResultStore:
             and done.rows == done.of_rows
         )
 
-    def is_at(self, path: str, sha256: str) -> bool:
-        """Whether the log at a path, of that content, has rows."""
-        done = self._index.paths.get(path)
-        return done is not None and done.sha256 == sha256 and done.rows > 0
-
     def has_flight(self, sha256: str, flight: FlightKey) -> bool:
         """Whether a flight of a log of that content is done, wherever the log was."""
         return flight in self._index.flights.get(sha256, ())

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from flight_replay.output.many.flight_columns import BOTH_WAYS, COLUMN_OF, ERRORS, Status, error_column
 
 if TYPE_CHECKING:
-    from flight_replay.geometry.distances import ErrorStatistics
+    from flight_replay.geometry.error_statistics import ErrorStatistics
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
     from flight_replay.logs.flights import Flight
     from flight_replay.logs.recording import Recording

@@ -10,7 +10,6 @@ from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.items import (
-    FIRST_SEQ,
     Home,
     Mission,
     MissionItem,
@@ -75,13 +74,6 @@ class Draft:
             )
         return Mission(tuple(items), Home(frame.lat_deg, frame.lon_deg, 0.0))
 
-    @property
-    def seqs(self) -> list[int]:
-        """Sequence number on board of every place."""
-        asked = np.isfinite(self.speed_m_s)
-        first = FIRST_SEQ + int(asked[0])  # A speed from the start comes with a wait.
-        return [int(number) for number in first + np.arange(len(self)) + np.cumsum(asked)]
-
     def as_items_hold_it(self, frame: FlatFrame) -> Draft:
         """The draft with its places at degrees to 1e-7, in steps of a centimetre; itself if they are there.
 
@@ -94,21 +86,20 @@ class Draft:
         held = replace(self, places_m=places_m)
         return self if np.array_equal(held.places_m, self.places_m) else held
 
+    def select(self, which: slice | Flags) -> Draft:
+        """The places that a slice or a mask picks."""
+        return Draft(self.places_m[which], self.spline[which], self.hold_s[which], self.speed_m_s[which])
+
     def part(self, first: int, end: int) -> Draft:
         """The places from ``first`` up to below ``end``."""
-        return Draft(
-            self.places_m[first:end],
-            self.spline[first:end],
-            self.hold_s[first:end],
-            self.speed_m_s[first:end],
-        )
+        return self.select(slice(first, end))
 
     def path(self, tolerance_m: float) -> Path:
         """The planned path; ``seq`` of its points is the index of the place that they lead to."""
         halts = self.halts
         return path_through(
             [
-                Destination(i, place, bool(self.spline[i]), float(self.hold_s[i]), bool(halts[i]))
+                Destination(i, place, bool(self.spline[i]), bool(halts[i]))
                 for i, place in enumerate(self.places_m)
             ],
             tolerance_m=tolerance_m,

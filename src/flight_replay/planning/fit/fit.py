@@ -8,15 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from flight_replay.exceptions import LogError
-from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import (
-    ErrorStatistics,
-    error_statistics,
-    path_errors_m,
-    position_errors_m,
-)
 from flight_replay.logs.track import Track
-from flight_replay.mission.path import planned_path
 from flight_replay.planning.altitude import FLOOR_M, RECORDED, Recorded, home_of
 from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.first_drafts.line_simplification import (
@@ -97,7 +89,7 @@ def fit(  # noqa: PLR0913
     budget = _budget(problem, len(flown), progress)
     best, stopped = search(problem, starts, max_points, budget)
     notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
-    return _result(best, flown, recording, heights, notes)
+    return _result(best, flown, heights, notes)
 
 
 def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed: bool) -> FitProblem:
@@ -143,33 +135,13 @@ def _starts(problem: FitProblem, recording: LocalTrack, max_points: int) -> list
     return [*selected, FirstDraft(corners, {})]
 
 
-def _result(
-    best: Evaluation, flown: Track, recording: LocalTrack, heights: Heights, notes: tuple[str, ...]
-) -> FitResult:
-    """The answer, its errors measured against every fix, in ground metres."""
-    flat, frame = flat_frame(flown), flown.frame
-    mission = best.draft.mission(flat).with_home(home_of(flown))
-    path = planned_path(mission, frame)
-    fixes_m = flown.north_east_m(frame)
-    air = best.flight
-    air_m = frame.to_metres(*flat.to_degrees(air.place_m[:, :2]))
+def _result(best: Evaluation, flown: Track, heights: Heights, notes: tuple[str, ...]) -> FitResult:
     return FitResult(
-        mission=mission,
+        mission=best.draft.mission(flat_frame(flown)).with_home(home_of(flown)),
         flown=flown,
         heights=heights,
-        frame=frame,
-        planned_error=_statistics(path_errors_m(fixes_m, path.north_east_m)),
-        path_error=_statistics(path_errors_m(fixes_m, air_m)),
-        position_error=_statistics(position_errors_m(recording.time_s, fixes_m, air.time_s, air_m)),
+        flight=best.flight,
         predicted_duration_s=float(best.passed_s[-1]),
         objective_m=best.objective_m,
-        time_s=air.time_s,
-        place_m=np.column_stack([air_m, air.place_m[:, 2]]),
         notes=notes,
     )
-
-
-def _statistics(distances_m: Floats) -> ErrorStatistics:
-    found = error_statistics(distances_m)
-    assert found is not None, "a recording has fixes"
-    return found

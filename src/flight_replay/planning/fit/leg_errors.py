@@ -30,7 +30,7 @@ _MOST_ROUNDS = 10
 
 
 def without_errors(problem: FitProblem, best: Evaluation) -> Evaluation:
-    """Of the drafts like ``best`` on which there is no error the best; itself where there is none such."""
+    """The best draft near ``best`` without such an error; ``best`` itself if none is found."""
     fine = replace(problem, step_s=min(problem.exact.step_s, _STEP_S))
     found = best if fine.step_s == problem.exact.step_s else fine.evaluate(best.draft)
     if not found.flight.has_error:
@@ -73,9 +73,4 @@ def _changes(evaluation: Evaluation, short_m: float) -> Iterator[tuple[Draft, Fl
         yield replace(draft, spline=curved), leave_s
         yield replace(draft, hold_s=waits), leave_s
         if place < len(draft) - 1:
-            yield _left_out(draft, place), np.delete(leave_s, place)
-
-
-def _left_out(draft: Draft, place: int) -> Draft:
-    kept = np.arange(len(draft)) != place
-    return Draft(draft.places_m[kept], draft.spline[kept], draft.hold_s[kept], draft.speed_m_s[kept])
+            yield draft.select(np.arange(len(draft)) != place), np.delete(leave_s, place)

@@ -6,18 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.distances import ErrorStatistics
-from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
+from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 from flight_replay.planning.heights import Heights
+from flight_replay.planning.stretches import worst_stretches
 
 MIN_LAG_M = 5.0
 """Nearer behind than this is keeping up."""
-_MOST_STRETCHES = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,25 +23,17 @@ class FitResult:
     """A fitted mission.
 
     ``flown`` is the part of the log that it follows, the clock running on from flight to flight,
-    ``heights`` those of its fixes.
-    ``planned_error`` is its path error as planned, ``path_error`` and ``position_error`` are those
-    of the predicted flight; ``predicted_duration_s`` runs from reaching
-    the first waypoint to the end. ``time_s`` (k,), from reaching the first waypoint, and ``place_m`` (k, 3),
-    north, east of ``frame``'s origin and up, are the predicted flight. ``notes`` are sentences for
-    a person; ``objective_m`` is what the fit made small, see ``objective``.
+    ``heights`` those of its fixes. ``flight`` is the predicted one, in the metres of ``flat_frame(flown)``;
+    ``predicted_duration_s`` runs from reaching the first waypoint to the end. ``notes`` are sentences for a
+    person; ``objective_m`` is what the fit made small, see ``objective``.
     """
 
     mission: Mission
     flown: Track
     heights: Heights
-    frame: LocalFrame
-    planned_error: ErrorStatistics
-    path_error: ErrorStatistics
-    position_error: ErrorStatistics
+    flight: SimulatedDraft
     predicted_duration_s: float
     objective_m: float
-    time_s: Floats
-    place_m: Floats
     notes: tuple[str, ...]
 
 
@@ -58,14 +48,8 @@ def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
         return ()
     recorded_s = problem.recording.time_s
     behind_m = np.where(best.flown_s > recorded_s, best.late_m, 0.0)
-    lags = np.concatenate([[0], (behind_m > MIN_LAG_M).astype(int), [0]])
-    begins, ends = np.flatnonzero(np.diff(lags) == 1), np.flatnonzero(np.diff(lags) == -1)
-    stretches = [
-        (float(behind_m[begin:end].max()), float(recorded_s[begin]), float(recorded_s[end - 1]))
-        for begin, end in zip(begins, ends, strict=True)
-    ]
-    if not stretches:
+    lags = behind_m > MIN_LAG_M
+    if not lags.any():
         return ()
-    worst = sorted(sorted(stretches, reverse=True)[:_MOST_STRETCHES], key=lambda stretch: stretch[1])
-    told = ", ".join(f"{most:.0f} m from {begin:.0f} to {end:.0f} s" for most, begin, end in worst)
+    told = worst_stretches(lags, behind_m, recorded_s, 0)
     return (f"The vehicle cannot keep up everywhere: it is expected to be behind by up to {told}.",)

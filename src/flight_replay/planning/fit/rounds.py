@@ -89,7 +89,7 @@ def rounded(problem: FitProblem, state: State, budget: Budget) -> State:
     """After the places were moved at the speeds there are, and the speeds set anew if they are to be kept."""
     fly = partial(flown, problem, budget=budget)
     nearer = shaped(problem, state.best, state.hovers, _PATH_STEPS, fly)
-    again = timed(problem, nearer.draft, state.hovers, budget) if problem.timed else nearer
+    again = flown_on_schedule(problem, nearer.draft, state.hovers, budget) if problem.timed else nearer
     return replace(state, best=better(state.best, nearer, again))
 
 
@@ -117,7 +117,9 @@ def flown(problem: FitProblem, draft: Draft, budget: Budget) -> Evaluation:
     return problem.evaluate(draft)
 
 
-def timed(problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: Budget) -> Evaluation:
+def flown_on_schedule(
+    problem: FitProblem, draft: Draft, hovers: dict[int, Hover], budget: Budget
+) -> Evaluation:
     """A draft evaluated with the speeds and waits that keep it nearest to the recording's times."""
     if len(draft) < 2:
         return flown(problem, draft, budget)

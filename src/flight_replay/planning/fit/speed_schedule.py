@@ -94,7 +94,7 @@ def leg_lengths_m(draft: Draft) -> Floats:
 
 
 def speed_caps_m_s(planned: Offsets, legs: int, recording: LocalTrack) -> Floats:
-    """Highest speed worth asking for on each of the legs (n,): half as fast again as recorded there.
+    """Highest speed to ask for on each leg (n,): 1.4 times the recorded one and 1 m/s more, within bounds.
 
     Args:
         planned: where the planned path has the fixes.

@@ -15,9 +15,9 @@ from flight_replay.planning.fit.rounds import (
     TIMED_FLIGHTS,
     WORTH_GOING_ON,
     State,
+    flown_on_schedule,
     hopeful,
     rounded,
-    timed,
 )
 from flight_replay.planning.fit.steps.joint_steps import JOINT_FLIGHTS, stepped
 
@@ -39,7 +39,7 @@ def _rounded(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> l
     for start in starts:
         some_stay_up = any(state.best.flight.stays_up for state in states)
         if not some_stay_up or budget.affords(_BEGINNING_FLIGHTS):
-            on_time = timed(problem, start.draft, start.hovers, budget)
+            on_time = flown_on_schedule(problem, start.draft, start.hovers, budget)
             states.append(State(on_time, start.hovers))
     rounds: list[State] = []
     for state in hopeful(states):
@@ -61,7 +61,7 @@ def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:
     state = stepped(problem, state, budget)
     while budget.affords(TIMED_FLIGHTS + JOINT_FLIGHTS):
         before_m = state.objective_m
-        on_time = timed(problem.exact, state.best.draft, state.hovers, budget)
+        on_time = flown_on_schedule(problem.exact, state.best.draft, state.hovers, budget)
         anew = replace(state, best=on_time, damping=FIRST_DAMPING)
         state = min(state, stepped(problem, anew, budget), key=lambda each: each.objective_m)
         if state.objective_m > (1 - WORTH_GOING_ON) * before_m:

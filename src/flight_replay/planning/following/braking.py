@@ -24,9 +24,9 @@ _NOT_PULLED = 16 | 32
 def braking_within(tuning: Tuning, limits: Limits) -> Tuning:
     """The tuning of a firmware whose targets brake, with the braking that a vehicle's limits allow.
 
-    A target pulls in proportion to its velocity, by ``gain``, and to its distance, by half of the square of
-    that, up to the largest correction (shape_pos_vel_accel_xy and shape_vel_accel_xy of control.cpp). What
-    it pulls with at its distance makes up for its braking and for its lower velocity.
+    A target pulls in proportion to its velocity, by ``gain_per_s``, and to its distance, by half of the
+    square of that, up to the largest correction (shape_pos_vel_accel_xy and shape_vel_accel_xy of
+    control.cpp). What it pulls with at its distance makes up for its braking and for its lower velocity.
     """
     gain_per_s = limits.correction_jerk_m_s3 / limits.wp_accel_m_s2 if limits.wp_accel_m_s2 > 0 else 0.0
     not_pulled = gain_per_s <= 0.0 or bool(int(limits.guided_options) & _NOT_PULLED)

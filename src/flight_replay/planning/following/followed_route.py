@@ -167,8 +167,7 @@ def _path(reference: ReferenceMotion, track: Track, recorded_s: float) -> Path:
     times_s = np.linspace(0.0, recorded_s, max(int(np.ceil(recorded_s / _PATH_STEP_S)), 1) + 1)
     places_m = reference.positions_m(times_s)
     ground_m = track.frame.to_metres(*reference.frame.to_degrees(places_m[:, :2]))
-    n = len(times_s)
-    return Path(ground_m, places_m[:, 2], np.full(n, FIRST_SEQ, np.intp), np.zeros(n))
+    return Path(ground_m, places_m[:, 2], np.full(len(times_s), FIRST_SEQ, np.intp))
 
 
 def _outline(reference: ReferenceMotion, track: Track) -> Mission:

@@ -13,6 +13,7 @@ from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Mission, MissionItem, face
 from flight_replay.mission.path import planned_path
+from flight_replay.planning.duration import LONGEST_SIMULATED_M
 from flight_replay.planning.heading.legs import PredictedFlight, legs_of
 from flight_replay.planning.heading.turn_choice import LegItems, best_items
 from flight_replay.planning.heading.turns import Response
@@ -23,7 +24,6 @@ WORTH_DEG_S = 4.0
 """An item must lower the error by this: 2 degrees, within which ArduCopter is there, for 2 s."""
 MEMORIES = (302, 649, 1305)
 """Items besides home on boards with 15, 16 (SITL too) and 32 KB of storage (StorageManager.cpp)."""
-_LONGEST_SIMULATED_M = 50_000.0
 _PASSES = 3
 _SHIFT_COST_DEG_S = 20.0
 """A vehicle that is late turns late, too: by the rate at which copters are mostly turned."""
@@ -43,7 +43,7 @@ def with_recorded_headings(route: Route, limits: Limits, takeoff_m: float, *, ti
     """
     if not np.isfinite(route.wanted.heading_deg).any():
         return _with_note(route, "The log has no heading; the vehicle turns its own way.")
-    if route.path.length_m > _LONGEST_SIMULATED_M:
+    if route.path.length_m > LONGEST_SIMULATED_M:
         return _with_note(route, "The route is too long to plan headings; the vehicle turns its own way.")
     try:
         mission = _turned(route, limits, takeoff_m, timed=timed)

@@ -1,7 +1,7 @@
 """The autopilot: modes, arming, home and status texts; no I/O, and no clock but the vehicle's.
 
 Time passes only in ``step``; what happens on board is reported to ``observers``. The behaviour is
-ArduCopter 4.6's; the flight itself is ``flight_model``'s.
+ArduCopter 4.6's; the flight itself is ``commanded_copter``'s.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from flight_replay.events import Severity
 from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot.arming import Arming
 from flight_replay.simulator.autopilot.battery import Battery
+from flight_replay.simulator.autopilot.commanded_copter import CommandedCopter
 from flight_replay.simulator.autopilot.context import AutopilotObserver
 from flight_replay.simulator.autopilot.ekf_frame import EkfFrame
 from flight_replay.simulator.autopilot.failsafes import Failsafes
 from flight_replay.simulator.autopilot.fault_script import FaultScript
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.flight_model import FlightModel
 from flight_replay.simulator.autopilot.location import HomeLocation, Location, Start
 from flight_replay.simulator.autopilot.mission_control import MissionControl
 from flight_replay.simulator.autopilot.mode_switch import ModeSwitch
@@ -65,7 +65,7 @@ class Autopilot:
         self.ekf_frame = EkfFrame(at)
         self.sensors = Sensors()
         self.battery = Battery(self.parameters)
-        self.flight = FlightModel(
+        self.flight = CommandedCopter(
             self.parameters,
             at,
             takeoff_climbs=self.faults.takeoff_climbs,

@@ -10,9 +10,9 @@ from typing import Protocol
 from flight_replay.events import Severity
 from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.autopilot.battery import Battery
+from flight_replay.simulator.autopilot.commanded_copter import CommandedCopter
 from flight_replay.simulator.autopilot.ekf_frame import EkfFrame
 from flight_replay.simulator.autopilot.faults import Faults
-from flight_replay.simulator.autopilot.flight_model import FlightModel
 from flight_replay.simulator.autopilot.location import HomeLocation
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from flight_replay.simulator.autopilot.sensors import Sensors
@@ -29,7 +29,7 @@ class AutopilotContext(Protocol):
     ekf_frame: EkfFrame
     sensors: Sensors
     battery: Battery
-    flight: FlightModel
+    flight: CommandedCopter
 
     @property
     def time_s(self) -> float:

@@ -11,7 +11,7 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.mission.items import FIRST_SEQ, Mission
+from flight_replay.mission.items import FIRST_SEQ, TAKEOFF_REACHED_SHARE, Mission
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import STEP_S, Copter
@@ -19,8 +19,6 @@ from flight_replay.simulator.mission.local_items import LocalItem, local_items
 
 # Longer than batteries last: a mission that does not end by then never will.
 _LONGEST_S = 14_400.0
-# GUIDED hands over to AUTO at this share of the take-off altitude, as DroneKit's example does.
-_HIGH_ENOUGH = 0.95
 
 
 class EndlessMissionError(MissionError):
@@ -145,7 +143,6 @@ def simulate(  # noqa: PLR0913
     *,
     start_m: Vector | None = None,
     velocity_m_s: Vector = (0.0, 0.0, 0.0),
-    yaw_rad: float = 0.0,
     wind_m_s: Vector = (0.0, 0.0, 0.0),
     start_seq: int = FIRST_SEQ,
     step_s: float = STEP_S,
@@ -157,7 +154,6 @@ def simulate(  # noqa: PLR0913
         limits: what the vehicle's parameters allow.
         start_m: position when AUTO begins; above home at the first item's altitude if None.
         velocity_m_s: velocity when AUTO begins, north, east, up.
-        yaw_rad: heading when AUTO begins.
         wind_m_s: velocity of the air.
         start_seq: sequence number of the first item to fly.
         step_s: duration of a step.
@@ -172,7 +168,6 @@ def simulate(  # noqa: PLR0913
             limits,
             position_m=start,
             velocity_m_s=velocity_m_s,
-            yaw_rad=yaw_rad,
             wind_m_s=wind_m_s,
             home_amsl_m=_home_amsl_m(mission),
             step_s=step_s,
@@ -186,7 +181,6 @@ def simulate_flight(
     limits: Limits,
     *,
     takeoff_m: float | None = None,
-    wind_m_s: Vector = (0.0, 0.0, 0.0),
     after_s: float = 0.0,
 ) -> Trajectory:
     """Fly a whole flight: take-off at home in GUIDED, AUTO, ``after_s`` seconds more, RTL until disarmed.
@@ -195,18 +189,17 @@ def simulate_flight(
         mission: what to fly.
         limits: what the vehicle's parameters allow.
         takeoff_m: altitude of the take-off; that of the first item if None. AUTO begins at 95 % of it.
-        wind_m_s: velocity of the air, north, east, up.
         after_s: how long to stay in AUTO after the last item.
 
     Raises:
         MissionError: the mission has no location, never ends, or has an item that cannot be simulated.
     """
     items = _items(mission)
-    copter = Copter(limits, wind_m_s=wind_m_s, home_amsl_m=_home_amsl_m(mission))
+    copter = Copter(limits, home_amsl_m=_home_amsl_m(mission))
     recorder = _Recorder(copter)
     up = _first_altitude_m(items) if takeoff_m is None else takeoff_m
     copter.takeoff(up)
-    recorder.run(lambda: copter.position_m[2] >= _HIGH_ENOUGH * up)
+    recorder.run(lambda: copter.position_m[2] >= TAKEOFF_REACHED_SHARE * up)
     reached_s, auto_s = recorder.auto(items, FIRST_SEQ)
     recorder.run(lambda: not copter.motors or copter.time_s >= auto_s[1] + after_s)
     if copter.motors:

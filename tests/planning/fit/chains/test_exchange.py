@@ -10,11 +10,11 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.chains.exchange import exchanged
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import Hover, local_track
 from flight_replay.planning.fit.rounds import State
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import along
+from tests.helpers.fit_tracks import along, budget
 
 LENGTH_M, SPEED_M_S = 200.0, 4.0
 
@@ -33,10 +33,6 @@ def state(problem: FitProblem, off_m: Floats, north_m: Sequence[float] = ()) -> 
     return State(problem.evaluate(draft), {})
 
 
-def budget(flights: int = 100) -> Budget:
-    return Budget(flights, lambda done, total: None)
-
-
 def bumps(*at: int, places: int = 11) -> Floats:
     off_m = np.zeros(places)
     off_m[list(at)] = 3.0
@@ -47,7 +43,7 @@ def test_each_draft_gives_what_it_is_better_in() -> None:
     """One strays in the beginning, the other in the end; what comes of both strays nowhere."""
     here = problem()
     states = [state(here, bumps(2)), state(here, bumps(8))]
-    spent = budget()
+    spent = budget(100)
     found = exchanged(here, states, 20, spent)
     assert np.abs(found.best.draft.places_m[:, 1]).max() == 0.0
     assert found.best.objective_m < min(each.best.objective_m for each in states)
@@ -58,8 +54,8 @@ def test_there_are_no_more_places_than_are_allowed() -> None:
     """A stretch of more places is taken only if there may be so many."""
     here = problem()
     few, many = state(here, bumps(2)), state(here, bumps(14, 16, 18, places=21))
-    assert len(exchanged(here, [few, many], 11, budget()).best.draft) == 11
-    assert len(exchanged(here, [few, many], 30, budget()).best.draft) > 11
+    assert len(exchanged(here, [few, many], 11, budget(100)).best.draft) == 11
+    assert len(exchanged(here, [few, many], 30, budget(100)).best.draft) > 11
 
 
 def test_a_stretch_for_which_there_is_no_room_comes_with_a_shorter_one() -> None:
@@ -69,7 +65,7 @@ def test_a_stretch_for_which_there_is_no_room_comes_with_a_shorter_one() -> None
     other_north = [0, 20, 40, 60, 80, 100, 120, 140, 160, 170, 180, 190, 195, 200]
     late = state(here, np.where(np.array(north) == 160, 3.0, 0.0), north)
     early = state(here, np.where(np.array(other_north) == 100, 3.0, 0.0), other_north)
-    found = exchanged(here, [late, early], 14, budget()).best.draft
+    found = exchanged(here, [late, early], 14, budget(100)).best.draft
     assert len(found) <= 14
     assert np.abs(found.places_m[:, 1]).max() == 0.0
 
@@ -89,7 +85,7 @@ def test_hovers_stay_with_their_places() -> None:
 
     few = waiting(state(here, bumps(3)), 2, 8)
     many = waiting(state(here, bumps(14, 18, places=21)), 4, 16)
-    found = exchanged(here, [few, many], 30, budget())
+    found = exchanged(here, [few, many], 30, budget(100))
     draft = found.best.draft
     assert np.abs(draft.places_m[:, 1]).max() == 0.0
     waits = np.flatnonzero(draft.hold_s[1:]) + 1
@@ -108,6 +104,6 @@ def test_nothing_is_flown_without_time() -> None:
 def test_a_draft_that_is_cheapest_as_it_is_is_not_flown_again() -> None:
     """The other strays, and is nowhere better."""
     here = problem()
-    straight, spent = state(here, bumps()), budget()
+    straight, spent = state(here, bumps()), budget(100)
     assert exchanged(here, [state(here, bumps(2)), straight], 20, spent) is straight
     assert spent.spent == 0

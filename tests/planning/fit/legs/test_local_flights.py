@@ -10,11 +10,11 @@ from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.legs.local_flights import LocalFlights
-from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import AT_SEA_LEVEL, local_track
 from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import along, draft_of
+from tests.helpers.fit_tracks import along, budget, draft_of
 
 DRAFT = draft_of(
     [(0, 0), (30, 0), (60, 10), (90, 0), (120, 0)], [False, True, True, False, True], [1, 0, 0, 3, 0]
@@ -76,6 +76,6 @@ def test_better_legs_cost_less() -> None:
     fit = problem()
     draft = draft_of([(0, 0), (60, 0), (60, 60)], [False, True, True], [1, 0, 0])
     start = fit.evaluate(draft)
-    better = fit.evaluate(with_better_legs(fit, start, {}, Budget(100, lambda done, total: None)))
+    better = fit.evaluate(with_better_legs(fit, start, {}, budget(100)))
     assert better.objective_m < 0.8 * start.objective_m
     assert not better.draft.spline.all()

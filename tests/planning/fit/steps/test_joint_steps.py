@@ -12,25 +12,21 @@ from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoi
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives, flight_derivatives
 from flight_replay.planning.fit.objective import Evaluation
-from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import local_track
-from flight_replay.planning.fit.rounds import State, flown_on_time, timed
+from flight_replay.planning.fit.rounds import State, flown_on_schedule, flown_on_time
 from flight_replay.planning.fit.speed_schedule import Schedule
 from flight_replay.planning.fit.steps import joint_steps
 from flight_replay.planning.fit.steps.joint_steps import stepped, stepped_jointly
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import draft_of, recording_of, wander
+from tests.helpers.fit_tracks import budget, draft_of, recording_of, wander
 
 
 def problem_and_start(*, is_timed: bool = True) -> tuple[FitProblem, State]:
     problem = problem_for(local_track(wander(4), 20.0), 20, Limits(), timed=is_timed)
     draft = select_waypoints(problem, 20).draft
-    start = timed(problem.exact, draft, {}, budget()) if is_timed else problem.evaluate(draft)
+    start = flown_on_schedule(problem.exact, draft, {}, budget()) if is_timed else problem.evaluate(draft)
     return problem, State(start, {})
-
-
-def budget() -> Budget:
-    return Budget(1000, lambda done, total: None)
 
 
 def test_a_joint_step_brings_the_flight_nearer_to_the_recording() -> None:

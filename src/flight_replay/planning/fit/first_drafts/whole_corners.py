@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import segment_lengths_m
-from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.first_drafts.line_simplification import LONG_M
 from flight_replay.planning.fit.problem import FirstDraft
 
@@ -34,8 +34,7 @@ def with_whole_corners(start: FirstDraft) -> FirstDraft:
             places_m[first] = *corner_m, draft.places_m[first : last + 1, 2].mean()
             kept[first + 1 : last + 1] = False
     waits = {int(kept[:place].sum()): hover for place, hover in start.hovers.items()}
-    whole = Draft(places_m[kept], draft.spline[kept], draft.hold_s[kept], draft.speed_m_s[kept])
-    return FirstDraft(whole, waits)
+    return FirstDraft(replace(draft, places_m=places_m).select(kept), waits)
 
 
 def _meeting_m(places_m: Floats) -> Floats | None:

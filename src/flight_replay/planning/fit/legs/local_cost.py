@@ -38,7 +38,6 @@ class _Derivatives:
 class LocalCost:
     """The objective of some legs of drafts like the one that was evaluated."""
 
-    evaluation: Evaluation
     recording: LocalTrack
     passing_leg: Floats
     """The leg (n,) on which the draft passes each fix."""
@@ -58,7 +57,7 @@ class LocalCost:
                 strict=True,
             )
         )
-        return cls(evaluation, recording, passing_leg, by_planned, by_flown)
+        return cls(recording, passing_leg, by_planned, by_flown)
 
     def fixes_m(self, first: int, last: int) -> Floats:
         """The fixes (n, 2) that the draft passes on the legs to places ``first`` to ``last``."""

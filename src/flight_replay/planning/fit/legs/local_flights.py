@@ -35,7 +35,8 @@ class LocalFlight:
     """Where the vehicle was on some legs: times (k,) from reaching the first place, and places (k, 3).
 
     The first ``ended`` of them are on those legs. The rest are the second after, in which the vehicle comes
-    to where its target has been. ``passed_s`` is when the target left the place of each leg.
+    to where its target has been. ``passed_s`` is when the target passed the place of each leg, to a
+    fraction of a step.
     """
 
     time_s: Floats
@@ -56,7 +57,11 @@ class LocalFlight:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Leg:
-    """Where the copter was after each step of a leg and in the second after; when the target left."""
+    """Where the copter was after each step of a leg (``rows``) and of the second after it (``after``).
+
+    ``left_s`` is when the target left the leg's place, in whole steps, ``passed_s`` when it passed that
+    place, to a fraction of a step.
+    """
 
     rows: list[Vector]
     after: list[Vector]

@@ -84,7 +84,10 @@ class Delays:
 
 
 def _by_leg_s(late_s: Floats) -> Floats:
-    """Of how late each place is left (n,), what came on which leg (n, n): what is made up, of all alike."""
+    """How much of each place's lateness (n,) arose on which leg (n, n).
+
+    Time made up reduces all earlier shares alike.
+    """
     late_s, by_leg_s = np.maximum(late_s, 0.0), np.zeros((len(late_s), len(late_s)))
     for place in range(1, len(late_s)):
         before_s, now_s = late_s[place - 1 : place + 1]

@@ -1,7 +1,8 @@
-"""The flight model as the autopilot commands it: modes and targets become commands to ``Copter``.
+"""The copter of the flight model as the autopilot commands it.
 
-``Copter`` counts metres from home, which moves when the vehicle is armed somewhere else. The EKF's
-origin stays, and positions here are metres from there; ``_home_m`` is home in that frame.
+Modes and targets become commands to ``Copter``, which counts metres from home, and home moves when the
+vehicle is armed somewhere else. The EKF's origin stays, and positions here are metres from there;
+``_home_m`` is home in that frame.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from flight_replay.simulator.flight.takeoff import TakeOff
 from flight_replay.simulator.mission.local_items import LocalItem
 
 
-class FlightModel:
+class CommandedCopter:
     """The simulated copter as the autopilot sees it."""
 
     def __init__(
