@@ -166,7 +166,8 @@ def _key(vehicle: VehicleCount) -> int:
 
 def _judged(records: Records) -> _Judged:
     """The records, of which there is one position at least, sorted by vehicle and judged."""
-    positions, gps = _by_vehicle(records.positions), _by_vehicle(records.gps)
+    positions = _by_vehicle(records.positions)
+    gps, gps2 = _by_vehicle(records.gps), _by_vehicle(records.gps2)
     clock = read_clock(positions)
     recorded = RecordedPositions(
         time_s=clock.time_s,
@@ -174,11 +175,11 @@ def _judged(records: Records) -> _Judged:
         lon_deg=positions.lon_e7 / 1e7,
         speed_m_s_at=partial(_speed_m_s, positions),
         boot=clock.boot,
-        lacks_3d_fix=lacks_3d_fix(positions, gps, clock.time_s),
+        lacks_3d_fix=lacks_3d_fix(positions, gps, gps2, clock.time_s),
     )
     rejection = find_implausible(recorded, clock.order)
     rejection[copies(positions, clock)] = _COPY
-    return _Judged(replace(records, positions=positions, gps=gps), clock, rejection)
+    return _Judged(replace(records, positions=positions, gps=gps, gps2=gps2), clock, rejection)
 
 
 def _by_vehicle(columns: AnyMessage) -> AnyMessage:
