@@ -58,7 +58,7 @@ def assert_read_alike(data: bytes, block_length: int, core: FrameCore) -> None:
     """Hold all columns of all records against those of numpy."""
     (plain, length), (compiled, its_length) = (read(data, block_length, each) for each in (None, core))
     assert (plain.empty, length) == (compiled.empty, its_length)
-    for message in ("positions", "heartbeats", "gps", "reports"):
+    for message in ("positions", "heartbeats", "gps", "gps2", "reports"):
         one, other = getattr(plain, message), getattr(compiled, message)
         for column in fields(one):
             assert np.array_equal(getattr(one, column.name), getattr(other, column.name)), column.name

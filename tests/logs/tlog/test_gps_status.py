@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import io
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from flight_replay.logs.byte_source import OpenLog
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.recording import Recording
+from flight_replay.logs.tlog.gps_status import lacks_3d_fix
+from flight_replay.logs.tlog.scan import scan
 from tests.helpers.log_writer import LogWriter
 from tests.helpers.paths import other_log
+
+GPS2_RAW = 124
 
 
 class Flight:
@@ -100,3 +107,67 @@ def test_false_positions_of_real_logs_are_rejected() -> None:
     boots = read_log(other_log("wild/three-boots.tlog"))
     steps_m = np.linalg.norm(np.diff(boots.track.north_east_m(), axis=0), axis=1)
     assert steps_m[np.diff(boots.track.boot) == 0].max() < 15
+
+
+def gps2(flight: Flight, fix_type: int) -> Flight:
+    """Append what the second receiver says of its fix."""
+    payload = struct.pack("<QiiiIHHHHBBB", 0, 1, 2, 3, 4, 5, 6, 7, 8, fix_type, 9, 10)
+    flight.log.add(GPS2_RAW, payload if flight.log.version == 1 else payload + bytes([1]))
+    return flight
+
+
+@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_a_second_receiver_with_a_3d_fix_will_do(tmp_path: Path, version: int, first: int) -> None:
+    """Such as where the first one is dead, which says so all along."""
+    flight = Flight()
+    flight.log.version = version
+    for _ in range(20):
+        gps2(flight.gps(first), 3).along(4)
+    log = flight.read(tmp_path)
+    assert (log.rejected, len(log.track)) == ({}, 80)
+
+
+def test_a_position_lacks_a_fix_if_no_receiver_has_one(tmp_path: Path) -> None:
+    """Whichever lost it first; what the second one said before the first one lost it counts."""
+    flight = gps2(gps2(Flight().gps(3), 3).along(4).gps(3), 3).along(3).gps(1).along(2)
+    gps2(flight, 1).along(5).gps(1).along(6)
+    gps2(flight, 4).along(7).gps(3).along(8)
+    gps2(flight, 0).along(9)
+    log = flight.read(tmp_path)
+    assert (log.rejected, len(log.track)) == ({"no 3D fix": 11}, 33)
+
+
+def test_the_last_status_of_a_second_receiver_holds_for_a_while_only(tmp_path: Path) -> None:
+    """One that says nothing any more may be dead, too."""
+    flight = gps2(Flight().gps(1).along(10), 3)
+    for _ in range(50):
+        flight.gps(1).along(2)
+    assert flight.read(tmp_path).rejected == {"no 3D fix": 10 + 59}
+
+
+def test_a_vehicles_second_receiver_is_not_anothers(tmp_path: Path) -> None:
+    """What another vehicle's says does not help."""
+    first = Flight(1).gps(3).along(30)
+    second = Flight(2).gps(1).along(5)
+    first.log.data += gps2(Flight(3), 3).log.data + second.log.data
+    read = first.read(tmp_path)
+    assert [(each.system, each.fixes) for each in read.vehicles] == [(1, 30), (2, 0)]
+
+
+@pytest.mark.parametrize("block_length", [400, 1_000, 5_000])
+def test_a_second_receiver_is_found_in_blocks_of_any_length(block_length: int) -> None:
+    """Wherever they begin, within reach of what the first receiver says."""
+    chance, flight = np.random.default_rng(2), Flight()
+    for _ in range(60):
+        gps2(flight.gps(int(chance.integers(2, 4))), int(chance.integers(2, 4))).along(2)
+    whole, parts = (
+        scan(OpenLog("made", io.BytesIO(bytes(flight.log.data))), block_length=length)[0]
+        for length in (1 << 20, block_length)
+    )
+    lacks = [
+        lacks_3d_fix(each.positions, each.gps, each.gps2, each.positions.time_ms / 1e3)
+        for each in (whole, parts)
+    ]
+    assert 0 < lacks[0].sum() < len(lacks[0])
+    assert np.array_equal(lacks[0], lacks[1])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Indices
 from flight_replay.logs.tlog.arming_reports import with_reports
 from flight_replay.logs.tlog.columns import ArmingReports, Heartbeats
+from flight_replay.logs.tlog.late_status import Arrivals, without_late
 from flight_replay.logs.track import Armed
 from flight_replay.logs.vehicle_kinds import VehicleKind, kind_of
 
@@ -19,7 +22,11 @@ _NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44,
 
 
 def armed_at(
-    offset: NDArray[np.int64], boot: NDArray[np.int32], heartbeats: Heartbeats, reports: ArmingReports
+    offset: NDArray[np.int64],
+    boot: NDArray[np.int32],
+    heartbeats: Heartbeats,
+    reports: ArmingReports,
+    came: Arrivals | None = None,
 ) -> NDArray[np.int8]:
     """Whether the motors were armed at any time since the fix before, shape (n,), as ``Armed``.
 
@@ -31,30 +38,43 @@ def armed_at(
         boot: The boot of each fix (n,).
         heartbeats: All that came under the vehicle's ids.
         reports: What came under them of arming, which tells sooner than the heartbeats.
+        came: When the vehicle's positions came, if some came late.
     """
-    heartbeats = with_reports(_of_autopilot(heartbeats), reports)
+    heartbeats = _of_autopilot(heartbeats)
+    if came:
+        shown, since = without_late(heartbeats.armed.view(np.uint8), heartbeats.offset, came)
+        heartbeats = replace(heartbeats, armed=shown.view(np.bool_), offset=since)
+    heartbeats = with_reports(heartbeats, reports)
     status = np.append(np.int8(Armed.UNKNOWN), heartbeats.armed.astype(np.int8))
-    in_log_order = np.minimum.accumulate(offset[::-1])[::-1]
-    firsts = np.searchsorted(in_log_order, heartbeats.offset)  # far fewer than fixes, so this way round
+    firsts = np.searchsorted(_in_log_order(offset), heartbeats.offset)  # far fewer than fixes
     armed = np.repeat(status, np.diff(firsts, prepend=0, append=len(offset)))
     _forget_earlier_boots(armed, boot, status, firsts)
     armed[1:] = np.where(boot[1:] == boot[:-1], np.maximum(armed[1:], armed[:-1]), armed[1:])
     return np.asarray(armed)
 
 
-def modes_at(offset: NDArray[np.int64], heartbeats: Heartbeats) -> NDArray[np.int16]:
+def modes_at(
+    offset: NDArray[np.int64], heartbeats: Heartbeats, came: Arrivals | None = None
+) -> NDArray[np.int16]:
     """The flight mode at each fix (n,), by the heartbeat before it; -1 before the first.
 
     Args:
         offset: Where in the log the fixes are, shape (n,).
         heartbeats: All that came under the vehicle's ids.
+        came: When the vehicle's positions came, if some came late.
     """
     heartbeats = _of_autopilot(heartbeats)
-    modes = np.append(np.int16(-1), heartbeats.mode.astype(np.int16))
-    if (offset[1:] < offset[:-1]).any():
-        return np.asarray(modes[np.searchsorted(heartbeats.offset, offset)])
-    firsts = np.searchsorted(offset, heartbeats.offset, "right")  # far fewer than fixes, so this way round
+    mode, since = heartbeats.mode, heartbeats.offset
+    if came:
+        mode, since = without_late(mode, since, came)
+    modes = np.append(np.int16(-1), mode.astype(np.int16))
+    firsts = np.searchsorted(_in_log_order(offset), since, "right")  # far fewer than fixes
     return np.repeat(modes, np.diff(firsts, prepend=0, append=len(offset)))
+
+
+def _in_log_order(offset: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Where fixes are in the log (n,), one that came late with those that follow it in time."""
+    return np.asarray(np.minimum.accumulate(offset[::-1])[::-1])
 
 
 def vehicle_kind(heartbeats: Heartbeats) -> VehicleKind:

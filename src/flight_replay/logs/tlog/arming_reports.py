@@ -12,19 +12,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Bytes, Indices
+from flight_replay.geometry.arrays import Indices
 from flight_replay.logs.tlog.blocks import Block
 from flight_replay.logs.tlog.byte_rows import rows_at
 from flight_replay.logs.tlog.columns import ArmingReports, Heartbeats
 from flight_replay.logs.tlog.decode import PayloadFields
 from flight_replay.logs.tlog.frame_search import FrameSearch
 from flight_replay.logs.tlog.frame_walk import Walk
-from flight_replay.logs.tlog.frames import HEADER_LENGTH, ROW_LENGTH, STAMP_LENGTH, Candidates, valid_frames
+from flight_replay.logs.tlog.frames import ROW_LENGTH, STAMP_LENGTH, Candidates, valid_frames
 from flight_replay.logs.tlog.message_table import COMMAND_ACK, STATUSTEXT
+from flight_replay.logs.tlog.stretch_search import REACH, possible_frames, without_overlaps
 from flight_replay.logs.track import Armed
 
-REACH = 1 << 16
-"""Bytes before a heartbeat in which reports of its change are looked for: seconds of what a radio carries."""
 # Of ArduCopter, of ArduPlane and Rover, and of PX4. "PreArm: ..." and "Arm: ..." are refusals.
 _TEXT = re.compile(rb"(dis)?arm(?:ing motors|ed by )|throttle (dis)?armed", re.IGNORECASE)
 _TEXT_LENGTH = 24
@@ -41,7 +40,7 @@ def arming_reports(block: Block, walk: Walk, heartbeats: Heartbeats) -> ArmingRe
         walk: The walk.
         heartbeats: Those in the block, of each vehicle at least the ones before and after a change.
     """
-    texts, acks = _possible_frames(block.data, *_stretches(heartbeats, walk.enter, block.stop))
+    texts, acks = possible_frames(_SEARCH, block.data, *_stretches(heartbeats, walk.enter, block.stop))
     reports = [
         _reports(block, walk, texts, STATUSTEXT),
         _reports(block, walk, acks, COMMAND_ACK),
@@ -65,30 +64,7 @@ def _stretches(heartbeats: Heartbeats, enter: int, stop: int) -> tuple[Indices, 
     begin = np.maximum(end - REACH, enter)
     begin[1:] = np.where(vehicle[1:] == vehicle[:-1], np.maximum(begin[1:], end[:-1]), begin[1:])
     begin = np.append(begin[may_change], max(stop - REACH, enter))
-    order = np.argsort(begin, kind="stable")
-    begin, end = begin[order], np.maximum.accumulate(np.append(end[may_change], stop)[order])
-    begin[1:] = np.maximum(begin[1:], end[:-1])
-    some = begin < end
-    return begin[some], end[some]
-
-
-def _possible_frames(data: Bytes, begin: Indices, end: Indices) -> list[Indices]:
-    """Where frames of STATUSTEXT and of COMMAND_ACK may begin within stretches, in ascending order.
-
-    All stretches are searched as one: there may be many, mostly short.
-    """
-    length = end - begin + HEADER_LENGTH
-    at = np.cumsum(length) - length
-    near = np.zeros(int(length.sum()) + HEADER_LENGTH, np.uint8)
-    for first, start, size in zip(at.tolist(), begin.tolist(), length.tolist(), strict=True):
-        near[first : first + size] = data[start : start + size]
-    stop = len(near) - HEADER_LENGTH
-    found = []
-    for starts in _SEARCH.find(near, 0, stop):
-        which = np.searchsorted(at, starts, "right") - 1
-        inside = starts - at[which]
-        found.append((begin[which] + inside)[inside < (end - begin)[which]])
-    return found
+    return without_overlaps(begin, np.append(end[may_change], stop))
 
 
 def _reports(block: Block, walk: Walk, starts: Indices, message: int) -> ArmingReports:

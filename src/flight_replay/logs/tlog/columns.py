@@ -73,7 +73,7 @@ class Heartbeats(MessageColumns):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GpsStatus(MessageColumns):
-    """GPS_RAW_INT: whether the receiver had a 3D fix or better."""
+    """GPS_RAW_INT or GPS2_RAW: whether the first or second receiver had a 3D fix or better."""
 
     has_3d_fix: Flags
 
@@ -90,11 +90,15 @@ class ArmingReports(MessageColumns):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Records:
-    """What was read; ``empty`` counts the positions at 0, 0 by vehicle."""
+    """What was read; ``empty`` counts the positions at 0, 0 by vehicle.
+
+    ``gps`` is GPS_RAW_INT; ``gps2`` is GPS2_RAW, as far as it was looked for.
+    """
 
     positions: Positions
     heartbeats: Heartbeats
     gps: GpsStatus
+    gps2: GpsStatus
     reports: ArmingReports
     empty: dict[int, int]
 
@@ -106,6 +110,7 @@ class RecordBuffer:
         self._positions = ColumnBuffer(Positions)
         self._heartbeats = ColumnBuffer(Heartbeats)
         self._gps = ColumnBuffer(GpsStatus)
+        self._gps2 = ColumnBuffer(GpsStatus)
         self._reports = ColumnBuffer(ArmingReports)
         self._empty: Counter[int] = Counter()
 
@@ -114,6 +119,7 @@ class RecordBuffer:
         self._positions.add(part.positions)
         self._heartbeats.add(part.heartbeats)
         self._gps.add(part.gps)
+        self._gps2.add(part.gps2)
         self._reports.add(part.reports)
         self._empty.update(part.empty)
 
@@ -124,6 +130,7 @@ class RecordBuffer:
             self._positions.columns,
             self._heartbeats.columns,
             self._gps.columns,
+            self._gps2.columns,
             self._reports.columns,
             dict(self._empty),
         )

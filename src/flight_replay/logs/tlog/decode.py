@@ -15,6 +15,7 @@ from flight_replay.logs.tlog.frames import STAMP_LENGTH, Candidates
 from flight_replay.logs.tlog.message_table import MAVLINK1_STX
 
 _ARMED_FLAG = 128  # MAV_MODE_FLAG_SAFETY_ARMED
+FIX_TYPE_AT, SECOND_FIX_TYPE_AT = 28, 32  # in the payloads of GPS_RAW_INT and GPS2_RAW
 _FIX_TYPE_3D = 3  # GPS_FIX_TYPE_3D_FIX
 _PAYLOAD_AT = STAMP_LENGTH + 6, STAMP_LENGTH + 10  # in a row, for MAVLink 1 and 2
 
@@ -47,10 +48,13 @@ def decode_heartbeats(frames: Candidates) -> Heartbeats:
     return Heartbeats(frames.start, fields.vehicle, autopilot, kind, (flags & _ARMED_FLAG) != 0, mode)
 
 
-def decode_gps_status(frames: Candidates) -> GpsStatus:
-    """Decode GPS_RAW_INT, of whose own position nothing is read: cold receivers make them up."""
+def decode_gps_status(frames: Candidates, fix_type_at: int = FIX_TYPE_AT) -> GpsStatus:
+    """Decode GPS_RAW_INT, of whose own position nothing is read: cold receivers make them up.
+
+    GPS2_RAW has four bytes more before the type of the fix.
+    """
     fields = PayloadFields(frames.rows)
-    return GpsStatus(frames.start, fields.vehicle, fields.payload_byte(28) >= _FIX_TYPE_3D)
+    return GpsStatus(frames.start, fields.vehicle, fields.payload_byte(fix_type_at) >= _FIX_TYPE_3D)
 
 
 class PayloadFields:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 HEARTBEAT, GPS_RAW_INT, GLOBAL_POSITION_INT = 0, 24, 33
-COMMAND_ACK, STATUSTEXT = 77, 253
+COMMAND_ACK, GPS2_RAW, STATUSTEXT = 77, 124, 253
 
 # id:extra:base length:full length; the base leaves out what MAVLink 2 added, bytes.
 _SHORT_IDS = """

@@ -15,16 +15,20 @@ from flight_replay.logs.byte_source import OpenLog, Progress
 from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.tlog.armed_state import armed_at, modes_at, vehicle_kind
-from flight_replay.logs.tlog.boot_clock import BootClock, plausible_utc_s, read_clock
+from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
 from flight_replay.logs.tlog.climb_sign import with_climbs_as_heights
 from flight_replay.logs.tlog.columns import AnyMessage, ArmingReports, Heartbeats, Positions, Records
+from flight_replay.logs.tlog.copies import copies
 from flight_replay.logs.tlog.gps_status import lacks_3d_fix
+from flight_replay.logs.tlog.late_status import Arrivals, arrivals
 from flight_replay.logs.tlog.scan import scan
+from flight_replay.logs.tlog.stamps import plausible_utc_s
 from flight_replay.logs.track import Track
 from flight_replay.logs.unknown_content import describe
 from flight_replay.logs.vehicles import VehicleCount, VehicleId
 
 _VEHICLES_NAMED = 10  # in an error message
+_COPY = len(Rejection)  # beside the reasons of ``Rejection``: a copy is as plausible as the first
 _FULL_TURN_CDEG = np.uint16(36_000)
 
 
@@ -65,7 +69,10 @@ def read_tlog(log: OpenLog, vehicle: VehicleId | None = None, progress: Progress
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Judged:
-    """All that was read, one vehicle's after the other's, with the positions' clock and ``Rejection``."""
+    """All that was read, one vehicle's after the other's, with the positions' clock and ``Rejection``.
+
+    Positions that are there twice are a ``_COPY`` the second time.
+    """
 
     records: Records
     clock: BootClock
@@ -109,14 +116,28 @@ class _Judged:
             up_m_s=positions.down_cm_s[at] / -1e2,
             heading_deg=_heading_deg(positions.heading_cdeg[at]),
             boot=boot,
-            armed=armed_at(positions.offset[at], boot, self.heartbeats(vehicle), self.reports(vehicle)),
+            armed=armed_at(
+                positions.offset[at],
+                boot,
+                self.heartbeats(vehicle),
+                self.reports(vehicle),
+                self.arrivals(vehicle),
+            ),
         )
         return with_climbs_as_heights(track)
 
     def modes(self, vehicle: VehicleCount) -> NDArray[np.int16]:
         """The flight mode at each of a vehicle's fixes, shape (n,)."""
         at = self.clock.in_order(self._is_of(vehicle) & (self.rejection == Rejection.NONE))
-        return modes_at(self.records.positions.offset[at], self.heartbeats(vehicle))
+        offset = self.records.positions.offset[at]
+        return modes_at(offset, self.heartbeats(vehicle), self.arrivals(vehicle))
+
+    def arrivals(self, vehicle: VehicleCount) -> Arrivals | None:
+        """When a vehicle's positions came, None if none came late."""
+        if self.clock.order is None:
+            return None
+        its = self._is_of(vehicle)
+        return arrivals(self.records.positions.offset[its], self.clock.time_s[its])
 
     def heartbeats(self, vehicle: VehicleCount) -> Heartbeats:
         """All that came under the vehicle's ids."""
@@ -145,7 +166,8 @@ def _key(vehicle: VehicleCount) -> int:
 
 def _judged(records: Records) -> _Judged:
     """The records, of which there is one position at least, sorted by vehicle and judged."""
-    positions, gps = _by_vehicle(records.positions), _by_vehicle(records.gps)
+    positions = _by_vehicle(records.positions)
+    gps, gps2 = _by_vehicle(records.gps), _by_vehicle(records.gps2)
     clock = read_clock(positions)
     recorded = RecordedPositions(
         time_s=clock.time_s,
@@ -153,10 +175,11 @@ def _judged(records: Records) -> _Judged:
         lon_deg=positions.lon_e7 / 1e7,
         speed_m_s_at=partial(_speed_m_s, positions),
         boot=clock.boot,
-        lacks_3d_fix=lacks_3d_fix(positions, gps, clock.time_s),
+        lacks_3d_fix=lacks_3d_fix(positions, gps, gps2, clock.time_s),
     )
-    sorted_records = replace(records, positions=positions, gps=gps)
-    return _Judged(sorted_records, clock, find_implausible(recorded, clock.order))
+    rejection = find_implausible(recorded, clock.order)
+    rejection[copies(positions, clock)] = _COPY
+    return _Judged(replace(records, positions=positions, gps=gps, gps2=gps2), clock, rejection)
 
 
 def _by_vehicle(columns: AnyMessage) -> AnyMessage:

@@ -19,7 +19,8 @@ from flight_replay.logs.tlog.columns import Positions, Records
 from flight_replay.logs.tlog.decode import decode_gps_status, decode_heartbeats, decode_positions
 from flight_replay.logs.tlog.frame_walk import Walk
 from flight_replay.logs.tlog.frames import Candidates
-from flight_replay.logs.tlog.message_table import GLOBAL_POSITION_INT, GPS_RAW_INT, HEARTBEAT
+from flight_replay.logs.tlog.message_table import GLOBAL_POSITION_INT, GPS2_RAW, GPS_RAW_INT, HEARTBEAT
+from flight_replay.logs.tlog.second_receiver import second_receivers
 
 
 def read_records(block: Block, enter: int) -> tuple[Records, int]:
@@ -35,11 +36,15 @@ def read_records(block: Block, enter: int) -> tuple[Records, int]:
     heartbeats = heartbeats.select(_run_ends(block.heartbeats, HEARTBEAT, heartbeats.vehicle, status, walk))
     gps = decode_gps_status(block.gps)
     gps = gps.select(_run_ends(block.gps, GPS_RAW_INT, gps.vehicle, gps.has_3d_fix, walk))
+    candidates, gps2 = second_receivers(block, walk.enter, gps)
+    if len(gps2):
+        gps2 = gps2.select(_run_ends(candidates, GPS2_RAW, gps2.vehicle, gps2.has_3d_fix, walk))
     reports = arming_reports(block, walk, heartbeats)
     records = Records(
         replace(positions, offset=positions.offset + block.offset),
         replace(heartbeats, offset=heartbeats.offset + block.offset),
         replace(gps, offset=gps.offset + block.offset),
+        replace(gps2, offset=gps2.offset + block.offset),
         replace(reports, offset=reports.offset + block.offset),
         empty,
     )

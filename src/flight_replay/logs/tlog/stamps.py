@@ -1,0 +1,28 @@
+"""Log stamps: microseconds since 1970 by the clock of whatever recorded the log, right or wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Flags
+from flight_replay.logs.tlog.record_runs import Integers
+
+_EARLIEST_US = 946_684_800_000_000  # 2000, before there was MAVLink
+_LATEST_US = 4_102_444_800_000_000  # 2100
+_LONGEST_REBOOT_US = 86_400_000_000  # beyond a day, stamps of two boots say nothing about one flight
+
+
+def plausible_utc_s(stamp_us: int) -> float | None:
+    """A log stamp as Unix time, None where it cannot be right."""
+    return stamp_us / 1e6 if _EARLIEST_US < stamp_us < _LATEST_US else None
+
+
+def in_order(before_us: Integers, after_us: Integers) -> Flags:
+    """Which pairs of stamps (m,) can be right, and do not fall."""
+    return np.asarray((before_us > _EARLIEST_US) & (before_us <= after_us) & (after_us < _LATEST_US))
+
+
+def gaps_us(before_us: Integers, after_us: Integers) -> Integers:
+    """Microseconds between log stamps (m,), 0 where they cannot be right."""
+    gaps = np.where(in_order(before_us, after_us), after_us - before_us, 0)
+    return np.where(gaps <= _LONGEST_REBOOT_US, gaps, 0)
