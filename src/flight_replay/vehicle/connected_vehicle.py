@@ -40,6 +40,7 @@ from flight_replay.vehicle.protocol.parameters import (
     parameters_set,
     read_parameters,
     request_parameter,
+    set_parameters,
     write_parameters,
 )
 from flight_replay.vehicle.protocol.stream_requests import StreamRequests
@@ -277,14 +278,13 @@ class ConnectedVehicle:
             write_parameters(self._vehicle_link, {_SPEEDUP: speedup})
         self.link.speedup = speedup
 
-    def set_known_parameters(self, wanted: Mapping[str, float]) -> None:
+    def set_known_parameters(self, wanted: Mapping[str, float]) -> dict[str, str]:
         """Set those of the parameters that the vehicle has, permanently, in its own units.
 
-        Raises:
-            VehicleError: The vehicle does not accept a value.
+        Returns:
+            Why not, for each that it did not confirm.
         """
-        known = read_parameters(self._vehicle_link, wanted)
-        write_parameters(self._vehicle_link, {name: wanted[name] for name in known})
+        return set_parameters(self._vehicle_link, wanted, list(self.identity.parameters)[:1])
 
     def limits_as_parameters(self, limits: Mapping[str, float]) -> dict[str, float]:
         """Parameters in the vehicle's own names and units, for fields of ``Limits`` in SI units."""
