@@ -3,11 +3,16 @@
 import io
 import os
 import sys
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from flight_replay.cli.consent import ask_consent
-from flight_replay.exceptions import VehicleError
+from flight_replay.cli import consent
+from flight_replay.cli.consent import CONSENT_S, ArmingConsent, ask_consent
+from flight_replay.events import VehicleState
+from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.output.console.console import PlainConsole
 
 
@@ -125,3 +130,53 @@ def test_a_briefing_that_is_not_shown_is_no_consent(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("sys.stdin", Terminal("fly\n"))
     with pytest.raises(VehicleError, match="not armed: the terminal does not show"):
         ask_consent(Stuck(io.StringIO()))
+
+
+HERE = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "GUIDED", False)
+
+
+class Consents:
+    """Consent with a clock that is set, and what a person saw."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *, asks: bool) -> None:
+        self.now_s, self.shown = 100.0, list[str]()
+        console: Any = SimpleNamespace(print=self.shown.append)
+        monkeypatch.setattr(consent, "_check_terminal", lambda: None)
+        monkeypatch.setattr(consent, "ask_consent", lambda console: self.shown.append("asked"))
+        self._confirm = ArmingConsent(console, self._checked, asks=asks, clock_s=lambda: self.now_s)
+
+    def _checked(self, state: VehicleState) -> list[str]:
+        if state.lat_deg > 47.5:
+            raise MissionError("too far")
+        return [f"at {state.lat_deg}"]
+
+    def at(self, now_s: float, lat_deg: float = 47.0) -> tuple[bool, list[str]]:
+        """Whether a person was asked before a request to arm, and what was shown."""
+        self.now_s = now_s
+        self.shown.clear()
+        return self._confirm(lambda: replace(HERE, lat_deg=lat_deg)), list(self.shown)
+
+
+def test_the_word_lapses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It counts for ten seconds of requests; later it is asked for again, with where the vehicle is then."""
+    consents = Consents(monkeypatch, asks=True)
+    assert consents.at(200.0) == (True, ["at 47.0", "asked"])
+    assert consents.at(200.0 + CONSENT_S) == (False, [])
+    asked, shown = consents.at(201.0 + CONSENT_S, 47.1)
+    assert asked
+    assert shown == ["The word counts for 10 s only, and the vehicle is not armed.", "at 47.1", "asked"]
+    assert consents.at(202.0 + CONSENT_S) == (False, [])
+    with pytest.raises(MissionError, match="too far"):
+        consents.at(400.0, 48.0)
+
+
+def test_with_yes_nobody_is_asked_but_told_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That the motors will start, if the vehicle was shown more than ten seconds ago; it may be too far."""
+    consents = Consents(monkeypatch, asks=False)
+    assert consents.at(105.0) == (False, [])
+    asked, shown = consents.at(176.0)
+    assert not asked
+    assert shown == ["The motors will start, without a question (--yes). Stand clear."]
+    assert consents.at(180.0) == (False, [])
+    with pytest.raises(MissionError, match="too far"):
+        consents.at(400.0, 48.0)

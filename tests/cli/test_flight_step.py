@@ -1,7 +1,8 @@
 """flight_step.py: what is checked, saved and changed on a vehicle that is already running."""
 
+import io
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,11 +10,12 @@ from typing import Any
 
 import pytest
 
-from flight_replay.cli import flight_step
+from flight_replay.cli import consent, flight_step
+from flight_replay.cli.consent import ArmingConsent
 from flight_replay.cli.main import main
 from flight_replay.cli.options import parse_options
 from flight_replay.events import VehicleState, ignore
-from flight_replay.exceptions import MissionError
+from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Mission, waypoint
 from flight_replay.planning.vehicle_limits import VehicleLimits
@@ -119,50 +121,77 @@ def test_a_recording_that_fails_does_not_end_the_flight(
     assert "error: recording /dev/full is incomplete: No space left on device" in output.err
 
 
+def checked(
+    monkeypatch: pytest.MonkeyPatch,
+    options: Sequence[str],
+    route: Any,
+    shown: list[str],
+    *,
+    terminal: bool = True,
+) -> ArmingConsent:
+    """What asks for consent to arm a real vehicle; what a person sees is added to ``shown``."""
+    real = Identity(1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
+    connected: Any = SimpleNamespace(
+        identity=real, wait_position=lambda limit_s, listener: HERE, fence_areas=lambda: ()
+    )
+    console: Any = SimpleNamespace(print=shown.append)
+    if terminal:
+        monkeypatch.setattr(consent, "_check_terminal", lambda: None)
+    monkeypatch.setattr(consent, "ask_consent", lambda console: shown.append("asked"))
+    confirm = flight_step._check_before_arming(
+        parse_options(["--connect", "x", *options]), route, connected, console, ignore
+    )
+    assert confirm is not None
+    return confirm
+
+
+HERE = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
+NEAR = SimpleNamespace(mission=Mission((waypoint(47.001, 8.0, 30.0),)), reference=None)
+
+
 def test_a_vehicle_that_is_moved_before_consent_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """The check is repeated after a person has consented."""
-    real = Identity(1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
-    here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
-    positions = [here, replace(here, lat_deg=47.1)]
-    connected = SimpleNamespace(
-        identity=real, wait_position=lambda limit_s, listener: positions.pop(0), fence_areas=lambda: ()
-    )
-    route = SimpleNamespace(mission=Mission((waypoint(47.001, 8.0, 30.0),)), reference=None)
-    shown: list[str] = []
-    console = SimpleNamespace(print=shown.append)
-    monkeypatch.setattr(flight_step, "ask_consent", lambda console: shown.append("asked"))
+    positions, shown = [HERE, replace(HERE, lat_deg=47.1)], list[str]()
+    confirm = checked(monkeypatch, [], NEAR, shown)
     with pytest.raises(MissionError, match="the first waypoint is"):
-        flight_step._check_before_arming(
-            parse_options(["--connect", "x"]),
-            route,  # type: ignore[arg-type]
-            connected,  # type: ignore[arg-type]
-            console,
-            ignore,
-        )
+        confirm(lambda: positions.pop(0))
     assert shown[-1] == "asked"
+
+
+def test_the_vehicle_is_shown_where_it_is_when_the_word_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not where it was before the upload; with --yes it is shown at once."""
+    shown: list[str] = []
+    confirm = checked(monkeypatch, [], NEAR, shown)
+    assert shown == []
+    assert confirm(lambda: replace(HERE, lat_deg=47.0005, battery_v=15.2))
+    assert shown == [
+        "Vehicle: ArduCopter 4.6.0 (quadcopter, system 1)",
+        "Position: 47.0005000, 8.0000000",
+        "Battery: 15.2 V",
+        "First waypoint: 56 m away",
+        "Route: 1 waypoints, up to 56 m away and 30 m above home",
+        "asked",
+    ]
+    shown.clear()
+    assert not checked(monkeypatch, ["--yes"], NEAR, shown)(lambda: HERE)
+    assert shown[1] == "Position: 47.0000000, 8.0000000"
+
+
+def test_without_a_terminal_nothing_is_uploaded_to_a_real_vehicle(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It could not be armed."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("fly\n"))
+    with pytest.raises(VehicleError, match="no terminal to ask for confirmation; use --yes"):
+        checked(monkeypatch, [], NEAR, [], terminal=False)
 
 
 def told_before_following(monkeypatch: pytest.MonkeyPatch, speed_m_s: float) -> list[str]:
     """What a person is told before a real vehicle with this speed setting follows a reference."""
-    real = Identity(1, 2, 3, "4.6.0", takes_item_int=True, simulated=False)
-    here = VehicleState(1.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
-    connected = SimpleNamespace(
-        identity=real, wait_position=lambda limit_s, listener: here, fence_areas=lambda: ()
-    )
     route = SimpleNamespace(
         mission=Mission((waypoint(47.0001, 8.0, 30.0),)), reference=s_curve(),
         limits=VehicleLimits(limits=Limits(wp_speed_m_s=speed_m_s)),
     )  # fmt: skip
     shown: list[str] = []
-    console = SimpleNamespace(print=shown.append)
-    monkeypatch.setattr(flight_step, "ask_consent", lambda console: shown.append("asked"))
-    flight_step._check_before_arming(
-        parse_options(["--connect", "x", "--mode", "guided"]),
-        route,  # type: ignore[arg-type]
-        connected,  # type: ignore[arg-type]
-        console,
-        ignore,
-    )
+    checked(monkeypatch, ["--mode", "guided"], route, shown)(lambda: HERE)
     return shown
 
 

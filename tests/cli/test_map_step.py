@@ -1,8 +1,11 @@
 """map_step.py: the live map is there while the flight lasts."""
 
 import io
+import queue
 import sys
+import threading
 import webbrowser
+from collections.abc import Callable
 from urllib.request import urlopen
 
 import pytest
@@ -26,18 +29,53 @@ def test_without_map_the_listener_is_unchanged() -> None:
 
 def test_the_map_is_served_and_opened_in_a_browser(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its address is printed; a browser opens where there is a screen."""
-    opened: list[str] = []
-    monkeypatch.setattr(webbrowser, "open", opened.append)
-    monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    opened: queue.SimpleQueue[str] = queue.SimpleQueue()
+    at_a_screen(monkeypatch, opened.put)
     received: list[Event] = []
     route, console = spaced_route(straight_track()), PlainConsole(io.StringIO())
     with with_live_map(parse_options(["--map"]), route, console, received.append) as listener:
         listener(Notice("hello"))
-        url = opened[0]
+        url = opened.get(timeout=60)
         with urlopen(url, timeout=10) as page:
             assert page.status == 200
     assert received == [Notice(f"Live map: {url}"), Notice("hello")]
+
+
+def at_a_screen(monkeypatch: pytest.MonkeyPatch, browser: Callable[[str], object]) -> None:
+    """Standard output is a terminal with a screen, and this the browser."""
+    monkeypatch.setattr(webbrowser, "open", browser)
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+
+
+def test_nothing_waits_for_a_browser_that_does_not_return(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Such as the command in BROWSER; the flight goes on."""
+    closed, ended = threading.Event(), threading.Event()
+
+    def browse(url: str) -> None:
+        closed.wait(60)
+        ended.set()
+
+    at_a_screen(monkeypatch, browse)
+    route, console = spaced_route(straight_track()), PlainConsole(io.StringIO())
+    with with_live_map(parse_options(["--map"]), route, console, list[Event]().append):
+        assert not ended.is_set()
+        closed.set()
+        assert ended.wait(60)
+
+
+def test_a_browser_that_fails_does_not_end_the_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its page has an address, which is shown."""
+    failed = threading.Event()
+
+    def browse(url: str) -> None:
+        failed.set()
+        raise webbrowser.Error("could not locate runnable browser")
+
+    at_a_screen(monkeypatch, browse)
+    route, console = spaced_route(straight_track()), PlainConsole(io.StringIO())
+    with with_live_map(parse_options(["--map"]), route, console, list[Event]().append):
+        assert failed.wait(60)
 
 
 def test_a_recording_that_is_followed_has_a_map() -> None:

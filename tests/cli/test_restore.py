@@ -16,6 +16,7 @@ from flight_replay.events import Event, Notice
 from flight_replay.exceptions import VehicleError
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Home, Mission, change_speed, waypoint
+from flight_replay.simulator.autopilot.faults import COPTER_3_3, Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
 
@@ -157,3 +158,19 @@ def test_parameters_are_put_back(tmp_path: Path, capsys: pytest.CaptureFixture[s
         with vehicle.connect(running.connection, speedup=10.0) as connected:
             assert connected.parameters(["GUID_TIMEOUT"]) == {"GUID_TIMEOUT": 3.0}
     assert f"Restored GUID_TIMEOUT from {path}" in capsys.readouterr().out
+
+
+def test_parameters_that_are_not_confirmed_are_not_told_as_restored(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """3.3 has no GUID_TIMEOUT; what the vehicle has is set, and the exit status is 1."""
+    path = tmp_path / "before.parm"
+    path.write_text("GUID_TIMEOUT 3\nWPNAV_SPEED 600\n")
+    with launch.run(Start(47.0, 8.0, 400.0), speedup=10.0, faults=Faults(firmware=COPTER_3_3)) as running:
+        assert restore.main([str(path), running.connection]) == 1
+        with vehicle.connect(running.connection, speedup=10.0) as connected:
+            assert connected.parameters(["WPNAV_SPEED"]) == {"WPNAV_SPEED": 600.0}
+    output = capsys.readouterr()
+    assert f"Restored WPNAV_SPEED from {path}" in output.out
+    assert "GUID_TIMEOUT" not in output.out
+    assert "error: not restored: GUID_TIMEOUT (its firmware has no such parameter); check" in output.err

@@ -9,6 +9,7 @@ import pytest
 from flight_replay import events
 from flight_replay.events import Phase, VehicleState, Waiting
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
+from flight_replay.supervisor import fly
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
     PrearmStatus,
@@ -189,6 +190,77 @@ def test_a_refused_arming_is_requested_again_soon() -> None:
     reasons = [event.reason for event in flight.of(Waiting) if event.phase is Phase.ARM]
     assert "Arm: Throttle too high" in reasons
     assert 5 <= len(reasons) <= 8, "one a second"
+
+
+def test_each_arming_is_confirmed_just_before_it_is_requested() -> None:
+    """With where the vehicle is; a person who is asked may take minutes, which do not count."""
+    vehicle = FakeVehicle(FakeClock(), ready_after_s=20.0, refuse_arm="Arm: Throttle too high")
+    vehicle.schedule.append((150.0, lambda: setattr(vehicle, "refuse_arm", "")))
+    asked: list[VehicleState] = []
+
+    def ask(next_state: Callable[[], VehicleState]) -> bool:
+        vehicle.requested.append("ask")
+        if vehicle.requested.count("ask") % 5 != 1:
+            return False
+        asked.append(next_state())
+        vehicle.clock.now_s += 70.0
+        return True
+
+    flight = fake_flight(vehicle)
+    assert fly(vehicle, vehicle.clock, flight.plan, flight.events.append, ask).problem is None
+    until_armed = vehicle.requested[: vehicle.requested.index("takeoff")]
+    assert [what for what in until_armed if what in ("ask", "arm")][:4] == ["ask", "arm", "ask", "arm"]
+    assert until_armed.count("ask") == until_armed.count("arm") > 5
+    assert vehicle.requested.index("GUIDED") < vehicle.requested.index("ask")
+    assert asked[0].time_s > 70.0
+    assert not [event for event in flight.events if isinstance(event, events.LinkLost)]
+
+
+@pytest.mark.parametrize("what", ["mode", "armed", "silent"])
+def test_what_changes_while_a_person_is_asked_keeps_it_from_being_armed(what: str) -> None:
+    """Another mode, somebody else who arms it, or a link that is gone."""
+    vehicle = FakeVehicle(FakeClock())
+
+    def ask(next_state: Callable[[], VehicleState]) -> bool:
+        vehicle.clock.now_s += 70.0
+        vehicle.mode = "LOITER" if what == "mode" else vehicle.mode
+        vehicle.armed, vehicle.silent = what == "armed", what == "silent"
+        return True
+
+    with pytest.raises(VehicleError):
+        fly(vehicle, vehicle.clock, fake_flight(vehicle).plan, confirm_arming=ask)
+    assert "arm" not in vehicle.requested
+    assert "RTL" not in vehicle.requested
+
+
+def test_nobody_is_asked_about_a_vehicle_that_is_armed_by_now() -> None:
+    """An earlier request of ours took long: it takes off."""
+    vehicle = FakeVehicle(FakeClock(), refuse_arm="Arm: Throttle too high")
+
+    def ask(next_state: Callable[[], VehicleState]) -> bool:
+        vehicle.requested.append("ask")
+        if vehicle.requested.count("ask") > 1:
+            vehicle.armed = True
+            next_state()
+            raise AssertionError
+        return True
+
+    assert fly(vehicle, vehicle.clock, fake_flight(vehicle).plan, confirm_arming=ask).problem is None
+    assert vehicle.requested.count("arm") == 1
+
+
+def test_without_a_position_nobody_is_asked() -> None:
+    """Where the vehicle is has to be shown; what is not confirmed is not armed."""
+    vehicle = FakeVehicle(FakeClock())
+
+    def ask(next_state: Callable[[], VehicleState]) -> bool:
+        vehicle.reports_clock = False
+        next_state()
+        raise AssertionError
+
+    with pytest.raises(PhaseTimeoutError, match="no longer sends its position"):
+        fly(vehicle, vehicle.clock, fake_flight(vehicle).plan, confirm_arming=ask)
+    assert "arm" not in vehicle.requested
 
 
 def test_an_arming_without_an_ack_is_requested_again_after_five_seconds() -> None:

@@ -6,6 +6,7 @@ import math
 import queue
 import socket
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -17,6 +18,7 @@ from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Firmware, old_copter
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
+from flight_replay.supervisor.vehicle_interface import Heartbeat
 from flight_replay.vehicle import ConnectedVehicle, connect
 from flight_replay.vehicle import connected_vehicle as module
 from tests.helpers.fault_link import fault_link
@@ -68,6 +70,53 @@ def test_a_stranger_is_sent_nothing_once_the_vehicle_is_known() -> None:
         assert vehicle.mission_verified()
         with pytest.raises(BlockingIOError):
             stranger.recv(4096)
+
+
+def test_two_vehicles_with_one_system_id_are_refused_before_arming() -> None:
+    """Both send to the port that is listened at: commands must not alternate between them."""
+    port = free_udp_port()
+    ours, theirs = f"udpin:127.0.0.1:{port}", (f"udpout:127.0.0.1:{port}",)
+
+    def listen(vehicle: ConnectedVehicle) -> None:
+        end_s = time.monotonic() + 20.0
+        while time.monotonic() < end_s:
+            vehicle.reports(0.1)
+
+    with (
+        launch.run(START, speedup=20.0, listen=theirs),
+        launch.run(START, speedup=20.0, listen=theirs),
+        pytest.raises(VehicleError, match=r"two vehicles with system id 1 .* from 127\.0\.0\.1:\d+ and 127"),
+        connect(ours, speedup=20.0, limit_s=60.0) as vehicle,
+    ):
+        listen(vehicle)
+
+
+def test_another_vehicle_with_its_system_id_is_told_once_in_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It may be switched on beside the place; the one that flies alone is listened to, none more is armed."""
+    monkeypatch.setattr("flight_replay.vehicle.link.vehicle_sender.BOTH_S", 0.0)
+    port, events = free_udp_port(), list[Event]()
+    beat = dialect.MAVLink_heartbeat_message(2, 3, 0, 9, 4, 3).pack(dialect.MAVLink(None, 1, 1))
+    with (
+        copter(listen=f"udpout:127.0.0.1:{port}", events=events) as vehicle,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other,
+    ):
+        other.setblocking(False)
+        other.bind(("127.0.0.1", 0))
+        vehicle.request_arm()
+        end_s, modes = time.monotonic() + 20.0, set[str]()
+        with _speaking(other, beat, port):
+            while not any(isinstance(event, Notice) for event in events) and time.monotonic() < end_s:
+                modes |= {report.mode for report in vehicle.reports(0.1) if isinstance(report, Heartbeat)}
+            for _ in range(5):
+                modes |= {report.mode for report in vehicle.reports(0.1) if isinstance(report, Heartbeat)}
+            with pytest.raises(VehicleError, match="two vehicles with system id 1"):
+                vehicle.request_arm()
+            assert vehicle.reports(20.0), "RTL can still be commanded"
+        (notice,) = [event.text for event in events if isinstance(event, Notice)]
+        assert f"the one at 127.0.0.1:{other.getsockname()[1]} ignored" in notice
+        assert modes == {"STABILIZE"}
+        with pytest.raises(BlockingIOError):
+            other.recv(4096)
 
 
 def test_connecting_is_quick() -> None:

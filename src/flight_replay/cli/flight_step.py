@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 
 from flight_replay import supervisor
 from flight_replay.cli import vehicle_step
-from flight_replay.cli.consent import ask_consent
+from flight_replay.cli.consent import ArmingConsent
 from flight_replay.cli.kept_parameters import tell_of_changed_parameters
 from flight_replay.cli.mission_or_motion import FlownAs, flown_as, restore_commands
 from flight_replay.cli.options import Options
-from flight_replay.events import Finished, Listener
+from flight_replay.events import Finished, Listener, VehicleState
 from flight_replay.exceptions import VehicleError
+from flight_replay.mission.fence import FenceArea
 from flight_replay.mission.items import Home
 from flight_replay.output.console.console import Console
 from flight_replay.output.outcome import Outcome, compare_flight
@@ -70,8 +71,8 @@ def fly(
         route = plan(vehicle_step.vehicle_limits(connected, options, listener))
         if options.dry_run:
             return route, None
-        _check_before_arming(options, route, connected, console, listener)
-        record = _flown(flown_as(options, route), connected, connection, listener)
+        confirm = _check_before_arming(options, route, connected, console, listener)
+        record = _flown(flown_as(options, route), connected, connection, listener, confirm)
         identity = connected.identity
     if recorder:
         record = replace(record, problem=record.problem or recorder.problem)
@@ -80,11 +81,17 @@ def fly(
     return route, FlightResult(identity.name, identity.simulated, record, outcome)
 
 
-def _flown(route: FlownAs, connected: ConnectedVehicle, connection: str, listener: Listener) -> FlightRecord:
+def _flown(
+    route: FlownAs,
+    connected: ConnectedVehicle,
+    connection: str,
+    listener: Listener,
+    confirm: ArmingConsent | None,
+) -> FlightRecord:
     """The record of the flight, even if a parameter cannot be put back after it."""
     with ExitStack() as changed:
         route.prepare(connected, connection, changed, listener)
-        record = supervisor.fly(connected, WallClock(), route.plan(connected.identity), listener)
+        record = supervisor.fly(connected, WallClock(), route.plan(connected.identity), listener, confirm)
         try:
             changed.close()
         except VehicleError as error:
@@ -94,30 +101,45 @@ def _flown(route: FlownAs, connected: ConnectedVehicle, connection: str, listene
 
 def _check_before_arming(
     options: Options, route: Route, connected: ConnectedVehicle, console: Console, listener: Listener
-) -> None:
-    """Refuse a vehicle or a route that must not be flown; ask for consent to arm a real vehicle."""
-    briefing = _briefing(options, route, connected, listener)
+) -> ArmingConsent | None:
+    """Refuse a vehicle or a route that must not be flown; what asks for consent to arm a real vehicle.
+
+    That is asked for when the vehicle is ready to arm, with where it is then.
+    """
+    flown, areas = flown_as(options, route), connected.fence_areas()
+    state = connected.wait_position(_POSITION_TIMEOUT_S, listener)
+    briefing = _briefing(options, route, connected, areas, state)
     if connected.identity.simulated:
-        return
-    for line in (*briefing.lines, *flown_as(options, route).briefing_lines()):
-        console.print(line)
-    if not options.yes:
-        ask_consent(console)
-        # Meanwhile the vehicle may have been moved, or armed.
-        _briefing(options, route, connected, listener)
+        return None
+    more_lines = flown.briefing_lines()
+
+    def lines(now: VehicleState) -> tuple[str, ...]:
+        """Whether the vehicle is armed by now, and by whom, is for the supervisor to say."""
+        return (*_briefing(options, route, connected, areas, replace(now, armed=False)).lines, *more_lines)
+
+    if options.yes:
+        for line in (*briefing.lines, *more_lines):
+            console.print(line)
+    return ArmingConsent(console, lines, asks=not options.yes)
 
 
-def _briefing(options: Options, route: Route, connected: ConnectedVehicle, listener: Listener) -> Briefing:
+def _briefing(
+    options: Options,
+    route: Route,
+    connected: ConnectedVehicle,
+    areas: tuple[FenceArea, ...],
+    state: VehicleState,
+) -> Briefing:
     """The preflight check with the vehicle where it is now."""
     from flight_replay.vehicle import preflight
 
     return preflight.check(
         connected.identity,
         route.mission,
-        connected.wait_position(_POSITION_TIMEOUT_S, listener),
+        state,
         takeoff_altitude_m=options.takeoff_altitude_m,
         max_distance_m=options.max_distance_m,
-        areas=connected.fence_areas(),
+        areas=areas,
         words=flown_as(options, route).words,
         lands=options.land,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
@@ -36,11 +37,19 @@ def with_live_map(options: Options, route: Route, console: Console, listener: Li
 
 
 def _open_browser(url: str) -> None:
-    """Open the page if there is a screen: a browser in the terminal would hide the flight."""
+    """Open the page if there is a screen: a browser in the terminal would hide the flight.
+
+    Nothing waits for it, as for the command in ``BROWSER``, which may return only when it is closed.
+    """
     has_screen = sys.platform in {"win32", "darwin"} or any(map(os.getenv, ("DISPLAY", "WAYLAND_DISPLAY")))
     if has_screen and sys.stdout.isatty():
-        import webbrowser
+        threading.Thread(target=_show, args=(url,), name="flight-replay browser", daemon=True).start()
 
+
+def _show(url: str) -> None:
+    import webbrowser
+
+    with suppress(Exception):  # The address is shown anyway.
         webbrowser.open(url)
 
 

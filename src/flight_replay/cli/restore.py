@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Protocol
@@ -54,14 +54,16 @@ def restore_command(path: Path, connection: str, baud: int, signing_key: Path | 
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Upload a saved mission, or set parameters; returns the exit status."""
+    """Upload a saved mission, or set parameters; returns the exit status, 1 if any is not confirmed."""
     try:
         options = _parser().parse_args(arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        write_line(sys.stdout, f"Restored {_restore(options)} from {options.file}")
-        problem = flush_or_discard(sys.stdout)
+        restored, unset = _restore(options)
+        if restored:
+            write_line(sys.stdout, f"Restored {restored} from {options.file}")
+        problem = "; ".join(filter(None, [unset, flush_or_discard(sys.stdout)])) or None
     except FlightReplayError as error:
         problem = str(error)
     except KeyboardInterrupt:
@@ -86,8 +88,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _restore(options: argparse.Namespace) -> str:
-    """Restore what the file holds; returns what that was."""
+def _restore(options: argparse.Namespace) -> tuple[str, str]:
+    """Restore what the file holds; what the vehicle confirmed of it, and the problem with the rest."""
     from flight_replay import vehicle
 
     def show_notice(event: Event) -> None:
@@ -101,9 +103,17 @@ def _restore(options: argparse.Namespace) -> str:
     ) as connected:
         if parameters is None:
             connected.upload(mission)
-            return f"{len(mission.items)} mission items"
-        connected.set_known_parameters(parameters)
-        return f"{', '.join(parameters)}"
+            return f"{len(mission.items)} mission items", ""
+        unset = connected.set_known_parameters(parameters)
+    return ", ".join(name for name in parameters if name not in unset), _not_restored(unset)
+
+
+def _not_restored(unset: Mapping[str, str]) -> str:
+    """The problem with parameters that a vehicle did not confirm, for the reasons given."""
+    if not unset:
+        return ""
+    names = ", ".join(f"{name} ({why})" for name, why in unset.items())
+    return f"not restored: {names}; check the link and run this again, or set it with a ground station"
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from flight_replay.supervisor.flight_plan import FlightPlan, FlightRecord, Follo
 from flight_replay.supervisor.mission_phases import command_rtl, wait_landed
 from flight_replay.supervisor.takeoff_phases import arm_and_takeoff, change_mode, wait_prearm
 from flight_replay.supervisor.vehicle_interface import Clock, Vehicle
-from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
+from flight_replay.supervisor.vehicle_monitor import ConfirmArming, VehicleMonitor
 from flight_replay.supervisor.ways_of_flying import FollowingFlight, MissionFlight, WayOfFlying
 
 _log = logging.getLogger(__name__)
@@ -30,20 +30,27 @@ _NO_RTL = frozenset({"link lost", "reboot", "disarmed"})
 """Where nobody wonders that RTL is not confirmed."""
 
 
-def fly(vehicle: Vehicle, clock: Clock, plan: Plan | FollowPlan, listener: Listener = ignore) -> FlightRecord:
+def fly(
+    vehicle: Vehicle,
+    clock: Clock,
+    plan: Plan | FollowPlan,
+    listener: Listener = ignore,
+    confirm_arming: ConfirmArming | None = None,
+) -> FlightRecord:
     """Fly ``plan``: pre-arm, GUIDED, arm, take-off, then the mission on board or the recording, RTL.
 
     Once arming was requested, every way out (an error, Ctrl-C, a ``SystemExit`` raised on SIGTERM)
     commands RTL first and emits whether the vehicle confirmed it; only a pilot or a failsafe that
     changed the mode is not overruled. The caller emits ``Finished``, after closing the vehicle. A
     flight that reached AUTO, or the recording's begin, returns its record even if it ended early: see
-    ``FlightRecord.problem``.
+    ``FlightRecord.problem``. ``confirm_arming`` is called before each request to arm.
 
     Raises:
         PhaseTimeoutError: A phase before that timed out; the message has the vehicle's own reason.
         VehicleError: The vehicle, its pilot or its link ended the flight before that.
     """
     monitor = VehicleMonitor(vehicle, clock, combine_listeners(listener), plan.deadlines)
+    monitor.confirm_arming = confirm_arming or monitor.confirm_arming
     way = MissionFlight(monitor, plan) if isinstance(plan, Plan) else FollowingFlight(monitor, plan)
     with _rtl_on_exception(monitor):
         wait_prearm(monitor)

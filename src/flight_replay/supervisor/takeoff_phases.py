@@ -6,7 +6,9 @@ Each raises ``PhaseTimeoutError`` with the autopilot's own reason at its deadlin
 
 from __future__ import annotations
 
-from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, Waiting
+from contextlib import suppress
+
+from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, VehicleState, Waiting
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
@@ -17,6 +19,7 @@ _RETRY_S = 1.2  # Heartbeats show once a second what came of a request.
 _RETRY_UNACKED_S = 3.0  # Firmware that sends no ack does not tell that a request is lost.
 _RETRY_UNACKED_ARM_S = 5.0  # ArduCopter 3.3 arms within 3 to 4 s, and starts over at a second request.
 _RETRY_UNACKED_WALL_S = 1.0  # The vehicle's clock may run fast, and the ack be on its way.
+_POSITION_WALL_S = 10.0
 _PREARM_CHECKS_S = 5.0
 _OFF_GROUND_M = 1.0
 _MIN_CLIMB_M = 0.5  # A smaller gain of height is no climb.
@@ -106,7 +109,7 @@ def arm(monitor: VehicleMonitor) -> None:
         if deadline.passed:
             raise PhaseTimeoutError(_timeout("did not arm", monitor.deadlines.arm_s, reason))
         retry_after = _retry_after(monitor, Request.ARM, _RETRY_UNACKED_ARM_S)
-        if not monitor.unexpected_mode and retry.due(*retry_after):
+        if not monitor.unexpected_mode and retry.due(*retry_after) and _confirmed(monitor, deadline):
             monitor.requests.clear()
             monitor.begin_arming()
             monitor.vehicle.request_arm()
@@ -114,6 +117,32 @@ def arm(monitor: VehicleMonitor) -> None:
             monitor.emit(Waiting(Phase.ARM, reason))
         monitor.step()
     _check_not_armed_by_others(monitor)
+
+
+class _ArmedMeanwhileError(Exception):
+    """The vehicle is armed before somebody is asked: an earlier request took long, or it was not ours."""
+
+
+def _confirmed(monitor: VehicleMonitor, deadline: Deadline) -> bool:
+    """Whether arming is still to be requested once it is confirmed; a person who is asked may take long."""
+    with suppress(_ArmedMeanwhileError):
+        if monitor.confirm_arming(lambda: _next_state(monitor)):
+            monitor.catch_up()
+            deadline.restart()
+    return not monitor.armed and not monitor.unexpected_mode
+
+
+def _next_state(monitor: VehicleMonitor) -> VehicleState:
+    """The vehicle's next position after another heartbeat, which shows whether it is armed by now."""
+    monitor.catch_up()
+    before_s, end_s = monitor.time_s, monitor.wall_s + _POSITION_WALL_S
+    while monitor.state is None or monitor.time_s - before_s < _RETRY_S:
+        if monitor.wall_s > end_s:
+            raise PhaseTimeoutError("the vehicle no longer sends its position; check the link and its GPS")
+        monitor.step()
+    if monitor.armed:
+        raise _ArmedMeanwhileError
+    return monitor.state
 
 
 def arm_and_takeoff(monitor: VehicleMonitor, altitude_m: float) -> None:

@@ -8,6 +8,7 @@ not from when this program happened to run; no request is sent before all of the
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from functools import singledispatchmethod
 
 from flight_replay.events import Listener, Notice, Severity, StatusText, VehicleState, WaypointReached
@@ -39,6 +40,12 @@ _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
 _REASON_VALID_S = 10.0  # An older status text (vehicle time) does not explain a new mode.
 
+ConfirmArming = Callable[[Callable[[], VehicleState]], bool]
+"""Called before each request to arm, with what reads the vehicle's position: whether a person was asked.
+
+It raises an error where the vehicle must not be armed.
+"""
+
 
 class VehicleMonitor:
     """What is known of the vehicle, and when it was reported."""
@@ -46,6 +53,7 @@ class VehicleMonitor:
     def __init__(self, vehicle: Vehicle, clock: Clock, listener: Listener, deadlines: Deadlines) -> None:
         self.vehicle = vehicle
         self.emit = listener
+        self.confirm_arming: ConfirmArming = lambda _: False
         self.deadlines = deadlines
         self._clock = clock
         self._link = LinkMonitor(clock, deadlines)

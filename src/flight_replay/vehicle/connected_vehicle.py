@@ -40,6 +40,7 @@ from flight_replay.vehicle.protocol.parameters import (
     parameters_set,
     read_parameters,
     request_parameter,
+    set_parameters,
     write_parameters,
 )
 from flight_replay.vehicle.protocol.stream_requests import StreamRequests
@@ -53,6 +54,14 @@ _POLYGONS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
 _ROUND_TRIP_EVERY_S = 0.5
 _KEY_WANTED = "the vehicle signs its messages and may ignore unsigned ones; give its key with --signing-key"
+_TWO_VEHICLES = (
+    "two vehicles with system id {} send to this port, from {} and {}; give one another system id "
+    "(SYSID_THISMAV, in 4.7 MAV_SYSID) or another port; if it is one vehicle, heard by two ways, close one"
+)
+_ANOTHER_VEHICLE = (
+    "another vehicle with system id {0} sends to this port, too: the one at {1} is flown, the one at {2} "
+    "ignored; give it another system id before the next flight"
+)
 _UNBOUNDED_SPEEDUP = 100.0  # Assumed where SIM_SPEEDUP is 0 or less: as fast as possible.
 
 
@@ -62,8 +71,12 @@ class ConnectedVehicle:
     ``identity`` is what it is, ``drone`` the ``dronekit.Vehicle``, ``link`` receives every frame.
     """
 
-    def __init__(self, link: Link, vehicle: DiscoveredVehicle) -> None:
-        """``link`` is started, and ``vehicle`` was found on it."""
+    def __init__(self, link: Link, vehicle: DiscoveredVehicle, listener: Listener = ignore) -> None:
+        """``link`` is started, and ``vehicle`` was found on it; ``listener`` gets notices.
+
+        Raises:
+            VehicleError: Another vehicle has the same system id.
+        """
         self.drone: Any = dronekit_vehicle(link, vehicle.system, vehicle.component)
         self.link = link
         link.follow(vehicle.system, vehicle.component)
@@ -78,9 +91,26 @@ class ConnectedVehicle:
         self._targets = MotionTargets(self._vehicle_link, self.identity.version_numbers)
         link.add_receiver(self._targets.receive)
         self._storage = MissionStorage(self._vehicle_link, as_int=self.identity.takes_item_int)
+        self._listener = listener
+        self._arm_requested = self._told_of_another = False
+        self._check_is_only_one()
+
+    def _check_is_only_one(self) -> None:
+        """Refuse, before arming, two vehicles with one system id; in flight, tell of the other once."""
+        both = self.link.both_senders
+        if both is not None and not self._arm_requested:
+            raise VehicleError(_TWO_VEHICLES.format(self.identity.system, *both))
+        if both is not None and not self._told_of_another:
+            self._told_of_another = True
+            self._listener(Notice(_ANOTHER_VEHICLE.format(self.identity.system, *both), warning=True))
 
     def reports(self, timeout_s: float) -> Sequence[Report]:
-        """All reports since the last call, in order; waits up to the timeout for the first."""
+        """All reports since the last call, in order; waits up to the timeout for the first.
+
+        Raises:
+            VehicleError: Before arming was requested, another vehicle has the same system id.
+        """
+        self._check_is_only_one()
         self._streams.renew(self.link.speedup)
         self._commands.retry_ping()
         return self._telemetry.reports(timeout_s)
@@ -90,7 +120,14 @@ class ConnectedVehicle:
         self._commands.set_mode(mode_number(mode))
 
     def request_arm(self) -> None:
-        """Request arming, with all pre-arm checks."""
+        """Request arming, with all pre-arm checks.
+
+        Raises:
+            VehicleError: Another vehicle has the same system id.
+        """
+        self._arm_requested = True  # It may be armed by an earlier request: reports go on, and so does RTL.
+        if (both := self.link.both_senders) is not None:
+            raise VehicleError(_TWO_VEHICLES.format(self.identity.system, *both))
         self._commands.arm()
 
     def request_takeoff(self, altitude_m: float) -> None:
@@ -241,14 +278,13 @@ class ConnectedVehicle:
             write_parameters(self._vehicle_link, {_SPEEDUP: speedup})
         self.link.speedup = speedup
 
-    def set_known_parameters(self, wanted: Mapping[str, float]) -> None:
+    def set_known_parameters(self, wanted: Mapping[str, float]) -> dict[str, str]:
         """Set those of the parameters that the vehicle has, permanently, in its own units.
 
-        Raises:
-            VehicleError: The vehicle does not accept a value.
+        Returns:
+            Why not, for each that it did not confirm.
         """
-        known = read_parameters(self._vehicle_link, wanted)
-        write_parameters(self._vehicle_link, {name: wanted[name] for name in known})
+        return set_parameters(self._vehicle_link, wanted, list(self.identity.parameters)[:1])
 
     def limits_as_parameters(self, limits: Mapping[str, float]) -> dict[str, float]:
         """Parameters in the vehicle's own names and units, for fields of ``Limits`` in SI units."""
@@ -278,7 +314,7 @@ def connect(  # noqa: PLR0913
         limit_s: Seconds to wait for a heartbeat; infinite to try to connect without end too.
 
     Raises:
-        VehicleError: The connection cannot be opened, or no vehicle sends a heartbeat.
+        VehicleError: The connection cannot be opened, no vehicle sends a heartbeat, or two have one id.
     """
     listener(PhaseStarted(Phase.CONNECT, connection_string))
     signing = _signing(signing_key, listener)
@@ -288,7 +324,7 @@ def connect(  # noqa: PLR0913
         link.start()
         hint = silence_hint(connection_string, baud)
         vehicle = _find(link, connection_string, hint, limit_s, listener)
-        yield ConnectedVehicle(link, vehicle)
+        yield ConnectedVehicle(link, vehicle, listener)
     finally:
         try:
             listener(PhaseStarted(Phase.CLOSE))

@@ -13,6 +13,7 @@ from flight_replay.vehicle.protocol.parameters import (
     limits_as_parameters,
     parameters_set,
     read_parameters,
+    set_parameters,
     write_parameters,
 )
 from tests.helpers.link_conditions import LinkConditions
@@ -89,6 +90,26 @@ def test_a_value_that_is_not_confirmed_is_an_error() -> None:
         VehicleError, match="cannot set parameter WPNAV_SPEED to 5: the vehicle does not answer"
     ):
         write_parameters(link, {"WPNAV_SPEED": 5.0}, limit_s=2.0)
+
+
+@pytest.mark.parametrize(
+    ("loss", "unset"),
+    [
+        (0.0, {"NO_SUCH_NAME": "its firmware has no such parameter"}),
+        (0.3, {"NO_SUCH_NAME": "its firmware has no such parameter"}),
+        (1.0, dict.fromkeys(("WPNAV_SPEED", "NO_SUCH_NAME"), "the vehicle does not answer")),
+    ],
+)
+def test_what_the_vehicle_does_not_confirm_is_told(loss: float, unset: dict[str, str]) -> None:
+    """With the reason, as far as it can be known; the others are set."""
+    link = VirtualLink(LinkConditions(loss=loss))
+    assert set_parameters(link, {"WPNAV_SPEED": 600.0, "NO_SUCH_NAME": 1.0}, ["RTL_ALT"]) == unset
+    assert (link.autopilot.parameters["WPNAV_SPEED"] == 600.0) == (loss < 1.0)
+
+
+def test_a_value_that_the_vehicle_does_not_take_is_told() -> None:
+    """With the one that it has: this parameter is an integer."""
+    assert set_parameters(VirtualLink(), {"FENCE_ENABLE": 0.4}) == {"FENCE_ENABLE": "it stays 0"}
 
 
 def test_limits_become_parameters_in_the_vehicles_own_units() -> None:

@@ -9,6 +9,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
+from typing import Any
 
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mavlink import Message, dialect
@@ -16,6 +17,7 @@ from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.signing import Signing, is_signed, without_signature
 from flight_replay.vehicle.link.transport import Transport
+from flight_replay.vehicle.link.vehicle_sender import VehicleSender
 
 _log = logging.getLogger(__name__)
 
@@ -25,6 +27,7 @@ _CLOSE_S = 5.0  # More than a connection attempt takes.
 _SILENT_S = 6.0  # A vehicle sends a heartbeat every second.
 _HEARTBEAT_HZ = 1.25  # In vehicle time: ArduCopter 3.3 lands after 5 s of its time without a heartbeat.
 _MIN_HEARTBEAT_S = 0.01
+_MAX_VEHICLES = 16  # Whose addresses are remembered before one of them is followed.
 
 Receiver = Callable[[Message], None]
 
@@ -59,6 +62,8 @@ class Link:
         self._mav = dialect.MAVLink(None, srcSystem=OUR_SYSTEM, srcComponent=OUR_COMPONENT)
         self._parsers = ParserPool()
         self._vehicle: tuple[int, int] | None = None
+        self._sender = VehicleSender()
+        self._senders: dict[tuple[int, int], VehicleSender] = {}
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._broken = False
@@ -86,8 +91,15 @@ class Link:
         return self._signing is not None
 
     def follow(self, system: int, component: int) -> None:
-        """Send to where this vehicle's messages come from, and to nobody else."""
+        """Send to where this vehicle's messages come from, and to nobody else; take them from there only."""
+        self._sender = self._senders.get((system, component), self._sender)
         self._vehicle = (system, component)
+
+    @property
+    def both_senders(self) -> tuple[str, str] | None:
+        """The address of the vehicle and of another with the same ids; None unless both are heard."""
+        vehicle, rival = self._sender.address, self._sender.rival
+        return None if rival is None else (_as_text(vehicle), _as_text(rival))
 
     def send(self, message: Message) -> None:
         """Send, as MAVLink 1 until MAVLink 2 was received; on a broken link the message is lost."""
@@ -186,10 +198,8 @@ class Link:
 
     def _deliver(self, message: Message) -> None:
         frame = bytes(message.get_msgbuf())
-        if not self._accepts(message, frame):
+        if not self._accepts(message, frame) or not self._is_of_one_vehicle(message, frame):
             return
-        if (message.get_srcSystem(), message.get_srcComponent()) == self._vehicle:
-            self._transport.send_only_to(self._transport.sender)
         self._record(frame)
         if frame[0] == dialect.PROTOCOL_MARKER_V2:
             self._mavlink1 = False
@@ -199,6 +209,22 @@ class Link:
             except Exception:
                 # An error in one receiver must not stop the link in flight.
                 _log.exception("cannot process %s", message.get_type())
+
+    def _is_of_one_vehicle(self, message: Message, frame: bytes) -> bool:
+        """Whether a frame is not one of another vehicle with the same ids as the one that is followed."""
+        sender, now_s = self._transport.sender, time.monotonic()
+        source = (message.get_srcSystem(), message.get_srcComponent())
+        if self._vehicle is None:
+            is_new = source not in self._senders
+            if message.get_type() == "HEARTBEAT" and not (is_new and len(self._senders) >= _MAX_VEHICLES):
+                self._senders.setdefault(source, VehicleSender()).accepts(sender, frame, now_s)
+            return True
+        if sender is None or source != self._vehicle:
+            return True
+        if not self._sender.accepts(sender, frame, now_s):
+            return False
+        self._transport.send_only_to(sender)
+        return True
 
     def _accepts(self, message: Message, frame: bytes) -> bool:
         """Whether a frame may be heeded; on a signed link, receivers get it without its signature."""
@@ -211,3 +237,9 @@ class Link:
             return False
         message.get_msgbuf()[:] = without_signature(frame)
         return True
+
+
+def _as_text(address: Any) -> str:
+    """A UDP address, of either version, as people write it."""
+    host, port = address[:2]
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -22,6 +22,7 @@ _TOLERANCE = 1e-4  # Relative: parameters are float32.
 _MAX_ERROR = 1e-3  # Probability of taking a lost answer for an unknown name.
 _RESTORE_S, _RESTORE_UNANSWERED_S = 4.0, 1.0
 _MAX_INTEGER_UNIT = 0.1
+_UNANSWERED, _UNKNOWN = "the vehicle does not answer", "its firmware has no such parameter"
 
 
 def read_parameters(link: VehicleLink, names: Iterable[str], limit_s: float = 15.0) -> dict[str, float]:
@@ -30,12 +31,16 @@ def read_parameters(link: VehicleLink, names: Iterable[str], limit_s: float = 15
     ArduPilot does not answer for a parameter that it does not have: a name counts as unknown when
     lost packets are a very unlikely cause, by how often a known name was answered meanwhile.
     """
+    return _read(link, names, limit_s).values
+
+
+def _read(link: VehicleLink, names: Iterable[str], limit_s: float = 15.0) -> _ParameterReader:
     reader = _ParameterReader(link, list(dict.fromkeys(names)))
     end_s = link.now_s() + limit_s
     with link.inbox("PARAM_VALUE", timesync.MESSAGE_TYPE) as inbox:
         while reader.missing and not reader.missing_is_unknown and link.now_s() < end_s:
             reader.request_missing(inbox)
-    return reader.values
+    return reader
 
 
 def _retry_s(link: VehicleLink) -> float:
@@ -104,13 +109,37 @@ def write_parameters(
     Raises:
         VehicleError: The vehicle does not confirm all values in time.
     """
+    for name, why in _written(link, wanted, limit_s, unanswered_s).items():
+        raise VehicleError(f"cannot set parameter {name} to {wanted[name]:g}: {why}; check the link")
+
+
+def set_parameters(
+    link: VehicleLink, wanted: Mapping[str, float], known: Iterable[str] = ()
+) -> dict[str, str]:
+    """Set those of the parameters that the vehicle has; why not, for each that it does not confirm.
+
+    A name that it is ``known`` to have soon shows which names it does not have.
+    """
+    reader = _read(link, [*wanted, *known])
+    why = _UNKNOWN if reader.missing_is_unknown else _UNANSWERED
+    unset = {name: why for name in reader.missing if name in wanted}
+    return unset | _written(link, {name: value for name, value in wanted.items() if name not in unset})
+
+
+def _written(
+    link: VehicleLink, wanted: Mapping[str, float], limit_s: float = 10.0, unanswered_s: float = math.inf
+) -> dict[str, str]:
+    """Set parameters; why not, for each that the vehicle does not confirm in time."""
     reported: dict[str, float] = {}
     began_s = link.now_s()
     end_s = began_s + min(limit_s, unanswered_s)
     with link.inbox("PARAM_VALUE") as inbox:
         while missing := [name for name, value in wanted.items() if not _equal(reported.get(name), value)]:
             if link.now_s() >= end_s:
-                raise VehicleError(_refused(missing[0], wanted[missing[0]], reported.get(missing[0])))
+                return {
+                    name: f"it stays {reported[name]:g}" if name in reported else _UNANSWERED
+                    for name in missing
+                }
             for name in missing:
                 link.send(_set_message(link, name, wanted[name]))
             retry_at_s = min(end_s, link.now_s() + _retry_s(link))
@@ -118,6 +147,7 @@ def write_parameters(
                 reported[message.param_id] = message.param_value
                 end_s = began_s + limit_s
                 missing = [name for name in missing if not _equal(reported.get(name), wanted[name])]
+    return {}
 
 
 def request_parameter(link: VehicleLink, name: str, value: float) -> None:
@@ -127,11 +157,6 @@ def request_parameter(link: VehicleLink, name: str, value: float) -> None:
 
 def _equal(reported: float | None, value: float) -> bool:
     return reported is not None and math.isclose(reported, value, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
-
-
-def _refused(name: str, value: float, reported: float | None) -> str:
-    why = "the vehicle does not answer" if reported is None else f"it stays {reported:g}"
-    return f"cannot set parameter {name} to {value:g}: {why}; check the link"
 
 
 def _set_message(link: VehicleLink, name: str, value: float) -> Message:
