@@ -22,7 +22,9 @@ _OFF_GROUND_M = 1.0
 _MIN_CLIMB_M = 0.5  # A smaller gain of height is no climb.
 _LEVEL_M_S, _LEVELLING_S = 0.1, 10.0
 _MAX_ARMINGS = 3
-_MIN_IDLE_S = 4.0  # ArduCopter disarms by itself after 10 s: sooner than this, somebody disarmed it.
+_IDLE_S, _IDLE_TOLERANCE_S = 10.0, 1.5
+"""ArduCopter disarms by itself so long after arming (the default of DISARM_DELAY), if it has not begun to
+take off; heartbeats, once a second, tell when."""
 
 
 def wait_prearm(monitor: VehicleMonitor) -> None:
@@ -117,7 +119,7 @@ def arm(monitor: VehicleMonitor) -> None:
 
 
 def arm_and_takeoff(monitor: VehicleMonitor, altitude_m: float) -> None:
-    """Arm and take off; again if the vehicle disarms itself first, as it does after 10 s on the ground."""
+    """Arm and take off; again if the vehicle, which the take-off did not reach, disarms itself after 10 s."""
     for _ in range(_MAX_ARMINGS):
         arm(monitor)
         if take_off(monitor, altitude_m):
@@ -181,10 +183,13 @@ def _climbs(monitor: VehicleMonitor) -> bool:
 
 
 def _check_disarmed_itself(monitor: VehicleMonitor, idle_s: float) -> None:
-    if idle_s < _MIN_IDLE_S:
+    """A vehicle that accepted the take-off spins its motors up, and does not disarm itself any more."""
+    its_own = abs(idle_s - _IDLE_S) <= _IDLE_TOLERANCE_S
+    if not its_own or monitor.requests.accepted(Request.TAKEOFF):
         raise VehicleError(
-            "the vehicle was disarmed before take-off by the pilot or another ground station"
-            f"{_quoted(monitor.reason)}; find out why before starting again"
+            "the vehicle was disarmed before take-off by the pilot or another ground station, "
+            f"{max(idle_s, 0.0):.0f} s after arming{_quoted(monitor.reason)}; find out why before starting "
+            "again; if it was nobody, check DISARM_DELAY"
         )
 
 
