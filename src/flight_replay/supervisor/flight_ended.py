@@ -41,6 +41,14 @@ def failsafe(mode: str | None, reason: str) -> FlightEnded:
     )
 
 
+def not_rtl(mode: str | None) -> str:
+    """Told of a vehicle that was in RTL, until somebody or a failsafe chose another mode."""
+    return (
+        f"RTL became {mode}: the pilot, another ground station or a failsafe changed it; "
+        "flight-replay sends no more commands: watch the vehicle until it has landed"
+    )
+
+
 def rebooted() -> FlightEnded:
     """The autopilot rebooted."""
     return FlightEnded("reboot", "the autopilot rebooted; find out why before flying again")

@@ -35,9 +35,9 @@ def fly(vehicle: Vehicle, clock: Clock, plan: Plan | FollowPlan, listener: Liste
 
     Once arming was requested, every way out (an error, Ctrl-C, a ``SystemExit`` raised on SIGTERM)
     commands RTL first and emits whether the vehicle confirmed it; only a pilot or a failsafe that
-    changed the mode is not overruled. The caller emits ``Finished``, after closing the vehicle. A
-    flight that reached AUTO, or the recording's begin, returns its record even if it ended early: see
-    ``FlightRecord.problem``.
+    changed the mode is not overruled, nor one that changed it after RTL was confirmed. The caller emits
+    ``Finished``, after closing the vehicle. A flight that reached AUTO, or the recording's begin,
+    returns its record even if it ended early: see ``FlightRecord.problem``.
 
     Raises:
         PhaseTimeoutError: A phase before that timed out; the message has the vehicle's own reason.
@@ -65,10 +65,18 @@ def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
         if ended not in _TAKEN_OVER and monitor.may_be_armed:
             if isinstance(error, FlightEnded | VehicleError):
                 monitor.emit(Notice(str(error), warning=True))
-            _rtl_despite_errors(monitor)
+            _rtl_unless_left(monitor)
         if isinstance(error, FlightEnded):
             raise VehicleError(error.problem) from error
         raise
+
+
+def _rtl_unless_left(monitor: VehicleMonitor) -> None:
+    """Command RTL, but not of a vehicle that was in RTL when a pilot or a failsafe chose another mode."""
+    if monitor.rtl_confirmed and monitor.mode != "RTL":
+        monitor.emit(Notice(flight_ended.not_rtl(monitor.mode), warning=True))
+    else:
+        _rtl_despite_errors(monitor)
 
 
 def _rtl_despite_errors(monitor: VehicleMonitor) -> None:

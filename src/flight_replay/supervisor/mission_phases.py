@@ -6,6 +6,7 @@ import math
 
 from flight_replay.events import (
     DistanceToWaypoint,
+    Notice,
     Phase,
     PhaseStarted,
     ReturnCommanded,
@@ -135,8 +136,9 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     except FlightEnded:
         monitor.emit(ReturnCommanded(False))
         raise
-    monitor.emit(ReturnCommanded(monitor.modes.changed))
-    return monitor.modes.changed
+    monitor.rtl_confirmed = monitor.modes.changed
+    monitor.emit(ReturnCommanded(monitor.rtl_confirmed))
+    return monitor.rtl_confirmed
 
 
 def _mode_in_doubt(monitor: VehicleMonitor) -> bool:
@@ -153,8 +155,11 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     monitor.modes.expect("RTL", "LAND")
     progress = ProgressTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + loiter_s)
-    before, began_m = monitor.state, monitor.from_home_m
+    before, began_m, told = monitor.state, monitor.from_home_m, False
     while monitor.armed:
+        if monitor.mode == "LAND" and not told:
+            told = True
+            monitor.emit(Notice(flight_ended.not_rtl("LAND"), warning=True))
         if monitor.from_home_m > began_m + _LOST_M:
             raise FlightEnded(
                 "no progress",

@@ -67,6 +67,8 @@ class VehicleMonitor:
         self._recording = False
         self.requests = RequestTracker()
         self.arm_requested = self.was_armed = False
+        self.rtl_confirmed = False
+        """Whether the vehicle has confirmed an RTL that was commanded: any mode since is somebody else's."""
         self.reason = ""
         self._failsafe_text, self._failsafe_s = "", 0.0
 
