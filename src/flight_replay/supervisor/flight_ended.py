@@ -58,3 +58,11 @@ def disarmed(reason: str) -> FlightEnded:
     """The vehicle disarmed; ``reason`` is its status text, or empty."""
     why = f': it says "{reason}"' if reason else ""
     return FlightEnded("disarmed", f"the vehicle disarmed in flight{why}; find out why before flying again")
+
+
+def disarmed_unseen(reason: str) -> FlightEnded:
+    """The vehicle disarmed on its way home while nothing came from it that tells whether it had landed."""
+    why = f': it says "{reason}"' if reason else ""
+    return FlightEnded(
+        "disarmed", f"the vehicle disarmed{why}, and no position tells whether it had landed; look for it"
+    )

@@ -28,6 +28,8 @@ _TAKEN_OVER = frozenset({"pilot", "failsafe"})
 """``FlightRecord.ended`` where a pilot or failsafe has control: no more commands are sent."""
 _NO_RTL = frozenset({"link lost", "reboot", "disarmed"})
 """Where nobody wonders that RTL is not confirmed."""
+_FALLEN = frozenset({"reboot", "disarmed"})
+"""On the way home, too, this is how the flight ended."""
 
 
 def fly(vehicle: Vehicle, clock: Clock, plan: Plan | FollowPlan, listener: Listener = ignore) -> FlightRecord:
@@ -120,12 +122,13 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
             fallen = flight_ended.disarmed(monitor.reason)
             ended, problem = fallen.ended, fallen.problem
         problem = problem if ended in _NO_RTL else _both(rtl_problem, problem)
-    if plan.land and confirmed:
+    if plan.land and confirmed and ended != "disarmed":
         try:
             wait_landed(monitor, plan.rtl_loiter_s)
             landed = True
         except FlightEnded as end:
             problem = _both(end.problem, problem)
+            ended = end.ended if end.ended in _FALLEN else ended
     track = _track(flown)
     return FlightRecord(
         waypoints_reached=way.waypoints_reached,

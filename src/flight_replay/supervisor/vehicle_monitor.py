@@ -54,6 +54,8 @@ class VehicleMonitor:
         self.modes = ModeMonitor()
         self.armed: bool | None = None
         self.state: VehicleState | None = None
+        self.armed_state: VehicleState | None = None
+        """The state before the latest heartbeat that showed the vehicle armed."""
         self.prearm: PrearmStatus | None = None
         self.mission = MissionCurrent(0)
         self.mission_replaced = False
@@ -197,6 +199,7 @@ class VehicleMonitor:
     @_process.register
     def _(self, heartbeat: Heartbeat) -> None:
         self.armed = heartbeat.armed
+        self.armed_state = self.state if heartbeat.armed else self.armed_state
         self.was_armed = self.was_armed or (self.arm_requested and heartbeat.armed)
         self.modes.heartbeat(heartbeat.mode, heartbeat.armed, self.wall_s)
         self.requests.heartbeat()
