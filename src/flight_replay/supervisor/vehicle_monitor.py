@@ -153,6 +153,8 @@ class VehicleMonitor:
     def _auto_entered(self) -> None:
         if self._recording and self.auto_start_s is None:
             self.auto_start_s = self.time_s
+            if self.state is not None:
+                self.progress.begin(self.state)
 
     def step(self, timeout_s: float = _STEP_WALL_S) -> None:
         """Process the next report, waiting for it up to the timeout.
@@ -238,8 +240,11 @@ class VehicleMonitor:
 
     @_process.register
     def _(self, current: MissionCurrent) -> None:
-        self.mission = current
-        if self.auto_start_s is not None and self.state is not None:
+        if self.auto_start_s is None or self.state is None:
+            # Where AUTO is about to begin, the number may be that of a mission before.
+            self.mission = self.mission if self._recording else current
+        elif not self.progress.is_outdated(current.seq, self.state):
+            self.mission = current
             self._note_reached(self.progress.flies_to(current.seq, self.state, complete=current.complete))
 
     @_process.register
