@@ -69,12 +69,13 @@ class FakeVehicle:
     local_position: bool = True
     follows: bool = True
     deaf: bool = False
+    altitude_before_arming_m: float = 0.0
     schedule: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.began_s = self.clock.now_s
         self._since = 50.0, self.clock.now_s
-        self.mode, self.armed, self.altitude_m = "STABILIZE", False, 0.0
+        self.mode, self.armed, self.altitude_m = "STABILIZE", False, self.altitude_before_arming_m
         self.requested: list[str] = []
         self.queue: list[Report] = []
         self.target_m = 0.0
@@ -114,6 +115,9 @@ class FakeVehicle:
     def _move(self, step_s: float) -> None:
         if self.arms_at_s is not None and self.time_s >= self.arms_at_s:
             self.armed, self.arms_at_s = True, None
+            if self.altitude_before_arming_m:
+                self.altitude_m, self.heartbeat_s = 0.0, self.time_s
+                self.queue.append(Heartbeat(self.mode, True))
         if self.armed and self.mode == "GUIDED":
             self._move_guided(step_s)
         if self.mode in ("RTL", "LAND"):

@@ -468,3 +468,47 @@ def test_a_mission_that_another_station_changed_is_an_error() -> None:
     )
     with pytest.raises(VehicleError, match=message):
         fake_flight(FakeVehicle(FakeClock(), verified=False)).fly()
+
+
+@pytest.mark.parametrize("before_m", [40.0, 29.0, -3.0])
+def test_heights_above_the_home_before_arming_do_not_count(before_m: float) -> None:
+    """Arming sets home: the last height before it is neither the ground's nor that of a climb."""
+    vehicle = FakeVehicle(FakeClock(), altitude_before_arming_m=before_m)
+    request_takeoff = vehicle.request_takeoff
+
+    def lose_the_first(altitude_m: float) -> None:
+        if "takeoff" in vehicle.requested:
+            request_takeoff(altitude_m)
+        vehicle.requested.append("takeoff")
+
+    vehicle.request_takeoff = lose_the_first  # type: ignore[method-assign]
+    flight = fake_flight(vehicle)
+    assert flight.fly().problem is None
+    assert vehicle.requested.count("takeoff") == 3
+    climbing_m = [event.altitude_m for event in flight.of(events.Climbing)]
+    assert climbing_m[-1] > 25.0
+
+
+def test_nothing_is_reached_on_ground_that_is_higher_than_the_take_off() -> None:
+    """Home is locked 40 m below, and the vehicle refuses the take-off: AUTO would begin on the ground."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+    vehicle.altitude_m = 40.0
+    with pytest.raises(PhaseTimeoutError, match=r"did not climb above 40\.0 m"):
+        fake_flight(vehicle).fly()
+    assert "AUTO" not in vehicle.requested
+
+
+def test_take_off_waits_for_a_position_after_arming() -> None:
+    """Without one nothing is requested but RTL, when its time is over."""
+    vehicle = FakeVehicle(FakeClock())
+    request_arm = vehicle.request_arm
+
+    def arm() -> None:
+        request_arm()
+        vehicle.reports_clock = False
+
+    vehicle.request_arm = arm  # type: ignore[method-assign]
+    with pytest.raises(PhaseTimeoutError, match="the vehicle did not tell its position in 25 s"):
+        fake_flight(vehicle).fly()
+    assert "takeoff" not in vehicle.requested
+    assert vehicle.requested[-1] == "RTL"
