@@ -356,3 +356,26 @@ def test_ctrl_c_on_the_way_home_does_not_overrule_another_mode(mode: str, heartb
         assert any(text.startswith(f"RTL became {mode}: ") for text in texts)
     assert (vehicle.requested.count("RTL"), vehicle.mode) == (1, mode)
     assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(True)]
+
+
+@pytest.mark.parametrize(
+    ("text", "ended", "words"),
+    [
+        ("EKF Failsafe: changed to ALT_HOLD Mode", "failsafe", "the vehicle changed to ALT_HOLD by itself"),
+        ("GCS Failsafe - Continuing Auto Mode", "pilot", "changed to ALT_HOLD by the pilot"),
+    ],
+)
+def test_a_failsafe_may_choose_a_pilots_mode(text: str, ended: str, words: str) -> None:
+    """FS_EKF_ACTION 2 is ALT_HOLD; the text names the mode that a failsafe chose."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def change() -> None:
+        vehicle.send_text(text, 2)
+        vehicle.mode = "ALT_HOLD"
+
+    vehicle.schedule.append((30.0, change))
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, record.rtl_confirmed) == (ended, False)
+    assert words in (record.problem or "")
+    assert ("take control" in (record.problem or "")) is (ended == "failsafe")
+    assert "RTL" not in vehicle.requested

@@ -35,10 +35,8 @@ def failsafe(mode: str | None, reason: str) -> FlightEnded:
     if not reason:
         who = "the vehicle or another ground station"
         what = f"the mode was changed to {mode} by {who}, and no reason was given"
-    return FlightEnded(
-        "failsafe",
-        f"{what}; flight-replay sends no more commands: watch the vehicle",
-    )
+    now = "take control, the vehicle drifts" if mode == "ALT_HOLD" else "watch the vehicle"
+    return FlightEnded("failsafe", f"{what}; flight-replay sends no more commands: {now}")
 
 
 def not_rtl(mode: str | None) -> str:

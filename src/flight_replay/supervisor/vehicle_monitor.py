@@ -190,9 +190,16 @@ class VehicleMonitor:
         self._process(self._backlog.popleft())
         reason = self._failsafe_text if self.time_s - self._failsafe_s <= _REASON_VALID_S else ""
         if self.modes.taken_over(self.wall_s, explained=bool(reason)):
-            if self.modes.is_failsafe:
+            if self.modes.is_failsafe or self._is_named(reason):
                 raise flight_ended.failsafe(self.mode, reason)
             raise flight_ended.pilot(self.mode)
+
+    def _is_named(self, reason: str) -> bool:
+        """Whether a failsafe says that it chose this mode: "EKF Failsafe: changed to ALT_HOLD Mode".
+
+        After another text, such as "Radio Failsafe - Continuing Auto", it is the pilot who changes the mode.
+        """
+        return f"changed to {self.mode}".lower() in reason.lower()
 
     @singledispatchmethod
     def _process(self, report: object) -> None:
