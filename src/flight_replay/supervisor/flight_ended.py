@@ -52,6 +52,15 @@ def rebooted() -> FlightEnded:
     return FlightEnded("reboot", "the autopilot rebooted; find out why before flying again")
 
 
+def no_position(heartbeats: int) -> FlightEnded:
+    """Heartbeats go on, and no position has come among the last of them."""
+    return FlightEnded(
+        "no progress",
+        f"the vehicle has told no position for {heartbeats} s, and its flight cannot be supervised; "
+        "check its stream rates, the link and its GPS",
+    )
+
+
 def disarmed(reason: str) -> FlightEnded:
     """The vehicle disarmed; ``reason`` is its status text, or empty."""
     why = f': it says "{reason}"' if reason else ""

@@ -52,6 +52,7 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
             return ended
         if monitor.certainly_disarmed:
             raise flight_ended.disarmed(monitor.reason)
+        monitor.check_position()
         total = total or monitor.mission.total
         if monitor.mission.total != total or monitor.mission_replaced:
             raise FlightEnded(

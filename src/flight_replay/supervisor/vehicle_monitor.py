@@ -37,6 +37,7 @@ _STEP_WALL_S = 0.1  # The longest wait for a report in one step.
 _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
+_NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
 _REASON_VALID_S = 10.0  # An older status text (vehicle time) does not explain a new mode.
 
 
@@ -54,6 +55,7 @@ class VehicleMonitor:
         self.modes = ModeMonitor()
         self.armed: bool | None = None
         self.state: VehicleState | None = None
+        self._heartbeats_since_state = 0
         self.armed_state: VehicleState | None = None
         """The state before the latest heartbeat that showed the vehicle armed."""
         self.prearm: PrearmStatus | None = None
@@ -129,6 +131,16 @@ class VehicleMonitor:
     def caught_up(self) -> bool:
         """Whether all reports are processed, so that requests may follow from what is known."""
         return not self._backlog
+
+    def check_position(self) -> None:
+        """Check that the vehicle tells where it is.
+
+        Raises:
+            FlightEnded: Its link is up, and it has not for some seconds in flight; one that disarmed may
+                have rebooted, and another check tells that.
+        """
+        if self.armed and self._heartbeats_since_state >= _NO_POSITION_HEARTBEATS:
+            raise flight_ended.no_position(_NO_POSITION_HEARTBEATS)
 
     def begin_arming(self) -> None:
         """Arming is requested now: the vehicle may be armed from now on."""
@@ -208,6 +220,7 @@ class VehicleMonitor:
     @_process.register
     def _(self, heartbeat: Heartbeat) -> None:
         self.armed = heartbeat.armed
+        self._heartbeats_since_state += 1
         self.armed_state = self.state if heartbeat.armed else self.armed_state
         self.was_armed = self.was_armed or (self.arm_requested and heartbeat.armed)
         self.modes.heartbeat(heartbeat.mode, heartbeat.armed, self.wall_s)
@@ -220,6 +233,7 @@ class VehicleMonitor:
         if self.state is not None and self.wall_s - self._state_wall_s < _LINK_GAP_WALL_S:
             self.link_up_s += max(state.time_s - self.state.time_s, 0.0)
         self.state, self._state_wall_s = state, self.wall_s
+        self._heartbeats_since_state = 0
         self.modes.clock(state.time_s, self.wall_s)
         if self.auto_start_s is not None:
             self.flown.append(state)
