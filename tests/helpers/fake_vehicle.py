@@ -24,6 +24,8 @@ from flight_replay.supervisor.vehicle_interface import (
 
 CLIMB_M_S = 2.5
 GOTO_M_S = 5.0
+FALL_M_S = 8.0
+LANDED_S = 1.6
 TIMEOUT_S = 0.5
 FRAME = FlatFrame(47.0, 8.0)
 
@@ -67,18 +69,20 @@ class FakeVehicle:
     local_position: bool = True
     follows: bool = True
     deaf: bool = False
+    altitude_before_arming_m: float = 0.0
     schedule: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.began_s = self.clock.now_s
         self._since = 50.0, self.clock.now_s
-        self.mode, self.armed, self.altitude_m = "STABILIZE", False, 0.0
+        self.mode, self.armed, self.altitude_m = "STABILIZE", False, self.altitude_before_arming_m
         self.requested: list[str] = []
         self.queue: list[Report] = []
         self.target_m = 0.0
         self.arms_at_s: float | None = None
         self.auto_s = 0.0
         self.heartbeat_s = 0.0
+        self.ground_m = self.rests_s = 0.0
         self.place_m = np.zeros(2)
         self.velocity_m_s = np.zeros(3)
         self.goal_m: Floats | None = None
@@ -111,16 +115,25 @@ class FakeVehicle:
     def _move(self, step_s: float) -> None:
         if self.arms_at_s is not None and self.time_s >= self.arms_at_s:
             self.armed, self.arms_at_s = True, None
+            if self.altitude_before_arming_m:
+                self.altitude_m, self.heartbeat_s = 0.0, self.time_s
+                self.queue.append(Heartbeat(self.mode, True))
         if self.armed and self.mode == "GUIDED":
             self._move_guided(step_s)
         if self.mode in ("RTL", "LAND"):
-            self.altitude_m = max(0.0, self.altitude_m - CLIMB_M_S * step_s)
-            self.armed = self.armed and self.altitude_m > 0
+            self._land(step_s)
         if self.mode == "AUTO":
             seq = self.seq
             self.auto_s += step_s
             if self.reports_reached and (self.seq > seq or self._complete):
                 self.queue.append(MissionItemReached(seq))
+
+    def _land(self, step_s: float) -> None:
+        """Descend to the ground, disarm when at rest there; without motors fall."""
+        falls = not self.armed and self.altitude_m > self.ground_m
+        self.altitude_m = max(self.ground_m, self.altitude_m - (FALL_M_S if falls else CLIMB_M_S) * step_s)
+        self.rests_s = self.rests_s + step_s if self.altitude_m <= self.ground_m else 0.0
+        self.armed = self.armed and self.rests_s < LANDED_S
 
     def _move_guided(self, step_s: float) -> None:
         """Climb; then fly to the goal, or be where the latest target is until it is too old."""

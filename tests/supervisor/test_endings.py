@@ -232,3 +232,36 @@ def test_a_second_interrupt_does_not_lengthen_the_command_of_rtl() -> None:
         flight.fly()
     assert 28.0 <= flight.wall_s < 28.5
     assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(False)]
+
+
+def test_a_vehicle_that_tells_no_position_is_sent_home() -> None:
+    """Heartbeats and items go on for ten seconds of its time: nothing else would end the flight in time."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=200, speedup=5.0), duration_s=60.0)
+    flight.vehicle.schedule.append((8.0, lambda: setattr(flight.vehicle, "reports_clock", False)))
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("no progress", True)
+    assert "has told no position for 10 s" in (record.problem or "")
+    assert 8.0 + 9.0 / 5.0 < flight.wall_s < 8.0 + 13.0 / 5.0
+
+
+def test_positions_that_come_again_in_time_change_nothing() -> None:
+    """After 8 s of the vehicle's time."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
+    flight.vehicle.schedule += [
+        (30.0, lambda: setattr(flight.vehicle, "reports_clock", False)),
+        (38.0, lambda: setattr(flight.vehicle, "reports_clock", True)),
+    ]
+    record = flight.fly()
+    assert (record.ended, record.problem) == ("duration", None)
+
+
+def test_a_fast_vehicle_that_reboots_is_not_taken_for_one_without_positions() -> None:
+    """Twenty heartbeats a second come before its clock does."""
+    vehicle = FakeVehicle(FakeClock(), points=4000, speedup=20.0)
+
+    def reboot() -> None:
+        vehicle.mode, vehicle.armed, vehicle.reports_clock = "STABILIZE", False, False
+        vehicle.schedule.append((5.0, lambda: vehicle.queue.append(Rebooted())))
+
+    vehicle.schedule.append((3.5, reboot))
+    assert fake_flight(vehicle, duration_s=600.0).fly().ended == "reboot"

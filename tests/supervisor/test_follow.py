@@ -289,3 +289,12 @@ def test_a_pilot_who_takes_over_in_an_early_pass_has_the_vehicle() -> None:
         flight.fly()
     assert "RTL" not in vehicle.requested
     assert not flight.of(ReturnCommanded)
+
+
+def test_a_followed_recording_ends_where_no_position_is_told() -> None:
+    """The vehicle stands still without targets, and is sent home."""
+    vehicle = _vehicle()
+    vehicle.schedule.append((50.0, lambda: setattr(vehicle, "reports_clock", False)))
+    record = fake_following(vehicle, duration_s=None).fly()
+    assert (record.ended, record.rtl_confirmed) == ("no progress", True)
+    assert "has told no position for 10 s" in (record.problem or "")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,13 @@ from flight_replay.events import DistanceToWaypoint, Phase, VehicleState, Waitin
 from flight_replay.mission.items import Mission, change_speed, waypoint
 from flight_replay.supervisor import Deadlines, Plan
 from flight_replay.supervisor.mission_phases import distance_to_item_m
-from flight_replay.supervisor.vehicle_interface import Heartbeat, MissionCurrent, Request, RequestAck
+from flight_replay.supervisor.vehicle_interface import (
+    Heartbeat,
+    MissionCurrent,
+    Rebooted,
+    Request,
+    RequestAck,
+)
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
 from tests.helpers.supervised import fake_flight
@@ -206,3 +214,67 @@ def test_land_on_the_way_home_is_a_landing_too() -> None:
     vehicle.request_mode = request  # type: ignore[method-assign]
     record = fake_flight(vehicle, land=True).fly()
     assert (record.rtl_confirmed, record.landed, record.problem) == (True, True, None)
+
+
+def on_the_way_home(vehicle: FakeVehicle, after_s: float, *actions: tuple[float, Callable[[], None]]) -> None:
+    """Schedule actions from so many seconds after RTL was requested on; each has its own delay."""
+    request_mode = vehicle.request_mode
+
+    def request(mode: str) -> None:
+        request_mode(mode)
+        if mode == "RTL":
+            now_s = vehicle.clock.now_s - vehicle.began_s + after_s
+            vehicle.schedule += [(now_s + delay_s, action) for delay_s, action in actions]
+
+    vehicle.request_mode = request  # type: ignore[method-assign]
+
+
+@pytest.mark.parametrize("after_s", [1.0, 5.0, 9.3, 10.5])
+def test_motors_that_stop_on_the_way_home_are_no_landing(after_s: float) -> None:
+    """From 30 m down to 3 m, in a descent: it ends as AUTO does for the same."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def kill() -> None:
+        vehicle.armed = False
+        vehicle.send_text("Crash: Disarming")
+
+    on_the_way_home(vehicle, after_s, (0.0, kill))
+    record = fake_flight(vehicle, land=True).fly()
+    assert (record.ended, record.rtl_confirmed, record.landed) == ("disarmed", True, False)
+    assert 'disarmed in flight: it says "Crash: Disarming"' in (record.problem or "")
+
+
+def test_a_reboot_on_the_way_home_is_no_landing() -> None:
+    """Its heartbeats look disarmed at once, and its clock comes later."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def reboot() -> None:
+        vehicle.mode, vehicle.armed, vehicle.reports_clock = "STABILIZE", False, False
+
+    on_the_way_home(vehicle, 3.0, (0.0, reboot), (4.0, lambda: vehicle.queue.append(Rebooted())))
+    record = fake_flight(vehicle, land=True).fly()
+    assert (record.ended, record.rtl_confirmed, record.landed) == ("reboot", True, False)
+    assert "rebooted" in (record.problem or "")
+
+
+@pytest.mark.parametrize("ground_m", [-5.0, 0.0, 6.0])
+def test_the_ground_need_not_be_as_high_as_home(ground_m: float) -> None:
+    """A pilot lands it on a slope: that it rests there tells, not its height."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    vehicle.ground_m = ground_m
+    on_the_way_home(vehicle, 3.0, (0.0, lambda: setattr(vehicle, "mode", "LAND")))
+    record = fake_flight(vehicle, land=True).fly()
+    assert (record.landed, record.problem) == (True, None)
+
+
+def test_a_disarming_that_nobody_saw_is_no_landing() -> None:
+    """The link was down meanwhile; what came of the vehicle is not known."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def silent() -> None:
+        vehicle.silent = True
+
+    on_the_way_home(vehicle, 3.0, (0.0, silent), (20.0, lambda: setattr(vehicle, "silent", False)))
+    record = fake_flight(vehicle, land=True).fly()
+    assert (record.ended, record.landed) == ("disarmed", False)
+    assert "no position tells whether it had landed" in (record.problem or "")

@@ -7,6 +7,7 @@ import pytest
 from flight_replay.events import Notice, VehicleState, WaypointReached
 from flight_replay.mission.items import Mission, change_speed, waypoint
 from flight_replay.supervisor.mission_progress import MissionProgress
+from flight_replay.supervisor.vehicle_interface import MissionCurrent
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
 from tests.helpers.supervised import fake_flight
 
@@ -125,3 +126,62 @@ def test_a_mission_that_was_left_out_to_its_end_is_told() -> None:
     progress = progress_at(3)
     progress.flies_to(40, at(100.5, 28.0))
     assert progress.jumps[0].startswith("waypoints 3 to 39 were not flown")
+
+
+def begun() -> MissionProgress:
+    """That of a vehicle which enters AUTO at 100 s, 10 m before the first of 40 waypoints."""
+    progress = MissionProgress(route(40))
+    progress.begin(at(100.0, 0.0))
+    return progress
+
+
+def test_a_mission_that_begins_in_its_middle_is_told() -> None:
+    """Another station set the current item before AUTO: by the same rule as in flight."""
+    progress = begun()
+    assert progress.flies_to(0, at(100.1, 0.0)) == []
+    assert progress.flies_to(20, at(101.0, 0.0)) == []
+    assert told(progress) == [
+        "waypoints 1 to 19 were not flown: another ground station sent the vehicle on to item 20"
+    ]
+    assert not begun().flies_to(1, at(101.0, 1.0))
+
+
+def test_the_first_number_in_auto_may_be_from_before() -> None:
+    """A vehicle that was at another item, and restarts its mission in AUTO; the second number counts."""
+    progress = begun()
+    assert progress.is_outdated(20, at(100.1, 0.0))
+    assert not progress.is_outdated(20, at(100.3, 0.0))
+    assert not begun().is_outdated(1, at(100.1, 0.0))
+
+
+@pytest.mark.parametrize(("points", "seq", "flown"), [(40, 21, 20), (40, 40, 1)])
+def test_auto_that_begins_in_the_middle_is_a_problem(points: int, seq: int, flown: int) -> None:
+    """At the last item, too, where the flight ends at once."""
+    vehicle = FakeVehicle(FakeClock(), points=points)
+    request_takeoff = vehicle.request_takeoff
+
+    def take_off(altitude_m: float) -> None:
+        request_takeoff(altitude_m)
+        vehicle.auto_s = (seq - 1) * vehicle.item_s
+        vehicle.place_m = vehicle.place_m * 0.0 - [10.0 * (seq - 1), 0.0]
+
+    vehicle.request_takeoff = take_off  # type: ignore[method-assign]
+    record = fake_flight(vehicle, duration_s=60.0).fly()
+    assert record.problem is not None
+    assert f"waypoints 1 to {seq - 1} were not flown" in record.problem
+    assert record.waypoints_reached < flown
+
+
+def test_the_number_from_just_before_auto_ends_nothing() -> None:
+    """That of the last item, told after AUTO was requested and before it is entered."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    request_mode = vehicle.request_mode
+
+    def request(mode: str) -> None:
+        if mode == "AUTO":
+            vehicle.queue.append(MissionCurrent(40, 40))
+        request_mode(mode)
+
+    vehicle.request_mode = request  # type: ignore[method-assign]
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, record.problem) == ("duration", None)

@@ -323,3 +323,59 @@ def test_a_pilots_mode_change_starts_no_rtl_phase() -> None:
             flight.fly()
         assert vehicle.mode == "LOITER"
         assert events.PhaseStarted(events.Phase.RETURN) not in flight.events
+
+
+@pytest.mark.parametrize("heartbeats", [1, 3])
+@pytest.mark.parametrize("mode", ["LAND", "BRAKE"])
+def test_ctrl_c_on_the_way_home_does_not_overrule_another_mode(mode: str, heartbeats: int) -> None:
+    """RTL was confirmed; since then a pilot or a failsafe chose another mode, which one heartbeat shows."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    request_mode = vehicle.request_mode
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    def change() -> None:
+        vehicle.mode = mode
+        vehicle.queue += [Heartbeat(mode, True)] * heartbeats
+
+    def request(wanted: str) -> None:
+        request_mode(wanted)
+        if wanted == "RTL":
+            now_s = vehicle.clock.now_s - vehicle.began_s
+            vehicle.schedule += [(now_s + 3.0, change), (now_s + 3.15, interrupt)]
+
+    vehicle.request_mode = request  # type: ignore[method-assign,assignment]
+    flight = fake_flight(vehicle, land=True)
+    if mode == "BRAKE" and heartbeats == 3:
+        assert "BRAKE" in (flight.fly().problem or ""), "it ended before Ctrl-C"
+    else:
+        with pytest.raises(KeyboardInterrupt):
+            flight.fly()
+        texts = [notice.text for notice in flight.of(events.Notice)]
+        assert any(text.startswith(f"RTL became {mode}: ") for text in texts)
+    assert (vehicle.requested.count("RTL"), vehicle.mode) == (1, mode)
+    assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(True)]
+
+
+@pytest.mark.parametrize(
+    ("text", "ended", "words"),
+    [
+        ("EKF Failsafe: changed to ALT_HOLD Mode", "failsafe", "the vehicle changed to ALT_HOLD by itself"),
+        ("GCS Failsafe - Continuing Auto Mode", "pilot", "changed to ALT_HOLD by the pilot"),
+    ],
+)
+def test_a_failsafe_may_choose_a_pilots_mode(text: str, ended: str, words: str) -> None:
+    """FS_EKF_ACTION 2 is ALT_HOLD; the text names the mode that a failsafe chose."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def change() -> None:
+        vehicle.send_text(text, 2)
+        vehicle.mode = "ALT_HOLD"
+
+    vehicle.schedule.append((30.0, change))
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, record.rtl_confirmed) == (ended, False)
+    assert words in (record.problem or "")
+    assert ("take control" in (record.problem or "")) is (ended == "failsafe")
+    assert "RTL" not in vehicle.requested

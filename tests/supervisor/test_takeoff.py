@@ -320,9 +320,9 @@ def test_a_refused_mode_is_requested_again_until_its_deadline() -> None:
     assert 11 <= flight.vehicle.requested.count("GUIDED") <= 14
 
 
-@pytest.mark.parametrize("idle_s", [3.0, 5.0])
-def test_the_time_shows_who_disarmed_the_vehicle(idle_s: float) -> None:
-    """Sooner than 4 s after arming somebody disarmed it; later it disarmed itself, and is armed again."""
+@pytest.mark.parametrize(("idle_s", "again"), [(3.0, False), (6.0, False), (10.0, True), (13.0, False)])
+def test_the_time_shows_who_disarmed_the_vehicle(idle_s: float, again: bool) -> None:
+    """10 s after arming it disarmed itself, and is armed again; at any other time somebody disarmed it."""
     vehicle = FakeVehicle(FakeClock(), climbs=False)
     request_takeoff = vehicle.request_takeoff
 
@@ -336,11 +336,13 @@ def test_the_time_shows_who_disarmed_the_vehicle(idle_s: float) -> None:
 
     vehicle.request_takeoff = disarm_later  # type: ignore[method-assign]
     flight = fake_flight(vehicle)
-    if idle_s < 4.0:
+    if not again:
         with pytest.raises(
-            VehicleError, match="disarmed before take-off by the pilot or another ground station"
+            VehicleError,
+            match=r"disarmed before take-off by the pilot or another ground station, \d+ s after arming",
         ):
             flight.fly()
+        assert vehicle.requested.count("arm") == 1
         return
     assert flight.fly().problem is None
     assert vehicle.requested.count("arm") == 2
@@ -443,22 +445,20 @@ def test_a_status_text_from_before_arming_is_not_the_reason(refused: str, messag
         fake_flight(vehicle).fly()
 
 
-def test_an_accepted_take_off_is_requested_again_after_arming_again() -> None:
-    """The ack of a take-off before the vehicle disarmed itself does not count for the next one."""
+def test_a_vehicle_that_accepted_the_take_off_is_not_armed_again() -> None:
+    """Its motors spin up then, and it does not disarm itself: after 10 s, too, somebody disarmed it."""
     vehicle = FakeVehicle(FakeClock(), climbs=False)
 
     def accept(altitude_m: float) -> None:
         vehicle.requested.append("takeoff")
         vehicle.queue.append(RequestAck(Request.TAKEOFF, True))
-        if vehicle.requested.count("takeoff") == 1:
-            when_s = vehicle.clock.now_s - vehicle.began_s + 10.0
-            vehicle.schedule.append((when_s, lambda: setattr(vehicle, "armed", False)))
-        else:
-            vehicle.target_m, vehicle.climbs = altitude_m, True
+        when_s = vehicle.clock.now_s - vehicle.began_s + 10.0
+        vehicle.schedule.append((when_s, lambda: setattr(vehicle, "armed", False)))
 
     vehicle.request_takeoff = accept  # type: ignore[method-assign]
-    assert fake_flight(vehicle).fly().problem is None
-    assert vehicle.requested.count("takeoff") == 2
+    with pytest.raises(VehicleError, match="disarmed before take-off by the pilot"):
+        fake_flight(vehicle).fly()
+    assert vehicle.requested.count("arm") == vehicle.requested.count("takeoff") == 1
 
 
 @pytest.mark.parametrize("request_name", ["arm", "AUTO"])
@@ -540,3 +540,47 @@ def test_a_mission_that_another_station_changed_is_an_error() -> None:
     )
     with pytest.raises(VehicleError, match=message):
         fake_flight(FakeVehicle(FakeClock(), verified=False)).fly()
+
+
+@pytest.mark.parametrize("before_m", [40.0, 29.0, -3.0])
+def test_heights_above_the_home_before_arming_do_not_count(before_m: float) -> None:
+    """Arming sets home: the last height before it is neither the ground's nor that of a climb."""
+    vehicle = FakeVehicle(FakeClock(), altitude_before_arming_m=before_m)
+    request_takeoff = vehicle.request_takeoff
+
+    def lose_the_first(altitude_m: float) -> None:
+        if "takeoff" in vehicle.requested:
+            request_takeoff(altitude_m)
+        vehicle.requested.append("takeoff")
+
+    vehicle.request_takeoff = lose_the_first  # type: ignore[method-assign]
+    flight = fake_flight(vehicle)
+    assert flight.fly().problem is None
+    assert vehicle.requested.count("takeoff") == 3
+    climbing_m = [event.altitude_m for event in flight.of(events.Climbing)]
+    assert climbing_m[-1] > 25.0
+
+
+def test_nothing_is_reached_on_ground_that_is_higher_than_the_take_off() -> None:
+    """Home is locked 40 m below, and the vehicle refuses the take-off: AUTO would begin on the ground."""
+    vehicle = FakeVehicle(FakeClock(), climbs=False)
+    vehicle.altitude_m = 40.0
+    with pytest.raises(PhaseTimeoutError, match=r"did not climb above 40\.0 m"):
+        fake_flight(vehicle).fly()
+    assert "AUTO" not in vehicle.requested
+
+
+def test_take_off_waits_for_a_position_after_arming() -> None:
+    """Without one nothing is requested but RTL, when its time is over."""
+    vehicle = FakeVehicle(FakeClock())
+    request_arm = vehicle.request_arm
+
+    def arm() -> None:
+        request_arm()
+        vehicle.reports_clock = False
+
+    vehicle.request_arm = arm  # type: ignore[method-assign]
+    with pytest.raises(PhaseTimeoutError, match="the vehicle did not tell its position in 25 s"):
+        fake_flight(vehicle).fly()
+    assert "takeoff" not in vehicle.requested
+    assert vehicle.requested[-1] == "RTL"

@@ -35,9 +35,15 @@ def failsafe(mode: str | None, reason: str) -> FlightEnded:
     if not reason:
         who = "the vehicle or another ground station"
         what = f"the mode was changed to {mode} by {who}, and no reason was given"
-    return FlightEnded(
-        "failsafe",
-        f"{what}; flight-replay sends no more commands: watch the vehicle",
+    now = "take control, the vehicle drifts" if mode == "ALT_HOLD" else "watch the vehicle"
+    return FlightEnded("failsafe", f"{what}; flight-replay sends no more commands: {now}")
+
+
+def not_rtl(mode: str | None) -> str:
+    """Told of a vehicle that was in RTL, until somebody or a failsafe chose another mode."""
+    return (
+        f"RTL became {mode}: the pilot, another ground station or a failsafe changed it; "
+        "flight-replay sends no more commands: watch the vehicle until it has landed"
     )
 
 
@@ -46,7 +52,24 @@ def rebooted() -> FlightEnded:
     return FlightEnded("reboot", "the autopilot rebooted; find out why before flying again")
 
 
+def no_position(heartbeats: int) -> FlightEnded:
+    """Heartbeats go on, and no position has come among the last of them."""
+    return FlightEnded(
+        "no progress",
+        f"the vehicle has told no position for {heartbeats} s, and its flight cannot be supervised; "
+        "check its stream rates, the link and its GPS",
+    )
+
+
 def disarmed(reason: str) -> FlightEnded:
     """The vehicle disarmed; ``reason`` is its status text, or empty."""
     why = f': it says "{reason}"' if reason else ""
     return FlightEnded("disarmed", f"the vehicle disarmed in flight{why}; find out why before flying again")
+
+
+def disarmed_unseen(reason: str) -> FlightEnded:
+    """The vehicle disarmed on its way home while nothing came from it that tells whether it had landed."""
+    why = f': it says "{reason}"' if reason else ""
+    return FlightEnded(
+        "disarmed", f"the vehicle disarmed{why}, and no position tells whether it had landed; look for it"
+    )

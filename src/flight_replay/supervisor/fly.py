@@ -28,6 +28,8 @@ _TAKEN_OVER = frozenset({"pilot", "failsafe"})
 """``FlightRecord.ended`` where a pilot or failsafe has control: no more commands are sent."""
 _NO_RTL = frozenset({"link lost", "reboot", "disarmed"})
 """Where nobody wonders that RTL is not confirmed."""
+_FALLEN = frozenset({"reboot", "disarmed"})
+"""On the way home, too, this is how the flight ended."""
 
 
 def fly(
@@ -41,9 +43,10 @@ def fly(
 
     Once arming was requested, every way out (an error, Ctrl-C, a ``SystemExit`` raised on SIGTERM)
     commands RTL first and emits whether the vehicle confirmed it; only a pilot or a failsafe that
-    changed the mode is not overruled. The caller emits ``Finished``, after closing the vehicle. A
-    flight that reached AUTO, or the recording's begin, returns its record even if it ended early: see
-    ``FlightRecord.problem``. ``confirm_arming`` is called before each request to arm.
+    changed the mode is not overruled, nor one that changed it after RTL was confirmed. The caller emits
+    ``Finished``, after closing the vehicle. A flight that reached AUTO, or the recording's begin,
+    returns its record even if it ended early: see ``FlightRecord.problem``. ``confirm_arming`` is
+    called before each request to arm.
 
     Raises:
         PhaseTimeoutError: A phase before that timed out; the message has the vehicle's own reason.
@@ -72,10 +75,18 @@ def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
         if ended not in _TAKEN_OVER and monitor.may_be_armed:
             if isinstance(error, FlightEnded | VehicleError):
                 monitor.emit(Notice(str(error), warning=True))
-            _rtl_despite_errors(monitor)
+            _rtl_unless_left(monitor)
         if isinstance(error, FlightEnded):
             raise VehicleError(error.problem) from error
         raise
+
+
+def _rtl_unless_left(monitor: VehicleMonitor) -> None:
+    """Command RTL, but not of a vehicle that was in RTL when a pilot or a failsafe chose another mode."""
+    if monitor.rtl_confirmed and monitor.mode != "RTL":
+        monitor.emit(Notice(flight_ended.not_rtl(monitor.mode), warning=True))
+    else:
+        _rtl_despite_errors(monitor)
 
 
 def _rtl_despite_errors(monitor: VehicleMonitor) -> None:
@@ -119,12 +130,13 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
             fallen = flight_ended.disarmed(monitor.reason)
             ended, problem = fallen.ended, fallen.problem
         problem = problem if ended in _NO_RTL else _both(rtl_problem, problem)
-    if plan.land and confirmed:
+    if plan.land and confirmed and ended != "disarmed":
         try:
             wait_landed(monitor, plan.rtl_loiter_s)
             landed = True
         except FlightEnded as end:
             problem = _both(end.problem, problem)
+            ended = end.ended if end.ended in _FALLEN else ended
     track = _track(flown)
     return FlightRecord(
         waypoints_reached=way.waypoints_reached,

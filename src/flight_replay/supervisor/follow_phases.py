@@ -127,6 +127,7 @@ def _check_still_ours(monitor: VehicleMonitor) -> None:
         _wait_for_verdict(monitor)
     if monitor.certainly_disarmed:
         raise flight_ended.disarmed(monitor.reason)
+    monitor.check_position()
 
 
 def _wait_for_verdict(monitor: VehicleMonitor) -> None:

@@ -6,6 +6,7 @@ import math
 
 from flight_replay.events import (
     DistanceToWaypoint,
+    Notice,
     Phase,
     PhaseStarted,
     ReturnCommanded,
@@ -26,6 +27,10 @@ _ASTRAY_M, _LOST_M = 10.0, 400.0
 """So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _DOUBT_WALL_S = 2.0  # An unexpected mode that no heartbeat repeats for so long does not hold RTL back.
+_AT_REST_S = 1.5  # ArduCopter's land detector waits 1 s, and the motors spin down, before it disarms.
+_SANK_M = 1.5  # The pressure, and so the height, changes when motors stop; a fall is longer.
+_DESCENT_M_S = 2.5  # RTL and LAND descend more slowly by default.
+_UNSEEN_S = 6.0  # Heartbeats lost for longer leave time for a fall from most heights.
 _COMMANDS_THAT_WAIT = frozenset(
     {Command.WAYPOINT, Command.SPLINE_WAYPOINT, Command.LOITER_TIME, Command.DELAY}
 )
@@ -47,6 +52,7 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
             return ended
         if monitor.certainly_disarmed:
             raise flight_ended.disarmed(monitor.reason)
+        monitor.check_position()
         total = total or monitor.mission.total
         if monitor.mission.total != total or monitor.mission_replaced:
             raise FlightEnded(
@@ -135,8 +141,9 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     except FlightEnded:
         monitor.emit(ReturnCommanded(False))
         raise
-    monitor.emit(ReturnCommanded(monitor.modes.changed))
-    return monitor.modes.changed
+    monitor.rtl_confirmed = monitor.modes.changed
+    monitor.emit(ReturnCommanded(monitor.rtl_confirmed))
+    return monitor.rtl_confirmed
 
 
 def _mode_in_doubt(monitor: VehicleMonitor) -> bool:
@@ -148,19 +155,19 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     """Follow the vehicle home until it has landed and disarmed; it waits ``loiter_s`` over home.
 
     Raises:
-        FlightEnded: It does not move any more, is driven away, or ``VehicleMonitor.step`` ends the flight.
+        FlightEnded: It does not move any more, is driven away, disarmed in the air, or
+            ``VehicleMonitor.step`` ends the flight.
     """
     monitor.modes.expect("RTL", "LAND")
-    progress = ProgressTimer(monitor)
+    progress, told = ProgressTimer(monitor), False
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + loiter_s)
     before, began_m = monitor.state, monitor.from_home_m
-    while monitor.armed:
+    while not monitor.certainly_disarmed:
+        if monitor.mode == "LAND" and not told:
+            told = True
+            monitor.emit(Notice(flight_ended.not_rtl("LAND"), warning=True))
         if monitor.from_home_m > began_m + _LOST_M:
-            raise FlightEnded(
-                "no progress",
-                f"the vehicle is driven away from home, {monitor.from_home_m:.0f} m by now; "
-                "take control with the transmitter or another ground station",
-            )
+            raise _driven_away(monitor)
         if monitor.state and before and _moved_m(monitor.state, before) > _MIN_MOVE_M:
             before = monitor.state
             deadline.restart()
@@ -173,6 +180,29 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
             where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"
             monitor.emit(Waiting(Phase.RETURN, where))
         monitor.step()
+    _check_landed(monitor)
+
+
+def _driven_away(monitor: VehicleMonitor) -> FlightEnded:
+    return FlightEnded(
+        "no progress",
+        f"the vehicle is driven away from home, {monitor.from_home_m:.0f} m by now; "
+        "take control with the transmitter or another ground station",
+    )
+
+
+def _check_landed(monitor: VehicleMonitor) -> None:
+    """Check that a vehicle which disarmed was at rest on the ground, as high as that may be.
+
+    Raises:
+        FlightEnded: It was in the air, or nothing tells.
+    """
+    armed, now, disarmed_s = monitor.armed_state, monitor.state, monitor.modes.disarmed.time_s
+    if armed is None or now is None or disarmed_s is None or disarmed_s - armed.time_s > _UNSEEN_S:
+        raise flight_ended.disarmed_unseen(monitor.reason)
+    unseen_s = max(disarmed_s - armed.time_s - _AT_REST_S, 0.0)
+    if armed.alt_m - now.alt_m > _SANK_M + _DESCENT_M_S * unseen_s:
+        raise flight_ended.disarmed(monitor.reason)
 
 
 def _moved_m(a: VehicleState, b: VehicleState) -> float:

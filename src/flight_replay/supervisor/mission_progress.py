@@ -2,7 +2,7 @@
 
 ArduCopter tells of each item that it reached, and which one it flies to. The first may be lost, so a vehicle
 on its way to an item counts as having reached those before. But another ground station may send it on to any
-item (MISSION_SET_CURRENT), and all that is told of that is the new number.
+item (MISSION_SET_CURRENT), before AUTO too, and all that is told of that is the new number.
 """
 
 from __future__ import annotations
@@ -24,10 +24,20 @@ class MissionProgress:
     def __init__(self, mission: Mission | None = None) -> None:
         self._waypoints = mission.waypoints if mission else ()
         self._at: tuple[int, VehicleState] | None = None
+        self._just_began = False
         self._left_out: set[int] = set()
         self.reached: dict[int, float] = {}
         self.jumps: list[str] = []
         """A sentence for each time that the vehicle was sent on."""
+
+    def begin(self, state: VehicleState) -> None:
+        """AUTO begins with the vehicle in a state: from there it flies to the first item."""
+        self._at, self._just_began = (FIRST_SEQ, state), True
+
+    def is_outdated(self, seq: int, state: VehicleState) -> bool:
+        """Whether the item that the vehicle flies to is one from before AUTO: the first told may be."""
+        just_began, self._just_began = self._just_began, False
+        return just_began and bool(self._not_flown(seq, state))
 
     def reached_item(self, seq: int, state: VehicleState) -> list[int]:
         """The items reached by a report of one; a waypoint with a command behind it is reported once."""
@@ -38,22 +48,31 @@ class MissionProgress:
     def flies_to(self, seq: int, state: VehicleState, *, complete: bool = False) -> list[int]:
         """The items reached by a report of the item that the vehicle, in a state, flies to, or has flown."""
         self._check_flown(seq, state)
-        self._at = seq, state
+        self._at = max(seq, FIRST_SEQ), state
         return self._reached_up_to(seq if complete else seq - 1, state.time_s)
 
-    def _check_flown(self, seq: int, now: VehicleState) -> None:
-        """Leave out the items before one where the vehicle cannot have flown to all of them."""
+    def _not_flown(self, seq: int, now: VehicleState) -> list[int]:
+        """The numbers of waypoints before an item, if the vehicle cannot have flown to all of them."""
         before, then = self._at or (0, now)
         if before < FIRST_SEQ:
-            return
-        left_out = set(range(before, seq)) - self.reached.keys() - self._left_out
+            return []
+        left_out = self._left_out_before(seq)
         numbers = [number for number, (at, _) in enumerate(self._waypoints, 1) if at in left_out]
         between = [item for at, item in self._waypoints if before <= at < seq]
         places = [(then.lat_deg, then.lon_deg), *((each.lat_deg, each.lon_deg) for each in between)]
         way_m = sum(float(distance_m(*here, *there)) for here, there in pairwise(places))
-        if not numbers or way_m <= _BESIDE_M + _FASTEST_M_S * (now.time_s - then.time_s):
+        return numbers if way_m > _BESIDE_M + _FASTEST_M_S * (now.time_s - then.time_s) else []
+
+    def _left_out_before(self, seq: int) -> set[int]:
+        before = self._at[0] if self._at else seq
+        return set(range(before, seq)) - self.reached.keys() - self._left_out
+
+    def _check_flown(self, seq: int, now: VehicleState) -> None:
+        """Leave out the items before one where the vehicle cannot have flown to all of them."""
+        numbers = self._not_flown(seq, now)
+        if not numbers:
             return
-        self._left_out |= left_out
+        self._left_out |= self._left_out_before(seq)
         which = f"waypoint {numbers[0]} was"
         if len(numbers) > 1:
             which = f"waypoints {numbers[0]} to {numbers[-1]} were"

@@ -25,7 +25,9 @@ _OFF_GROUND_M = 1.0
 _MIN_CLIMB_M = 0.5  # A smaller gain of height is no climb.
 _LEVEL_M_S, _LEVELLING_S = 0.1, 10.0
 _MAX_ARMINGS = 3
-_MIN_IDLE_S = 4.0  # ArduCopter disarms by itself after 10 s: sooner than this, somebody disarmed it.
+_IDLE_S, _IDLE_TOLERANCE_S = 10.0, 1.5
+"""ArduCopter disarms by itself so long after arming (the default of DISARM_DELAY), if it has not begun to
+take off; heartbeats, once a second, tell when."""
 
 
 def wait_prearm(monitor: VehicleMonitor) -> None:
@@ -146,7 +148,7 @@ def _next_state(monitor: VehicleMonitor) -> VehicleState:
 
 
 def arm_and_takeoff(monitor: VehicleMonitor, altitude_m: float) -> None:
-    """Arm and take off; again if the vehicle disarms itself first, as it does after 10 s on the ground."""
+    """Arm and take off; again if the vehicle, which the take-off did not reach, disarms itself after 10 s."""
     for _ in range(_MAX_ARMINGS):
         arm(monitor)
         if take_off(monitor, altitude_m):
@@ -164,25 +166,21 @@ def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
     """
     monitor.emit(PhaseStarted(Phase.TAKEOFF))
     monitor.begin_phase()
-    enough_m = altitude_m * TAKEOFF_REACHED_SHARE
-    ground_m = highest_m = monitor.altitude_m
-    began_s = monitor.time_s
-    progress, retry = ProgressTimer(monitor), RetryTimer(monitor)
+    enough_m, began_s = altitude_m * TAKEOFF_REACHED_SHARE, monitor.time_s
+    climb, progress, retry = _Climb(monitor), ProgressTimer(monitor), RetryTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_climb_s)
-    while monitor.altitude_m < enough_m:
-        if monitor.altitude_m > highest_m + _MIN_CLIMB_M:
-            highest_m = monitor.altitude_m
+    while not climb.reached(enough_m):
+        if climb.goes_on():
             deadline.restart()
-        on_ground = highest_m < ground_m + _OFF_GROUND_M
         if monitor.modes.disarmed_at_s is not None:
-            if not on_ground:
-                raise _disarmed_in_the_air(monitor, highest_m)
+            if not climb.on_ground:
+                raise _disarmed_in_the_air(monitor, climb.highest_m)
             _check_disarmed_itself(monitor, monitor.modes.disarmed_at_s - began_s)
             return False
         if deadline.passed:
-            what, reason = f"did not climb above {highest_m:.1f} m", _refusal(monitor, Request.TAKEOFF)
-            raise PhaseTimeoutError(_timeout(what, monitor.deadlines.no_climb_s, reason))
-        wanted = on_ground and not monitor.requests.accepted(Request.TAKEOFF)
+            reason = _refusal(monitor, Request.TAKEOFF)
+            raise PhaseTimeoutError(_timeout(climb.failure, monitor.deadlines.no_climb_s, reason))
+        wanted = climb.begun and climb.on_ground and not monitor.requests.accepted(Request.TAKEOFF)
         if wanted and not monitor.unexpected_mode and retry.due(_RETRY_S):
             monitor.vehicle.request_takeoff(altitude_m)
         if progress.due():
@@ -191,6 +189,44 @@ def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
     monitor.emit(TargetAltitudeReached(altitude_m))
     _level_off(monitor)
     return True
+
+
+class _Climb:
+    """How high the vehicle has come: from the first position after it is known to be armed.
+
+    Arming sets home where the vehicle is, so that heights told before it are above another home.
+    """
+
+    def __init__(self, monitor: VehicleMonitor) -> None:
+        self._monitor, self._before = monitor, monitor.state
+        self._ground_m = self.highest_m = monitor.altitude_m
+        self.begun = False
+        """Whether there is a position after arming."""
+
+    def goes_on(self) -> bool:
+        """Whether the vehicle is higher than before."""
+        now_m = self._monitor.altitude_m
+        if not self.begun:
+            self.begun = self._monitor.state is not self._before
+            self._ground_m = self.highest_m = now_m
+        higher = now_m > self.highest_m + _MIN_CLIMB_M
+        self.highest_m = now_m if higher else self.highest_m
+        return higher
+
+    @property
+    def on_ground(self) -> bool:
+        """Whether it has not left the ground."""
+        return self.highest_m < self._ground_m + _OFF_GROUND_M
+
+    def reached(self, enough_m: float) -> bool:
+        """Whether it has climbed, and is as high as that above home."""
+        now_m = self._monitor.altitude_m
+        return self.begun and now_m > self._ground_m + _MIN_CLIMB_M and now_m >= enough_m
+
+    @property
+    def failure(self) -> str:
+        """What a person is told if it does not."""
+        return f"did not climb above {self.highest_m:.1f} m" if self.begun else "did not tell its position"
 
 
 def _level_off(monitor: VehicleMonitor) -> None:
@@ -210,10 +246,13 @@ def _climbs(monitor: VehicleMonitor) -> bool:
 
 
 def _check_disarmed_itself(monitor: VehicleMonitor, idle_s: float) -> None:
-    if idle_s < _MIN_IDLE_S:
+    """A vehicle that accepted the take-off spins its motors up, and does not disarm itself any more."""
+    its_own = abs(idle_s - _IDLE_S) <= _IDLE_TOLERANCE_S
+    if not its_own or monitor.requests.accepted(Request.TAKEOFF):
         raise VehicleError(
-            "the vehicle was disarmed before take-off by the pilot or another ground station"
-            f"{_quoted(monitor.reason)}; find out why before starting again"
+            "the vehicle was disarmed before take-off by the pilot or another ground station, "
+            f"{max(idle_s, 0.0):.0f} s after arming{_quoted(monitor.reason)}; find out why before starting "
+            "again; if it was nobody, check DISARM_DELAY"
         )
 
 

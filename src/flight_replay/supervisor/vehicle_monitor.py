@@ -38,6 +38,7 @@ _STEP_WALL_S = 0.1  # The longest wait for a report in one step.
 _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
+_NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
 _REASON_VALID_S = 10.0  # An older status text (vehicle time) does not explain a new mode.
 
 ConfirmArming = Callable[[Callable[[], VehicleState]], bool]
@@ -62,6 +63,9 @@ class VehicleMonitor:
         self.modes = ModeMonitor()
         self.armed: bool | None = None
         self.state: VehicleState | None = None
+        self._heartbeats_since_state = 0
+        self.armed_state: VehicleState | None = None
+        """The state before the latest heartbeat that showed the vehicle armed."""
         self.prearm: PrearmStatus | None = None
         self.mission = MissionCurrent(0)
         self.mission_replaced = False
@@ -75,6 +79,8 @@ class VehicleMonitor:
         self._recording = False
         self.requests = RequestTracker()
         self.arm_requested = self.was_armed = False
+        self.rtl_confirmed = False
+        """Whether the vehicle has confirmed an RTL that was commanded: any mode since is somebody else's."""
         self.reason = ""
         self._failsafe_text, self._failsafe_s = "", 0.0
 
@@ -134,6 +140,16 @@ class VehicleMonitor:
         """Whether all reports are processed, so that requests may follow from what is known."""
         return not self._backlog
 
+    def check_position(self) -> None:
+        """Check that the vehicle tells where it is.
+
+        Raises:
+            FlightEnded: Its link is up, and it has not for some seconds in flight; one that disarmed may
+                have rebooted, and another check tells that.
+        """
+        if self.armed and self._heartbeats_since_state >= _NO_POSITION_HEARTBEATS:
+            raise flight_ended.no_position(_NO_POSITION_HEARTBEATS)
+
     def begin_arming(self) -> None:
         """Arming is requested now: the vehicle may be armed from now on."""
         self.arm_requested, self.was_armed = True, False
@@ -157,6 +173,8 @@ class VehicleMonitor:
     def _auto_entered(self) -> None:
         if self._recording and self.auto_start_s is None:
             self.auto_start_s = self.time_s
+            if self.state is not None:
+                self.progress.begin(self.state)
 
     def step(self, timeout_s: float = _STEP_WALL_S) -> None:
         """Process the next report, waiting for it up to the timeout.
@@ -192,9 +210,16 @@ class VehicleMonitor:
         self._process(self._backlog.popleft())
         reason = self._failsafe_text if self.time_s - self._failsafe_s <= _REASON_VALID_S else ""
         if self.modes.taken_over(self.wall_s, explained=bool(reason)):
-            if self.modes.is_failsafe:
+            if self.modes.is_failsafe or self._is_named(reason):
                 raise flight_ended.failsafe(self.mode, reason)
             raise flight_ended.pilot(self.mode)
+
+    def _is_named(self, reason: str) -> bool:
+        """Whether a failsafe says that it chose this mode: "EKF Failsafe: changed to ALT_HOLD Mode".
+
+        After another text, such as "Radio Failsafe - Continuing Auto", it is the pilot who changes the mode.
+        """
+        return f"changed to {self.mode}".lower() in reason.lower()
 
     @singledispatchmethod
     def _process(self, report: object) -> None:
@@ -203,6 +228,8 @@ class VehicleMonitor:
     @_process.register
     def _(self, heartbeat: Heartbeat) -> None:
         self.armed = heartbeat.armed
+        self._heartbeats_since_state += 1
+        self.armed_state = self.state if heartbeat.armed else self.armed_state
         self.was_armed = self.was_armed or (self.arm_requested and heartbeat.armed)
         self.modes.heartbeat(heartbeat.mode, heartbeat.armed, self.wall_s)
         self.requests.heartbeat()
@@ -214,6 +241,7 @@ class VehicleMonitor:
         if self.state is not None and self.wall_s - self._state_wall_s < _LINK_GAP_WALL_S:
             self.link_up_s += max(state.time_s - self.state.time_s, 0.0)
         self.state, self._state_wall_s = state, self.wall_s
+        self._heartbeats_since_state = 0
         self.modes.clock(state.time_s, self.wall_s)
         if self.auto_start_s is not None:
             self.flown.append(state)
@@ -241,8 +269,11 @@ class VehicleMonitor:
 
     @_process.register
     def _(self, current: MissionCurrent) -> None:
-        self.mission = current
-        if self.auto_start_s is not None and self.state is not None:
+        if self.auto_start_s is None or self.state is None:
+            # Where AUTO is about to begin, the number may be that of a mission before.
+            self.mission = self.mission if self._recording else current
+        elif not self.progress.is_outdated(current.seq, self.state):
+            self.mission = current
             self._note_reached(self.progress.flies_to(current.seq, self.state, complete=current.complete))
 
     @_process.register
