@@ -10,6 +10,7 @@ import pytest
 
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.charts.plot import replay_figure, save_plot, scale_bar_m
+from flight_replay.output.charts.series import FLOWN_COLOUR
 from flight_replay.output.outcome import Outcome, compare_flight
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route
@@ -112,6 +113,23 @@ def test_the_scale_bar_is_not_in_the_title_of_a_panel(
     figure = replay_figure(*replay())
     (length,) = [text for text in figure.axes[0].texts if text.get_text() == "20 m"]
     assert length.get_window_extent().y0 > figure.axes[2].title.get_window_extent().y1
+
+
+def test_a_recording_without_times_has_no_line_over_time() -> None:
+    """Neither at the first fix's time nor at a speed; the flown one has its lines."""
+    route, record, _ = made_replay()
+    route = spaced_route(replace(figure_of_eight(), timed=False), spacing_m=6.0, max_points=60)
+    axes = replay_figure(route, record, compare_flight(route, record)).axes
+    assert [each.get_title().splitlines()[0] for each in axes[1:]] == [
+        "path error, recorded to flown",
+        "path error, flown to recorded",
+        "altitude above home",
+        "ground speed",
+    ]
+    (flown,) = axes[4].lines
+    assert flown.get_color() == FLOWN_COLOUR
+    assert "5 m/s" in axes[1].get_xlabel()
+    assert axes[4].get_xlabel() == "time since the first waypoint (s)"
 
 
 def test_a_single_fix_can_be_drawn(tmp_path: Path) -> None:

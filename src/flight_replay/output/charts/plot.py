@@ -101,7 +101,7 @@ def _fill(figure: Figure, series: ReplaySeries) -> None:
         # The errors end where the flight did, altitude and speed are those of the whole recording.
         first = 0 if n < len(errors) else len(errors)
         axes = figure.add_subplot(cell, sharex=figure.axes[1 + first] if n > first else None)
-        axes.set_xlabel(series.time_label)
+        axes.set_xlabel(series.error_label if n < len(errors) else series.time_label)
         draw(axes, series)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
@@ -222,7 +222,7 @@ def _draw_speed(axes: Axes, series: ReplaySeries) -> None:
 def _draw_recorded_and_flown(
     axes: Axes, series: ReplaySeries, values: Callable[[TrackSeries], Floats]
 ) -> None:
-    for name, track in series.recorded_lines:
+    for name, track in series.timed_lines:
         axes.plot(track.time_s, values(track), color=LINE_COLOURS[name], linewidth=2)
     for name, flight in (("predicted", series.predicted_unflown), ("flown", series.flown)):
         if flight is not None:
