@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from flight_replay.cli.many.log_files import find_logs
-from flight_replay.cli.many.many_options import parse_many_options
+from flight_replay.cli.many.many_options import build_many_parser, parse_many_options
 from flight_replay.cli.options import parse_options
 from flight_replay.output.many.fleet_comparison import Tolerance
 
@@ -76,6 +76,14 @@ def test_wrong_usage_is_refused(wrong: str) -> None:
     with pytest.raises(SystemExit) as stop:
         parse_many_options(wrong.split())
     assert stop.value.code == 2
+
+
+def test_help_says_the_defaults_of_many_flights() -> None:
+    """All vehicles and flights become rows, and there is no --connect."""
+    text = " ".join(build_many_parser().format_help().split())
+    assert text.count("(default: all of them)") == 2
+    assert "--speedup X simulation speed as a multiple of real time (default: 1)" in text
+    assert "--connect" not in text
 
 
 def test_a_comparison_has_its_tolerances() -> None:

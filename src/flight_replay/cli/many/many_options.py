@@ -127,7 +127,11 @@ def _add_logs_group(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help="logs, folders that are searched for logs, or - for a list of paths on standard input",
     )
-    option_groups.add_part_of_log(group)
+    option_groups.add_part_of_log(
+        group,
+        vehicle="read only this vehicle of each log (default: all of them)",
+        flight="read only the Nth flight of each vehicle, from arming to disarming (default: all of them)",
+    )
 
 
 def _add_replay_groups(parser: argparse.ArgumentParser) -> None:
@@ -144,7 +148,7 @@ def _add_replay_groups(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary, for --fly sitl")
     option_groups.add_flight(group)
     option_groups.add_max_error(group)
-    option_groups.add_speedup(group)
+    option_groups.add_speedup(group, "simulation speed as a multiple of real time (default: 1)")
 
 
 def _add_run_group(parser: argparse.ArgumentParser) -> None:
@@ -277,7 +281,7 @@ def _replay_arguments(argv: Sequence[str]) -> tuple[str, ...]:
 def _actions_of_replays() -> list[argparse.Action]:
     """The options that are handed on to each replay: those about the log, the route and the flight."""
     parser = argparse.ArgumentParser(add_help=False)
-    option_groups.add_part_of_log(parser.add_argument_group())
+    option_groups.add_part_of_log(parser.add_argument_group(), vehicle="", flight="")
     option_groups.add_route_group(parser)
     group = parser.add_argument_group()
     option_groups.add_flight(group)
