@@ -95,7 +95,7 @@ def broken_off() -> tuple[Route, FlightRecord, Outcome]:
     """The replay with the first waypoint reached, and nothing flown after that."""
     route, record, _ = made_replay()
     flown = record.flown.select(record.flown.time_s <= 1001.6)
-    record = replace(record, waypoints_reached=1, reached=((2, 1001.7),), flown=flown)
+    record = replace(record, waypoints_reached=1, reached=((1, 1001.7),), flown=flown)
     return route, record, compare_flight(route, record)
 
 
