@@ -79,6 +79,7 @@ def test_values_are_read(argv: list[str], name: str, value: object) -> None:
         (["--baud", "9600"], "--baud is for a vehicle given with --connect"),
         (["--wait"], "--wait is for a vehicle given with --connect"),
         (["--gcs-open"], "--gcs-open is for ground stations given with --gcs"),
+        (["--bare", "--save", "a.kml"], "--bare is for missions saved as .waypoints or .plan"),
         (["--map-tiles"], "--map-tiles is for the live map and needs --map"),
         (["--route", "fit", "--spacing", "3"], "--spacing is for --route spacing"),
         (["--mode", "guided", "--max-points", "9"], "--max-points is for waypoints"),
@@ -97,6 +98,24 @@ def test_wrong_usage_has_a_message(argv: list[str], message: str, capsys: pytest
         parse_options(argv)
     assert stop.value.code == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("argv", "told"),
+    [
+        (["--info", "--flight", "3", "--vehicle", "1"], ("--flight has no effect with --info",)),
+        (
+            ["--info", "--connect", "x", "--land"],
+            ("--land has no effect with --info", "--connect has no effect with --info"),
+        ),
+        (["--compare", "a", "b", "--vehicle", "1"], ("--vehicle has no effect with --compare",)),
+        (["--compare", "a", "b", "--flight", "2", "--from", "3"], ()),
+        (["--bare", "--save", "a.kml", "--save", "a.plan"], ()),
+    ],
+)
+def test_what_has_no_effect_is_told(argv: list[str], told: tuple[str, ...]) -> None:
+    """Whoever only looks at a log goes on, with a word."""
+    assert parse_options(argv).without_effect == told
 
 
 def test_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -74,6 +74,19 @@ def test_a_file_that_exists_is_replaced_only_with_force(
 
 
 @pytest.mark.parametrize(
+    "output", [["--save", "a.kml"], ["--record", "a.tlog"], ["--plot", "a.png"], ["--report", "a.html"]]
+)
+def test_a_folder_is_no_output(
+    log: Path, output: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The refusal comes before anything is read or flown, not after the flight."""
+    monkeypatch.setattr("flight_replay.cli.plan_step.read_recording", None)
+    Path(output[1]).mkdir()
+    assert main(["--tlog", str(log), *output, "--force"]) == 1
+    assert f"cannot write {output[1]}: Is a directory; choose another name" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     "error", [OSError(28, "No space left on device"), ValueError("no font"), MemoryError()]
 )
 def test_a_plot_that_fails_costs_neither_the_results_nor_the_report(

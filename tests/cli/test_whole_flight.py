@@ -15,12 +15,15 @@ ALL = ("--route fit", "--duration all")
         (["a b.tlog"], ALL[1:], "flight-replay 'a b.tlog' --duration all"),
         (["--duration", "5", "--speedup", "10"], ALL[1:], "flight-replay --speedup 10 --duration all"),
         (["--duration=5", "--spacing=2", "x.bin"], ALL, "flight-replay x.bin --route fit --duration all"),
+        (["--save", "m.kml"], ALL[1:], "flight-replay --save m.kml --duration all --force"),
+        (["--plot=m.png", "--force"], ALL[1:], "flight-replay --plot=m.png --force --duration all"),
+        (["--speedup", "9", "--", "-a"], ALL[1:], "flight-replay --speedup 9 --duration all -- -a"),
         (["--route", "spacing", "--spacing", "2"], ALL, "flight-replay --route fit --duration all"),
     ],
 )
 def test_options_take_the_place_of_those_given(
     arguments: list[str], fly_all: tuple[str, ...], command: str
 ) -> None:
-    """And what they make useless goes."""
+    """And what they make useless goes; what the run wrote is replaced."""
     assert whole_flight_command(arguments, fly_all) == command
     parse_options(command.replace("'a b.tlog'", "a").split()[1:])

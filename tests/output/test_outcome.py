@@ -147,6 +147,22 @@ def test_a_recording_of_one_fix_is_compared() -> None:
     assert outcome.coverage.fly_all == ()
 
 
+def test_a_flight_that_ended_at_its_first_waypoint_has_true_reasons() -> None:
+    """It has no time in common with the recording, which has heights; one path error is there."""
+    route = spaced_route(straight_track())
+    record = flight(route, 11)
+    early = record.flown.select(record.flown.time_s < record.reached[0][1])
+    outcome = compare_flight(route, replace(record, reached=record.reached[:1], flown=early))
+    assert len(outcome.errors.path_m.recorded_to_path)
+    no_time = "there is no time that both flights have"
+    assert outcome.not_measured == {
+        "path_error_m": "flown to recorded: no position between the first waypoint and the last one reached",
+        "position_error_m": no_time,
+        "height_error_m": no_time,
+        "heading_error_deg": no_time,
+    }
+
+
 def test_a_flight_without_positions_is_compared() -> None:
     """Waypoints can be reported reached though no position was received."""
     route = spaced_route(straight_track())

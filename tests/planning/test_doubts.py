@@ -62,6 +62,13 @@ def test_waypoints_at_one_place_are_refused() -> None:
     """Two waypoints 0 m apart are no mission, unless one is above the other."""
     here, above = waypoint(47.4, 8.5, 30.0), waypoint(47.4, 8.5, 40.0)
     with pytest.raises(MissionError, match="2 waypoints are within 1 m of each other; choose another"):
-        check_moves(Mission((here, here), None))
-    check_moves(Mission((here, above), None))
-    check_moves(Mission((here,), None))
+        check_moves(Mission((here, here), None), flown_east(0.0), "--spacing")
+    check_moves(Mission((here, above), None), flown_east(0.0), "--spacing")
+    check_moves(Mission((here,), None), flown_east(0.0), "--spacing")
+
+
+def test_waypoints_at_one_place_of_a_recording_that_moves_are_of_an_option() -> None:
+    """Such as the first and the last fix of a flight that came back."""
+    here = waypoint(47.4, 8.5, 30.0)
+    with pytest.raises(MissionError, match=r"moves within .* within 1 m of each other; change --spacing"):
+        check_moves(Mission((here, here), None), flown_east(5.0), "--spacing")

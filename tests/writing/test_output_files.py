@@ -1,11 +1,12 @@
 """output_files.py: suffixes are checked, and files are written whole or not at all."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 from flight_replay.exceptions import FlightReplayError
-from flight_replay.writing.output_files import NewFile, check_suffix, write_atomically
+from flight_replay.writing.output_files import NewFile, check_place, check_suffix, write_atomically
 
 
 def test_a_known_suffix_is_returned_in_lower_case() -> None:
@@ -46,9 +47,32 @@ def test_a_file_that_cannot_be_written_is_one_error(tmp_path: Path) -> None:
     with pytest.raises(FlightReplayError, match=r"cannot write .*missing.*No such file.*; choose another"):
         write_atomically(tmp_path / "missing" / "file", "text")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(FlightReplayError, match="cannot write"):
+    with pytest.raises(FlightReplayError, match="Is a directory; choose another name"):
         write_atomically(tmp_path / "folder", "text")
     assert [path.name for path in tmp_path.iterdir()] == ["folder"]
+
+
+def test_a_place_is_tried_before_it_is_needed(tmp_path: Path) -> None:
+    """What a file can be written to is left as it was; a folder, and one that takes no file, are refused."""
+    (tmp_path / "there").write_text("kept")
+    for name in ("there", "new"):
+        check_place(tmp_path / name)
+    assert (tmp_path / "there").read_text() == "kept"
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+    with pytest.raises(FlightReplayError, match=r"no folder .*missing; create it first"):
+        check_place(tmp_path / "missing" / "file")
+    with pytest.raises(FlightReplayError, match="Is a directory; choose another name"):
+        check_place(tmp_path)
+    if Path("/proc").is_dir():
+        with pytest.raises(FlightReplayError, match=r"/proc/file: .*; choose another folder"):
+            check_place("/proc/file")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_the_place_of_a_pipe_is_not_tried(tmp_path: Path) -> None:
+    """It is written to directly, and would wait for its reader."""
+    os.mkfifo(tmp_path / "pipe")
+    check_place(tmp_path / "pipe")
 
 
 def test_permissions_of_a_replaced_file_are_kept(tmp_path: Path) -> None:

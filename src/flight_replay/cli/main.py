@@ -99,8 +99,8 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     output_step.check_outputs(options)
     event_log = EventLog()
     relay = Relay(combine_listeners(console.listener, event_log.listener))
-    for option in options.without_effect:
-        relay(Notice(f"{option} has no effect with --dry-run", warning=True))
+    for sentence in options.without_effect:
+        relay(Notice(sentence, warning=True))
     if options.compare:
         from flight_replay.cli.compare_step import compare
 

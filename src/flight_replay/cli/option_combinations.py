@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from typing import Any
 
 from flight_replay.planning.altitude import RECORDED
 
 _OPTIONS = {
+    "vehicle": "--vehicle",
+    "flight": "--flight",
+    "from_s": "--from",
+    "to_s": "--to",
+    "connect": "--connect",
     "floor_m": "--floor",
     "spacing_m": "--spacing",
     "max_points": "--max-points",
@@ -38,6 +44,9 @@ _OPTIONS = {
 _IN_FLIGHT = "land", "yes", "max_distance_m", "passes"
 _WITH_VEHICLE = "record", "gcs", "sim", "sitl", "speedup"
 _RESULTS = "save", "plot", "report", "record", "map"
+_PLANNED = "spacing_m", "max_points", "floor_m", "max_error_m", "takeoff_altitude_m"
+_FLOWN = (*_PLANNED, *_IN_FLIGHT, "connect", "baud", "wait", "signing_key", "gcs", "sim", "sitl", "speedup")
+"""What a log that is only looked at does not need."""
 
 
 def check_combinations(parser: argparse.ArgumentParser, values: Mapping[str, object]) -> None:
@@ -66,11 +75,23 @@ def check_combinations(parser: argparse.ArgumentParser, values: Mapping[str, obj
 
 
 def without_effect(values: Mapping[str, object]) -> tuple[str, ...]:
-    """The options that a dry run does not need: whoever looks before flying adds only ``--dry-run``."""
-    if not values["dry_run"]:
+    """A sentence for each option that is not needed: whoever looks before flying only adds an option.
+
+    That is ``--dry-run``, or ``--info`` or ``--compare`` to look at logs alone.
+    """
+    ignored: tuple[str, ...]
+    if values["dry_run"]:
+        looks = "--dry-run"
+        ignored = _IN_FLIGHT if values["connect"] is not None else (*_IN_FLIGHT, *_WITH_VEHICLE)
+    elif values["info"]:
+        looks, ignored = "--info", ("flight", "from_s", "to_s", *_FLOWN)
+    elif values["compare"]:
+        looks, ignored = "--compare", ("vehicle", *_FLOWN)
+    else:
         return ()
-    ignored = _IN_FLIGHT if values["connect"] is not None else (*_IN_FLIGHT, *_WITH_VEHICLE)
-    return tuple(_OPTIONS[name] for name in ignored if _is_given(values[name]))
+    return tuple(
+        f"{_OPTIONS[name]} has no effect with {looks}" for name in ignored if _is_given(values[name])
+    )
 
 
 def _is_given(value: object) -> bool:
@@ -98,8 +119,18 @@ def _check_vehicle(parser: argparse.ArgumentParser, values: Mapping[str, object]
         _refuse(parser, values, ("gcs_open",), "is for ground stations given with --gcs")
     if not values["save"]:
         _refuse(parser, values, ("bare",), "is for missions saved with --save")
+    elif values["bare"]:
+        _check_bare(parser, values["save"])
     if not values["map"]:
         _refuse(parser, values, ("map_tiles",), "is for the live map and needs --map")
+
+
+def _check_bare(parser: argparse.ArgumentParser, saved: Any) -> None:
+    """Refuse ``--bare`` where no file has a take-off that it leaves out."""
+    from flight_replay.mission.formats import LOADED_SUFFIXES
+
+    if not any(path.suffix.lower() in LOADED_SUFFIXES for path in saved):
+        parser.error(f"--bare is for missions saved as {' or '.join(LOADED_SUFFIXES)}")
 
 
 def _check_route(parser: argparse.ArgumentParser, values: Mapping[str, object]) -> None:

@@ -28,22 +28,32 @@ def _log_group(parser: argparse.ArgumentParser) -> None:
         "(default: flight.tlog in this folder, else the sample flight of the package)",
     )
     _add_looking(group)
-    add_part_of_log(group)
+    add_part_of_log(
+        group,
+        vehicle="vehicle to replay, if the log has several (default: the one with the most fixes)",
+        flight="replay only the Nth flight of the log, from arming to disarming (default: the whole log)",
+    )
 
 
-def add_part_of_log(group: argparse._ArgumentGroup) -> None:
-    """Which vehicle, flight and seconds of a log to replay."""
+def add_part_of_log(group: argparse._ArgumentGroup, *, vehicle: str, flight: str) -> None:
+    """Which vehicle, flight and seconds of a log to replay.
+
+    Args:
+        group: gets the options.
+        vehicle: the help of ``--vehicle``, with its default.
+        flight: that of ``--flight``.
+    """
     group.add_argument(
         "--vehicle",
         metavar="SYSID[:COMPID]",
         type=option_types.vehicle_id,
-        help="vehicle to replay, if the log has several (default: the one with the most fixes)",
+        help=vehicle,
     )
     group.add_argument(
         "--flight",
         metavar="N",
         type=option_types.count,
-        help="replay only the Nth flight of the log, from arming to disarming (default: the whole log)",
+        help=flight,
     )
     group.add_argument(
         "--from",
@@ -247,17 +257,14 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
         "auto: SITL if there is one on this machine (default: auto)",
     )
     group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary to start")
-    add_speedup(group)
-
-
-def add_speedup(group: argparse._ArgumentGroup) -> None:
-    """How fast a simulator runs."""
-    group.add_argument(
-        "--speedup",
-        metavar="X",
-        type=option_types.speedup,
-        help="simulation speed as a multiple of real time (default: 1; with --connect, left as it is)",
+    add_speedup(
+        group, "simulation speed as a multiple of real time (default: 1; with --connect, left as it is)"
     )
+
+
+def add_speedup(group: argparse._ArgumentGroup, text: str) -> None:
+    """How fast a simulator runs; ``text`` is its help, with the default."""
+    group.add_argument("--speedup", metavar="X", type=option_types.speedup, help=text)
 
 
 def _output_group(parser: argparse.ArgumentParser) -> None:

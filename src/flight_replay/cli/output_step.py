@@ -21,7 +21,7 @@ from flight_replay.output.console.terminal import write_verbatim
 from flight_replay.output.info_text import info_lines
 from flight_replay.output.json_summary import flight_summary, log_summary, route_summary
 from flight_replay.output.result_text import flight_lines, route_lines
-from flight_replay.writing.output_files import check_suffix
+from flight_replay.writing.output_files import check_place, check_suffix
 
 if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
@@ -44,13 +44,13 @@ def check_outputs(options: Options) -> None:
     """Refuse output files and connection strings that cannot work, before anything is read or flown.
 
     Raises:
-        FlightReplayError: A file has an unknown suffix or its folder does not exist, or a connection
-            string is not valid.
+        FlightReplayError: A file has an unknown suffix, is a folder or cannot be written in its folder, or
+            a connection string is not valid.
     """
     _check_suffixes(options)
     for file in (*options.save, options.plot, options.report, options.record):
         if file:
-            _check_place(file)
+            check_place(file)
     _check_files(options)
     if options.connect is not None:
         from flight_replay.vehicle.link.connection_string import transport_for
@@ -62,17 +62,6 @@ def check_outputs(options: Options) -> None:
         check_distinct(options.connect, options.gcs)
         for station in options.gcs:
             check_can_listen(station, allow_open=options.gcs_open)
-
-
-def _check_place(file: Path) -> None:
-    if not file.expanduser().parent.is_dir():
-        raise FlightReplayError(f"cannot write {file}: no folder {file.parent}; create it first")
-    try:
-        file.expanduser().lstat()
-    except FileNotFoundError:
-        pass
-    except OSError as error:
-        raise FlightReplayError(f"cannot write {file}: {error.strerror}; choose another name") from error
 
 
 def _check_files(options: Options) -> None:

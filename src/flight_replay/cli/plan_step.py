@@ -163,7 +163,9 @@ def _planned_route(
         route = _fitted_route(options, track, limits, listener)
     else:
         route = _spaced_route(options, track, limits)
-    check_moves(route.mission)
+    check_moves(
+        route.mission, track, "--max-points" if options.route == "fit" else "--spacing or --max-points"
+    )
     listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from {source}"))
     route = _with_heights(options, route, limits)
     if options.heading == "recorded":

@@ -56,24 +56,35 @@ class Outcome:
     @property
     def not_measured(self) -> Mapping[str, str]:
         """Why there is no error of a kind: the kind's name in ``--json``, and the reason."""
-        errors, in_step = self.errors, self.waited_s is not None
-        never = f"the first {'fix' if in_step else 'waypoint'} was not reached"
-        when = "while following" if in_step else "in AUTO"
-        untimed = None if self.coverage.timed else "the recording has no times"
+        errors, point = self.errors, "waypoint" if self.waited_s is None else "fix"
+        no_time = None if len(errors.position_m) else "there is no time that both flights have"
+        if not self.coverage.timed:
+            no_time = "the recording has no times"
         reasons = {
-            "path_error_m": (errors.path_m.recorded_to_path, f"no position was received {when}"),
-            "position_error_m": (errors.position_m, untimed or "there is no time that both flights have"),
-            "height_error_m": (
-                errors.height_m,
-                untimed or "the recording has no height at times that both have",
-            ),
-            "heading_error_deg": (errors.heading_deg, untimed or "one of both flights has no heading"),
+            "path_error_m": self._no_path_error(point),
+            "position_error_m": no_time,
+            "height_error_m": no_time or "the recording has no height at times that both have",
+            "heading_error_deg": no_time or "one of both flights has no heading",
         }
+        to_path, back = errors.path_m.recorded_to_path, errors.path_m.path_to_recorded
+        counts = {
+            "path_error_m": min(len(to_path), len(back)),
+            "position_error_m": len(errors.position_m),
+            "height_error_m": len(errors.height_m),
+            "heading_error_deg": len(errors.heading_deg),
+        }
+        never = f"the first {point} was not reached"
         return {
-            name: never if self.first_waypoint_s is None else reason
-            for name, (error, reason) in reasons.items()
-            if not len(error)
+            name: never if self.first_waypoint_s is None else str(reasons[name])
+            for name, count in counts.items()
+            if not count
         }
+
+    def _no_path_error(self, point: str) -> str:
+        """Why there is no path error, or none from flown to recorded."""
+        if len(self.errors.path_m.recorded_to_path):
+            return f"flown to recorded: no position between the first {point} and the last one reached"
+        return f"no position was received {'in AUTO' if self.waited_s is None else 'while following'}"
 
 
 def compare_flight(route: Route, record: FlightRecord) -> Outcome:

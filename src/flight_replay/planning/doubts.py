@@ -46,8 +46,13 @@ def _cruise_m_s(track: Track) -> Floats:
     return speed_m_s[speed_m_s > 1.0]  # not those that are no number
 
 
-def check_moves(mission: Mission) -> None:
+def check_moves(mission: Mission, track: Track, chosen_by: str) -> None:
     """Refuse a mission of several waypoints that are all at one place.
+
+    Args:
+        mission: holds them.
+        track: what they are of.
+        chosen_by: the options that decide which of its fixes are waypoints.
 
     Raises:
         MissionError: They are.
@@ -59,8 +64,12 @@ def check_moves(mission: Mission) -> None:
         np.array([item.lat_deg for item in waypoints]), np.array([item.lon_deg for item in waypoints])
     )
     up_m = np.array([item.alt_m - first.alt_m for item in waypoints])
-    if len(waypoints) > 1 and np.hypot(np.hypot(*ground_m.T), up_m).max() < _STILL_M:
-        raise MissionError(
-            f"the recording does not move: its {len(waypoints)} waypoints are within {_STILL_M:g} m of each "
-            "other; choose another log, or another flight of it with --flight"
-        )
+    if len(waypoints) <= 1 or np.hypot(np.hypot(*ground_m.T), up_m).max() >= _STILL_M:
+        return
+    close = f"its {len(waypoints)} waypoints are within {_STILL_M:g} m of each other"
+    extent_m = float(np.ptp(track.north_east_m(), axis=0).max())
+    if extent_m >= _PARKED_M:
+        raise MissionError(f"the recording moves within {extent_m:.0f} m, but {close}; change {chosen_by}")
+    raise MissionError(
+        f"the recording does not move: {close}; choose another log, or another flight of it with --flight"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import stat
@@ -13,6 +14,12 @@ from pathlib import Path
 from flight_replay.exceptions import FlightReplayError
 
 _CREATE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+
+_ADVICE = {
+    errno.EISDIR: "choose another name",
+    errno.ENAMETOOLONG: "choose another name",
+    errno.ENOSPC: "free some space, or choose another folder",
+}
 
 
 def check_suffix(path: Path | str, suffixes: Sequence[str]) -> str:
@@ -26,6 +33,29 @@ def check_suffix(path: Path | str, suffixes: Sequence[str]) -> str:
         found = f'unknown suffix "{suffix}"' if suffix else "no suffix"
         raise FlightReplayError(f"{path}: {found}; use one of {', '.join(suffixes)}")
     return suffix
+
+
+def check_place(path: Path | str) -> None:
+    """Refuse a place that a file cannot be written to; a file is made beside it, and removed again.
+
+    What is there and is no regular file, such as a named pipe, is not tried.
+
+    Raises:
+        FlightReplayError: It is a folder, or in one that does not exist or takes no file.
+    """
+    target = Path(path).expanduser()
+    if not target.parent.is_dir():
+        raise FlightReplayError(f"cannot write {path}: no folder {Path(path).parent}; create it first")
+    try:
+        target.lstat()
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise FlightReplayError(f"cannot write {path}: {error.strerror}; choose another name") from error
+    if target.is_dir():
+        raise cannot_write(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
+    if target.is_file() or not target.exists():
+        NewFile(path).discard()
 
 
 def write_atomically(path: Path | str, content: bytes | str) -> None:
@@ -42,7 +72,7 @@ def write_atomically(path: Path | str, content: bytes | str) -> None:
         new.put_in_place()
     except OSError as error:
         new.discard()
-        raise _cannot_write(path, error) from error
+        raise cannot_write(path, error) from error
 
 
 def unused_path(path: Path) -> Path:
@@ -72,11 +102,12 @@ class NewFile:
         self._target = Path(os.path.realpath(target)) if target.is_symlink() else target
         unique = secrets.token_hex(8)
         shown = f"{self._target.stem}.unfinished-{unique}{self._target.suffix}"
-        self._path = self._target.with_name(f".flight-replay.{unique}.part" if hidden else shown)
+        # Where it is until then.
+        self.path = self._target.with_name(f".flight-replay.{unique}.part" if hidden else shown)
         try:
-            number = os.open(self._path, _CREATE, 0o666)
+            number = os.open(self.path, _CREATE, 0o666)
         except OSError as error:
-            raise _cannot_write(path, error) from error
+            raise cannot_write(path, error) from error
         self.file = open(number, "wb")  # noqa: SIM115, PTH123 - closed by put_in_place or discard
 
     def put_in_place(self) -> None:
@@ -87,16 +118,17 @@ class NewFile:
         """
         self.file.close()
         with suppress(FileNotFoundError):
-            self._path.chmod(stat.S_IMODE(self._target.stat().st_mode))
-        self._path.replace(self._target)
+            self.path.chmod(stat.S_IMODE(self._target.stat().st_mode))
+        self.path.replace(self._target)
 
     def discard(self) -> None:
         """Remove it."""
         with suppress(OSError):
             self.file.close()
-        self._path.unlink(missing_ok=True)
+        self.path.unlink(missing_ok=True)
 
 
-def _cannot_write(path: Path | str, error: OSError) -> FlightReplayError:
-    reason = error.strerror or error
-    return FlightReplayError(f"cannot write {path}: {reason}; choose another folder")
+def cannot_write(path: Path | str, error: OSError) -> FlightReplayError:
+    """What kept a file from being written, and what to do."""
+    advice = _ADVICE.get(error.errno or 0, "choose another folder")
+    return FlightReplayError(f"cannot write {path}: {error.strerror or error}; {advice}")

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from flight_replay.cli.many.log_files import find_logs
-from flight_replay.cli.many.many_options import parse_many_options
+from flight_replay.cli.many.many_options import build_many_parser, parse_many_options
 from flight_replay.cli.options import parse_options
+from flight_replay.output.many.fleet_comparison import Tolerance
 
 
 def test_options_of_a_replay_are_handed_on_as_typed() -> None:
@@ -63,12 +64,34 @@ def test_another_binary_is_another_set_of_options_wherever_it_is(tmp_path: Path)
         "x --fly fast",
         "x --workers 0",
         "x -v -q",
+        "x --tolerance 0.2",
+        "x --tolerance-percent 5",
+        "--compare a.csv b.csv --report c.html",
+        "--compare a.csv b.csv --out c.csv",
+        "--compare a.csv b.csv --fly model",
+        "--compare a.csv b.csv --duration all",
     ],
 )
 def test_wrong_usage_is_refused(wrong: str) -> None:
     with pytest.raises(SystemExit) as stop:
         parse_many_options(wrong.split())
     assert stop.value.code == 2
+
+
+def test_help_says_the_defaults_of_many_flights() -> None:
+    """All vehicles and flights become rows, and there is no --connect."""
+    text = " ".join(build_many_parser().format_help().split())
+    assert text.count("(default: all of them)") == 2
+    assert "--speedup X simulation speed as a multiple of real time (default: 1)" in text
+    assert "--connect" not in text
+
+
+def test_a_comparison_has_its_tolerances() -> None:
+    """Those given, or the defaults that help names."""
+    usual = parse_many_options(shlex.split("--compare a.csv b.csv --json -v"))
+    assert usual.tolerance == Tolerance(0.2, 0.1)
+    given = parse_many_options(shlex.split("--compare a.csv b.csv --tolerance 0 --tolerance-percent 5 -q"))
+    assert given.tolerance == Tolerance(0.0, 0.05)
 
 
 def test_logs_are_found_once_each_and_others_told(tmp_path: Path) -> None:

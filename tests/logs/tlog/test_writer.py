@@ -115,6 +115,18 @@ def test_a_file_that_is_there_stays_until_the_recording_is_whole(tmp_path: Path)
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_recording_that_cannot_have_its_name_is_kept(tmp_path: Path) -> None:
+    """A folder of that name that came up meanwhile: the problem names the file that holds it."""
+    path = tmp_path / "a.tlog"
+    path.mkdir()
+    with Recorder(path, lambda: 0.0) as recorder:
+        recorder.write(b"a frame")
+    (unfinished,) = tmp_path.glob("a.unfinished-*.tlog")
+    assert unfinished.read_bytes() == bytes(8) + b"a frame"
+    assert recorder.problem is not None
+    assert str(unfinished) in recorder.problem
+
+
 def test_a_recording_is_there_to_see_while_it_is_made(tmp_path: Path) -> None:
     """Should the program be killed, what was recorded up to then is left beside the file."""
     path = tmp_path / "flight.tlog"

@@ -64,6 +64,15 @@ def test_a_ulog_gives_position_velocity_heading_height_and_arming() -> None:
     assert (found.start_s, found.end_s) == pytest.approx((4.0, 33.8))
 
 
+def test_a_signalling_nan_is_left_out_without_a_warning() -> None:
+    """Damage makes them; numpy warns where it makes a double of one."""
+    mark = struct.pack("<f", 1234.5)
+    damaged = flight()
+    damaged.sample("vehicle_global_position", 42.0, 47.0, 8.0, 1234.5)
+    data = bytes(damaged.data).replace(mark, struct.pack("<I", 0x7F800001))
+    assert len(read_bytes(data).track) == 200
+
+
 def test_without_global_positions_the_local_ones_around_their_reference_are_read() -> None:
     """The same places, twice as often."""
     both = read_bytes(bytes(flight().data)).track

@@ -1,16 +1,22 @@
 """plot.py: one page of plots of a replay."""
 
 import re
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 import pytest
 
 from flight_replay.exceptions import FlightReplayError
-from flight_replay.output.charts.plot import save_plot, scale_bar_m
+from flight_replay.output.charts.plot import replay_figure, save_plot, scale_bar_m
+from flight_replay.output.charts.series import FLOWN_COLOUR
+from flight_replay.output.outcome import Outcome, compare_flight
 from flight_replay.planning.prediction import with_prediction
+from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.supervisor.flight_plan import FlightRecord
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
@@ -83,6 +89,47 @@ def test_a_plan_is_drawn_with_what_is_predicted(tmp_path: Path) -> None:
         "predicted height error",
     ):
         assert text in page
+
+
+def broken_off() -> tuple[Route, FlightRecord, Outcome]:
+    """The replay with the first waypoint reached, and nothing flown after that."""
+    route, record, _ = made_replay()
+    flown = record.flown.select(record.flown.time_s <= 1001.6)
+    record = replace(record, waypoints_reached=1, reached=((1, 1001.7),), flown=flown)
+    return route, record, compare_flight(route, record)
+
+
+def test_what_is_only_planned_is_not_told_as_flown() -> None:
+    """Of a flight that ended at its first waypoint, one direction of the path error is known."""
+    titles = [axes.get_title().splitlines()[0] for axes in replay_figure(*broken_off()).axes[1:]]
+    assert titles[:2] == ["path error, recorded to flown", "planned path error, planned to recorded"]
+
+
+@pytest.mark.parametrize("replay", [broken_off, made_replay], ids=["two rows", "three rows"])
+def test_the_scale_bar_is_not_in_the_title_of_a_panel(
+    replay: Callable[[], tuple[Route, FlightRecord, Outcome]],
+) -> None:
+    """However high the map is."""
+    figure = replay_figure(*replay())
+    (length,) = [text for text in figure.axes[0].texts if text.get_text() == "20 m"]
+    assert length.get_window_extent().y0 > figure.axes[2].title.get_window_extent().y1
+
+
+def test_a_recording_without_times_has_no_line_over_time() -> None:
+    """Neither at the first fix's time nor at a speed; the flown one has its lines."""
+    route, record, _ = made_replay()
+    route = spaced_route(replace(figure_of_eight(), timed=False), spacing_m=6.0, max_points=60)
+    axes = replay_figure(route, record, compare_flight(route, record)).axes
+    assert [each.get_title().splitlines()[0] for each in axes[1:]] == [
+        "path error, recorded to flown",
+        "path error, flown to recorded",
+        "altitude above home",
+        "ground speed",
+    ]
+    (flown,) = axes[4].lines
+    assert flown.get_color() == FLOWN_COLOUR
+    assert "5 m/s" in axes[1].get_xlabel()
+    assert axes[4].get_xlabel() == "time since the first waypoint (s)"
 
 
 def test_a_single_fix_can_be_drawn(tmp_path: Path) -> None:

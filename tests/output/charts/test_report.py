@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from flight_replay.exceptions import FlightReplayError
-from flight_replay.output.charts.report import ReportText, save_report
+from flight_replay.output.charts.report import ReportText, _time_charts, save_report
+from flight_replay.output.charts.series import replay_series
 from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.planning.spacing import spaced_route
@@ -134,6 +135,20 @@ def test_a_plan_has_a_report(tmp_path: Path) -> None:
     assert "Events" not in page.texts
     assert ["1", "wait here for 1 s"] in page.rows
     assert ["2", "change speed to 3 m/s"] in page.rows
+
+
+def test_altitude_and_speed_are_shown_from_0() -> None:
+    """Millimetres around 30 m must not look like much."""
+    charts: list[Any] = list(_time_charts(replay_series(*made_replay())))
+    assert [chart.y_range.start for chart in charts[-2:]] == [0, 0]
+
+
+def test_a_plan_without_recorded_times_has_no_chart_over_time() -> None:
+    """Nothing is drawn at a speed that nobody recorded."""
+    route = spaced_route(replace(figure_of_eight(), timed=False), spacing_m=6.0)
+    charts: list[Any] = list(_time_charts(replay_series(route)))
+    titles = [chart.title.text for chart in charts]
+    assert titles == ["path error: recorded fixes to the path", "path error: the path to the recorded line"]
 
 
 def test_an_unplanned_end_is_at_the_top(tmp_path: Path) -> None:

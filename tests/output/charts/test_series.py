@@ -46,6 +46,16 @@ def test_everything_lies_in_one_metric_frame() -> None:
         assert errors.statistics.max == pytest.approx(errors.error.max())
 
 
+def test_a_recording_without_times_is_not_drawn_over_time() -> None:
+    """Its line is, but it has no speed, and its heights no time; labels say what its errors are over."""
+    series = replay_series(spaced_route(replace(figure_of_eight(), timed=False), spacing_m=6.0))
+    assert series.recorded_lines
+    assert not series.timed_lines
+    assert [len(values) for values in series.planned_height] == [0, 0]
+    assert series.time_label == "time since the first waypoint (s)"
+    assert series.error_label == "way along the recording (s at 5 m/s)"
+
+
 def test_what_is_not_covered_is_there_too() -> None:
     """The whole recording, and of it what the flight reached, or what the plan covers."""
     route, record, outcome = made_replay()

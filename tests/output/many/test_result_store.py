@@ -10,7 +10,7 @@ import pytest
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.many.flight_columns import Row
 from flight_replay.output.many.result_store import ResultStore, went_wrong
-from flight_replay.output.many.table_files import rows_of, write_rows
+from flight_replay.output.many.table_files import check_table_name, rows_of, write_rows
 
 SUFFIXES = (".csv", ".parquet")
 
@@ -109,6 +109,13 @@ def test_two_runs_do_not_write_one_table(table: Path) -> None:
     with pytest.raises(FlightReplayError, match="another run"):
         ResultStore(table, "x")
     store.close()
+
+
+def test_a_folder_is_no_table(table: Path) -> None:
+    """It is refused before a journal is begun beside it."""
+    table.mkdir()
+    with pytest.raises(FlightReplayError, match="Is a directory; choose another name"):
+        check_table_name(table)
 
 
 def test_other_files_are_no_tables(tmp_path: Path) -> None:

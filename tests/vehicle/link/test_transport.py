@@ -172,7 +172,10 @@ def test_what_cannot_be_opened_is_an_error_at_once(
         open_transport(f"udp:127.0.0.1:{held.number}", 0)
     number = server.getsockname()[1]
     server.close()
-    with pytest.raises(VehicleError, match="refused: nothing listens there; start"):
+    with pytest.raises(
+        VehicleError,
+        match=r"refused: nothing listens there; start .* \(flight-replay waits for it with --wait\)",
+    ):
         open_transport(f"tcp:127.0.0.1:{number}", 0)
 
 

@@ -29,6 +29,9 @@ examples:
   find /archive -name '*.tlog' | flight-replay-many - --scheduler tcp://head:8786 --out all.parquet
       plan on a Dask cluster
 """
+_TOLERANCE_M, _TOLERANCE_PERCENT = 0.2, 10.0
+_WITH_COMPARE = ("compare", "tolerance_m", "tolerance_percent", "json", "quiet", "verbose")
+"""What a comparison knows of the options, by their destinations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,7 +79,7 @@ def parse_many_options(argv: Sequence[str] | None = None) -> ManyOptions:
         argv=tuple(argv),
         paths=tuple(values["paths"]),
         compare=None if values["compare"] is None else tuple(values["compare"]),
-        tolerance=Tolerance(values["tolerance_m"], values["tolerance_percent"] / 100.0),
+        tolerance=_tolerance(values),
         job=job,
         **{
             name: values[name]
@@ -85,6 +88,14 @@ def parse_many_options(argv: Sequence[str] | None = None) -> ManyOptions:
             )
         },
     )  # fmt: skip
+
+
+def _tolerance(values: dict[str, Any]) -> Tolerance:
+    metres, percent = values["tolerance_m"], values["tolerance_percent"]
+    return Tolerance(
+        _TOLERANCE_M if metres is None else metres,
+        (_TOLERANCE_PERCENT if percent is None else percent) / 100.0,
+    )
 
 
 def build_many_parser() -> argparse.ArgumentParser:
@@ -116,7 +127,11 @@ def _add_logs_group(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help="logs, folders that are searched for logs, or - for a list of paths on standard input",
     )
-    option_groups.add_part_of_log(group)
+    option_groups.add_part_of_log(
+        group,
+        vehicle="read only this vehicle of each log (default: all of them)",
+        flight="read only the Nth flight of each vehicle, from arming to disarming (default: all of them)",
+    )
 
 
 def _add_replay_groups(parser: argparse.ArgumentParser) -> None:
@@ -133,7 +148,7 @@ def _add_replay_groups(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary, for --fly sitl")
     option_groups.add_flight(group)
     option_groups.add_max_error(group)
-    option_groups.add_speedup(group)
+    option_groups.add_speedup(group, "simulation speed as a multiple of real time (default: 1)")
 
 
 def _add_run_group(parser: argparse.ArgumentParser) -> None:
@@ -205,15 +220,14 @@ def _add_compare_group(parser: argparse.ArgumentParser) -> None:
         dest="tolerance_m",
         metavar="M",
         type=option_types.not_negative,
-        default=0.2,
-        help="differences of an error up to this are no change, metres, or degrees times ten (default: 0.2)",
+        help="differences of an error up to this are no change, metres, or degrees times ten "
+        f"(default: {_TOLERANCE_M:g})",
     )
     group.add_argument(
         "--tolerance-percent",
         metavar="P",
         type=option_types.not_negative,
-        default=10.0,
-        help="nor are those up to this share of the old error (default: 10)",
+        help=f"nor are those up to this share of the old error (default: {_TOLERANCE_PERCENT:g})",
     )
 
 
@@ -221,6 +235,7 @@ def _check(parser: argparse.ArgumentParser, values: dict[str, Any]) -> None:
     """Refuse options that exclude each other."""
     if bool(values["paths"]) == bool(values["compare"]):
         parser.error("name logs, folders or - to read, or two tables with --compare")
+    _check_compare(parser, values)
     if values["sitl"] is not None and values["fly"] != "sitl":
         parser.error("--sitl is for --fly sitl")
     if values["speedup"] is not None and values["fly"] not in BY_THE_CLOCK:
@@ -229,6 +244,23 @@ def _check(parser: argparse.ArgumentParser, values: dict[str, Any]) -> None:
         parser.error("-v and -q cannot be used together")
     if values["redo_failed"] and values["out"] is None:
         parser.error("--redo-failed is for a table that exists; name it with --out")
+
+
+def _check_compare(parser: argparse.ArgumentParser, values: dict[str, Any]) -> None:
+    """Refuse with ``--compare`` what is for flights, and without it what is for comparisons."""
+    given = {
+        action.dest: action.option_strings[0]
+        for action in parser._actions
+        if action.option_strings and values.get(action.dest, action.default) != action.default
+    }
+    if values["compare"]:
+        for name, option in given.items():
+            if name not in _WITH_COMPARE:
+                parser.error(f"{option} cannot be used with --compare")
+        return
+    for name in ("tolerance_m", "tolerance_percent"):
+        if name in given:
+            parser.error(f"{given[name]} is for --compare")
 
 
 def _replay_arguments(argv: Sequence[str]) -> tuple[str, ...]:
@@ -249,7 +281,7 @@ def _replay_arguments(argv: Sequence[str]) -> tuple[str, ...]:
 def _actions_of_replays() -> list[argparse.Action]:
     """The options that are handed on to each replay: those about the log, the route and the flight."""
     parser = argparse.ArgumentParser(add_help=False)
-    option_groups.add_part_of_log(parser.add_argument_group())
+    option_groups.add_part_of_log(parser.add_argument_group(), vehicle="", flight="")
     option_groups.add_route_group(parser)
     group = parser.add_argument_group()
     option_groups.add_flight(group)

@@ -27,8 +27,8 @@ class Recorder:
 
     ``write`` never waits: a thread of its own writes to a new file beside ``path``, which takes the
     place of ``path`` when the recorder is closed. Until then it is there to see, as a program that is killed
-    leaves it, with all that was recorded. Something that is no regular file, such as a named
-    pipe, is written to directly.
+    leaves it, with all that was recorded; it stays where ``path`` cannot be replaced. Something that is
+    no file, such as a named pipe, is written to directly.
     """
 
     def __init__(self, path: Path, clock_s: Callable[[], float] = time.time) -> None:
@@ -45,7 +45,7 @@ class Recorder:
         self._closed = False
         self._new: NewFile | None = None
         self._file: IO[bytes] | None = None
-        if not path.exists() or path.is_file():
+        if not path.exists() or path.is_file() or path.is_dir():
             try:
                 self._new = NewFile(path, hidden=False)
             except FlightReplayError as error:
@@ -96,11 +96,13 @@ class Recorder:
                 self._file.close()
         except OSError as error:
             self._fail(error.strerror or str(error))
+        if self._new is None:
+            return
         try:
-            if self._new is not None:
-                self._new.put_in_place()
+            self._new.put_in_place()
         except OSError as error:
-            self._fail(error.strerror or str(error))
+            reason = error.strerror or error
+            self.problem = f"recording {self._path} cannot have its name: {reason}; it is {self._new.path}"
 
     def __enter__(self) -> Recorder:
         return self

@@ -137,7 +137,8 @@ def _topic(ulog: ULog, name: str) -> Topic | None:
     # Damage can say any time.
     near = np.abs(time_s - np.median(time_s)) <= _LONGEST_S
     order = np.flatnonzero(near)[np.argsort(time_s[near], kind="stable")]
-    fields = {field: np.asarray(column, float)[order] for field, column in data.items()}
+    with np.errstate(invalid="ignore"):  # Damage can be a signalling NaN.
+        fields = {field: np.asarray(column, float)[order] for field, column in data.items()}
     return Topic(time_s[order], fields)
 
 

@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".svg", ".pdf")
 _PAGE_IN = (7.2, 11.4)
 _PNG_DOTS_PER_IN = 150
+_SCALE_BAR_SHARE, _SCALE_BAR_IN = 0.075, 0.31
+"""So far below the map is the scale bar, as a share of its height, at most: beside the name of its axis."""
+_SCALE_TEXT_SHARE = 0.085 / 0.075
 _STYLE: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -98,7 +101,7 @@ def _fill(figure: Figure, series: ReplaySeries) -> None:
         # The errors end where the flight did, altitude and speed are those of the whole recording.
         first = 0 if n < len(errors) else len(errors)
         axes = figure.add_subplot(cell, sharex=figure.axes[1 + first] if n > first else None)
-        axes.set_xlabel(series.time_label)
+        axes.set_xlabel(series.error_label if n < len(errors) else series.time_label)
         draw(axes, series)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
@@ -112,20 +115,25 @@ def _error_panels(series: ReplaySeries) -> list[Callable[[Axes, ReplaySeries], N
     """What draws each of the errors that there are."""
     planned, shown = series.planned_error, series.shown_error
     path = shown.path or PathErrorSeries(None, None)
-    which = "" if series.flown is not None else "planned " if shown.path is None else "predicted "
-    name = "planned" if shown.path is None else "flown"
     panels = [
-        (f"{which}path error, recorded to {name}", planned.recorded_to_path, path.recorded_to_path, "m"),
-        (f"{which}path error, {name} to recorded", planned.path_to_recorded, path.path_to_recorded, "m"),
-        (f"{which}position error", None, shown.position, "m"),
-        (f"{which}height error", None, shown.height, "m"),
-        (f"{which}heading error", None, shown.heading, "deg"),
+        ("path error, recorded to {}", planned.recorded_to_path, path.recorded_to_path, "m"),
+        ("path error, {} to recorded", planned.path_to_recorded, path.path_to_recorded, "m"),
+        ("position error", None, shown.position, "m"),
+        ("height error", None, shown.height, "m"),
+        ("heading error", None, shown.heading, "deg"),
     ]
     return [
-        partial(_draw_error, title=title, errors=(before, after), unit=unit)
-        for title, before, after, unit in panels
+        partial(_draw_error, title=_error_title(series, name, after), errors=(before, after), unit=unit)
+        for name, before, after, unit in panels
         if before is not None or after is not None
     ]
+
+
+def _error_title(series: ReplaySeries, name: str, flown: ErrorSeries | None) -> str:
+    """The title of a panel whose numbers are those flown, or predicted, or else planned."""
+    if flown is None:
+        return f"planned {name.format('planned')}"
+    return f"{'predicted ' if series.flown is None else ''}{name.format('flown')}"
 
 
 def _draw_error(
@@ -143,7 +151,8 @@ def _draw_error(
     for error, colour, width in ((planned, PLANNED_COLOUR, 0.7), (flown, flown_colour, 1.1)):
         if error is not None:
             shown = error.time_s <= end_s
-            axes.plot(error.time_s[shown], error.error[shown], color=colour, linewidth=width)
+            dot = "." if np.count_nonzero(shown) == 1 else ""
+            axes.plot(error.time_s[shown], error.error[shown], marker=dot, color=colour, linewidth=width)
             axes.set_title(f"{title}\n{statistics_text(error.statistics, unit)}")
     axes.set_ylabel(f"error ({unit})")
     axes.set_ylim(top=max(axes.get_ylim()[1], SMALLEST_RANGE))
@@ -183,11 +192,12 @@ def _draw_scale_and_north(axes: Axes) -> None:
     left, right = axes.get_xlim()
     length_m = scale_bar_m(right - left)
     share = length_m / (right - left)
+    height_in = axes.get_window_extent().height / axes.figure.dpi
+    low = min(_SCALE_BAR_SHARE, _SCALE_BAR_IN / height_in)
     style: dict[str, Any] = {"transform": axes.transAxes, "color": "black", "clip_on": False}
-    axes.plot(
-        [0.985 - share, 0.985], [-0.075, -0.075], lw=2.5, solid_capstyle="butt", gid="scale-bar", **style
-    )
-    axes.text(0.985 - share / 2, -0.085, f"{length_m:g} m", ha="center", va="top", transform=axes.transAxes)
+    axes.plot([0.985 - share, 0.985], [-low, -low], lw=2.5, solid_capstyle="butt", gid="scale-bar", **style)
+    text: dict[str, Any] = {"ha": "center", "va": "top", "transform": axes.transAxes}
+    axes.text(0.985 - share / 2, -low * _SCALE_TEXT_SHARE, f"{length_m:g} m", **text)
     arrow = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.2}
     axes.annotate("", (0.985, 0.99), (0.985, 0.9), xycoords="axes fraction", arrowprops=arrow)
     axes.text(0.985, 0.995, "N", ha="center", va="bottom", weight="bold", transform=axes.transAxes)
@@ -212,7 +222,7 @@ def _draw_speed(axes: Axes, series: ReplaySeries) -> None:
 def _draw_recorded_and_flown(
     axes: Axes, series: ReplaySeries, values: Callable[[TrackSeries], Floats]
 ) -> None:
-    for name, track in series.recorded_lines:
+    for name, track in series.timed_lines:
         axes.plot(track.time_s, values(track), color=LINE_COLOURS[name], linewidth=2)
     for name, flight in (("predicted", series.predicted_unflown), ("flown", series.flown)):
         if flight is not None:

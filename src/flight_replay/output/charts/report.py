@@ -10,7 +10,9 @@ from datetime import datetime, timezone
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
 
 from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.logs.log_formats import format_title
@@ -34,6 +36,7 @@ from flight_replay.writing.output_files import check_suffix, write_atomically
 if TYPE_CHECKING:
     from bokeh.model import Model
     from bokeh.models import Range
+    from bokeh.plotting import figure
 
 SUFFIXES = (".html", ".htm")
 Summary = Mapping[str, Any]
@@ -119,17 +122,27 @@ def _time_charts(series: ReplaySeries) -> list[Model]:
 
     altitude = time_chart("altitude above home", series.time_label, "altitude (m)")
     speed = time_chart("ground speed", series.time_label, "speed (m/s)", x_range=altitude.x_range)
-    for name, track in series.recorded_lines:
+    for name, track in series.timed_lines:
         add_line(altitude, track.time_s, track.alt_m, name)
         add_line(speed, track.time_s, track.speed_m_s, name)
     lines = {"predicted": series.predicted_unflown, "planned": None, "flown": series.flown}
     for name, flight in lines.items():
-        if name == "planned":
+        if name == "planned" and series.timed:
             add_line(altitude, *series.planned_height, name)
         elif flight is not None:
             add_line(altitude, flight.time_s, flight.alt_m, name)
             add_line(speed, flight.time_s, flight.speed_m_s, name)
-    return [*_error_charts(series), altitude, speed]
+    charts = [chart for chart in (altitude, speed) if chart.renderers]
+    for chart in charts:
+        _begin_at_zero(chart)
+    return [*_error_charts(series), *charts]
+
+
+def _begin_at_zero(chart: figure) -> None:
+    """Show 0, too, as the plot does: millimetres must not look like much."""
+    lines, y_range = cast("list[Any]", chart.renderers), cast("Any", chart.y_range)
+    if all(np.nanmin(line.data_source.data["y"], initial=0.0) >= 0.0 for line in lines):
+        y_range.start = 0
 
 
 def _errors_shown(series: ReplaySeries) -> list[tuple[str, str, ErrorSeries | None, ErrorSeries | None]]:
@@ -157,7 +170,7 @@ def _error_charts(series: ReplaySeries) -> list[Model]:
     for title, y_label, planned, flown in _errors_shown(series):
         if planned is None and flown is None:
             continue
-        chart = time_chart(title, series.time_label, y_label, x_range=x_range)
+        chart = time_chart(title, series.error_label, y_label, x_range=x_range)
         x_range = chart.x_range
         if max(each.statistics.max for each in (planned, flown) if each is not None) < SMALLEST_RANGE:
             chart.y_range = Range1d(start=0, end=SMALLEST_RANGE)

@@ -15,7 +15,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.geometry.flight_errors import Errors, FlightErrors, PathErrors
-from flight_replay.logs.track import Track
+from flight_replay.logs.track import UNTIMED_SPEED_M_S, Track
 from flight_replay.mission.path import destinations, path_through
 from flight_replay.output.outcome import Outcome, flown_start_s, followed_part
 from flight_replay.planning.route import Route
@@ -36,6 +36,7 @@ LINE_COLOURS = {
 }
 CURVE_TOLERANCE_M = 0.05
 """Largest distance between a spline leg and the line segments that are drawn for it."""
+_UNTIMED_LABEL = f"way along the recording (s at {UNTIMED_SPEED_M_S:g} m/s)"
 MAX_CHART_POINTS = 4000
 """Most points of a line in a chart."""
 SMALLEST_RANGE = 0.1
@@ -87,7 +88,8 @@ class ReplaySeries:
     planned to be. ``planned_height`` holds times and heights above home that the plan asks for,
     ``predicted`` is where the model flies it, with ``predicted_error``, ``flown`` the flight, with
     ``flown_error``; ``home_m`` is (north, east). ``reached`` holds (time, planned altitude) of each waypoint
-    reached. ``time_label`` is what charts over time say of their time.
+    reached. ``time_label`` is what charts over time say of their time, ``error_label`` what those of errors
+    say. Of a recording that is not ``timed`` charts over time show nothing but its errors.
     """
 
     recording: TrackSeries
@@ -98,6 +100,8 @@ class ReplaySeries:
     planned_error: PathErrorSeries
     planned_height: tuple[Floats, Floats]
     time_label: str
+    error_label: str
+    timed: bool = True
     home_m: Floats | None = None
     predicted: TrackSeries | None = None
     predicted_error: FlightErrorSeries = FlightErrorSeries()
@@ -123,6 +127,11 @@ class ReplaySeries:
             return (("recorded", self.recorded),)
         return ((NOT_COVERED, self.recording), ("recorded", self.recorded))
 
+    @property
+    def timed_lines(self) -> tuple[tuple[str, TrackSeries], ...]:
+        """The recorded lines to draw over time."""
+        return self.recorded_lines if self.timed else ()
+
 
 def replay_series(
     route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
@@ -146,6 +155,8 @@ def replay_series(
         planned_error=_path_error_series(route.planned_error),
         planned_height=_planned_height(route),
         time_label=time_label(route),
+        error_label=time_label(route) if route.recording.timed else _UNTIMED_LABEL,
+        timed=route.recording.timed,
         home_m=None if home is None else frame.to_metres(home.lat_deg, home.lon_deg),
         predicted=_predicted_series(route),
         predicted_error=_flight_error_series(route.predicted),
@@ -169,7 +180,7 @@ def _flight_error_series(errors: FlightErrors | None) -> FlightErrorSeries:
 
 def _planned_height(route: Route) -> tuple[Floats, Floats]:
     """When the recording is at its fixes, and how high the plan has the vehicle there."""
-    keep = thin_indices(len(route.wanted))
+    keep = thin_indices(len(route.wanted) if route.recording.timed else 0)
     return route.wanted.time_s[keep], route.planned_up_m[keep]
 
 
@@ -187,6 +198,8 @@ def _predicted_series(route: Route) -> TrackSeries | None:
 
 def time_label(route: Route) -> str:
     """What charts of a route say of their time."""
+    if not route.recording.timed:
+        return "time since the first waypoint (s)"
     if route.reference is None:
         return "time since the first fix / first waypoint (s)"
     return (

@@ -88,7 +88,7 @@ class LiveCharts:
 
     def _add_plan(self, series: ReplaySeries) -> None:
         height, speed = self.charts["height"], self.charts["speed"]
-        for name, track in series.recorded_lines:
+        for name, track in series.timed_lines:
             add_line(height, track.time_s, track.alt_m, name)
             add_line(speed, track.time_s, track.speed_m_s, name)
         if series.predicted is not None:

@@ -15,7 +15,7 @@ from flight_replay.exceptions import FlightReplayError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.output.many.fleet_summary import FleetSummary, summary_lines
 from flight_replay.output.many.flight_columns import COLUMN_OF, ERRORS, GOOD, Row, error_column
-from flight_replay.writing.output_files import check_suffix, write_atomically
+from flight_replay.writing.output_files import check_place, check_suffix, write_atomically
 
 if TYPE_CHECKING:
     from bokeh.model import Model
@@ -43,11 +43,11 @@ def check_report_name(path: Path, *, replace: bool) -> None:
     """Refuse a name that no report can be written to.
 
     Raises:
-        FlightReplayError: The suffix is another, its folder does not exist, or it exists already.
+        FlightReplayError: The suffix is another, it is a folder or cannot be written in its folder, or it
+            exists already.
     """
     check_suffix(path, SUFFIXES)
-    if not path.expanduser().parent.is_dir():
-        raise FlightReplayError(f"cannot write {path}: no folder {path.parent}; create it first")
+    check_place(path)
     if path.expanduser().is_file() and not replace:
         raise FlightReplayError(f"{path} exists; choose another name, or replace it with --force")
 

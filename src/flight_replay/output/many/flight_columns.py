@@ -63,7 +63,7 @@ COLUMNS: tuple[TableColumn, ...] = (
     TableColumn("log_format", "text", "format, as `--json` names it"),
     TableColumn("vehicle_system", "whole", "MAVLink system id, where the log has one"),
     TableColumn("vehicle_component", "whole", "MAVLink component id, where the log has one"),
-    TableColumn("vehicle_type", "text", "kind of vehicle, such as quadrotor"),
+    TableColumn("vehicle_type", "text", "kind of vehicle, such as quadcopter"),
     TableColumn("is_multicopter", "truth", "whether that is a multicopter"),
     TableColumn("recorded_firmware", "text", "firmware that the log names"),
     TableColumn("flight", "whole", "number of the flight in its log, from 1; none where there is no flight"),
@@ -111,7 +111,11 @@ COLUMNS: tuple[TableColumn, ...] = (
     TableColumn("options", "text", "the options it was done with"),
     TableColumn("options_id", "text", "hash of the options, and of the SITL binary"),
     TableColumn("version", "text", "version of flight-replay"),
-    TableColumn("command", "text", "the command that repeats it, for one flight"),
+    TableColumn(
+        "command",
+        "text",
+        "the command that repeats it, for one flight: the flight on a simulator, else its plan",
+    ),
 )
 COLUMN_OF = {column.name: column for column in COLUMNS}
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.many.flight_columns import COLUMN_OF, COLUMNS, Kind, Row
-from flight_replay.writing.output_files import NewFile, check_suffix
+from flight_replay.writing.output_files import NewFile, cannot_write, check_place, check_suffix
 
 if TYPE_CHECKING:
     import pyarrow
@@ -26,11 +26,11 @@ def check_table_name(path: Path) -> None:
     """Refuse a name that no table can be written to.
 
     Raises:
-        FlightReplayError: The suffix is another, its folder does not exist, or pyarrow is missing.
+        FlightReplayError: The suffix is another, it is a folder or cannot be written in its folder, or
+            pyarrow is missing.
     """
     suffix = check_suffix(path, SUFFIXES)
-    if not path.expanduser().parent.is_dir():
-        raise FlightReplayError(f"cannot write {path}: no folder {path.parent}; create it first")
+    check_place(path)
     if suffix == ".parquet":
         _pyarrow()
 
@@ -65,7 +65,7 @@ def write_rows(path: Path, rows: Iterable[Row]) -> None:
         new.put_in_place()
     except OSError as error:
         new.discard()
-        raise FlightReplayError(f"cannot write {path}: {error.strerror or error}; free some space") from error
+        raise cannot_write(path, error) from error
     except BaseException:
         new.discard()
         raise

@@ -44,7 +44,7 @@ def _cannot_open(connection_string: str, error: OSError) -> VehicleError:
     if isinstance(error, ConnectionRefusedError):
         return VehicleError(
             f"connection to {connection_string} refused: nothing listens there; "
-            "start the vehicle or simulator first, or wait for it with --wait"
+            "start the vehicle or simulator first (flight-replay waits for it with --wait)"
         )
     if isinstance(error, socket.gaierror):
         return VehicleError(
