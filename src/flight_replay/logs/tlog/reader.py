@@ -14,15 +14,15 @@ from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.logs.byte_source import OpenLog, Progress
 from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
 from flight_replay.logs.recording import Recording
-from flight_replay.logs.tlog.armed_state import armed_at, modes_at, vehicle_kind
-from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
+from flight_replay.logs.tlog.arming.armed_state import armed_at, modes_at, vehicle_kind
+from flight_replay.logs.tlog.arming.late_status import Arrivals, arrivals
 from flight_replay.logs.tlog.climb_sign import with_climbs_as_heights
+from flight_replay.logs.tlog.clock.boot_clock import BootClock, read_clock
+from flight_replay.logs.tlog.clock.copies import copies
+from flight_replay.logs.tlog.clock.stamps import plausible_utc_s
 from flight_replay.logs.tlog.columns import AnyMessage, ArmingReports, Heartbeats, Positions, Records
-from flight_replay.logs.tlog.copies import copies
 from flight_replay.logs.tlog.gps_status import lacks_3d_fix
-from flight_replay.logs.tlog.late_status import Arrivals, arrivals
 from flight_replay.logs.tlog.scan import scan
-from flight_replay.logs.tlog.stamps import plausible_utc_s
 from flight_replay.logs.track import Track
 from flight_replay.logs.unknown_content import describe
 from flight_replay.logs.vehicles import VehicleCount, VehicleId

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Indices
-from flight_replay.logs.tlog.arming_reports import arming_reports
+from flight_replay.logs.tlog.arming.arming_reports import arming_reports
 from flight_replay.logs.tlog.blocks import Block
 from flight_replay.logs.tlog.columns import Positions, Records
 from flight_replay.logs.tlog.decode import decode_gps_status, decode_heartbeats, decode_positions

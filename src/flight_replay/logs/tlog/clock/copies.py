@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 
 from flight_replay.geometry.arrays import Indices
-from flight_replay.logs.tlog.boot_clock import BootClock
+from flight_replay.logs.tlog.clock.boot_clock import BootClock
 from flight_replay.logs.tlog.columns import Positions
 
 _OWN = {"offset", "stamp_us"}  # what a copy has of its own

@@ -9,10 +9,10 @@ import pytest
 
 from flight_replay.logs.flights import find_flights
 from flight_replay.logs.recording import Recording
-from flight_replay.logs.tlog.late_status import arrivals, without_late
+from flight_replay.logs.tlog.arming.late_status import arrivals, without_late
 from tests.helpers.log_writer import START_US, LogWriter
 from tests.helpers.track_files import read_bytes
-from tests.logs.tlog.test_boot_clock import clock_of, in_order
+from tests.logs.tlog.clock.test_boot_clock import clock_of, in_order
 
 FIRST_MS, STEP_MS, STEPS = 20_000, 250, 480
 """Two minutes of positions at 4 Hz, sent 20 s after the boot and later."""

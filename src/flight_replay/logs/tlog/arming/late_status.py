@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.logs.tlog.late_records import LONGEST_LAG_S
+from flight_replay.logs.tlog.clock.late_records import LONGEST_LAG_S
 
 Offsets = NDArray[np.int64]
 

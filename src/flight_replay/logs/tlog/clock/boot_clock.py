@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
-from flight_replay.logs.tlog import stamps
+from flight_replay.logs.tlog.clock import stamps
+from flight_replay.logs.tlog.clock.late_records import are_late
+from flight_replay.logs.tlog.clock.record_runs import Integers, Runs
 from flight_replay.logs.tlog.columns import Positions
-from flight_replay.logs.tlog.late_records import are_late
-from flight_replay.logs.tlog.record_runs import Integers, Runs
 
 _WRAP_MS = 1 << 32
 _WRAP_GAP_MS = 3_600_000  # a fall by nearly a whole turn is a wrap if no more than this is missing

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from flight_replay.logs.tlog.boot_clock import BootClock, read_clock
+from flight_replay.logs.tlog.clock.boot_clock import BootClock, read_clock
 from flight_replay.logs.tlog.columns import Positions
 
 STAMP_US = 1_700_000_000_000_000

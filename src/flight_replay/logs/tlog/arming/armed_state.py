@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Indices
-from flight_replay.logs.tlog.arming_reports import with_reports
+from flight_replay.logs.tlog.arming.arming_reports import with_reports
+from flight_replay.logs.tlog.arming.late_status import Arrivals, without_late
 from flight_replay.logs.tlog.columns import ArmingReports, Heartbeats
-from flight_replay.logs.tlog.late_status import Arrivals, without_late
 from flight_replay.logs.track import Armed
 from flight_replay.logs.vehicle_kinds import VehicleKind, kind_of
 

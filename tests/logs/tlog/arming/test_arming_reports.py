@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from flight_replay.logs.byte_source import OpenLog
-from flight_replay.logs.tlog import arming_reports
-from flight_replay.logs.tlog.arming_reports import with_reports
+from flight_replay.logs.tlog.arming import arming_reports
+from flight_replay.logs.tlog.arming.arming_reports import with_reports
 from flight_replay.logs.tlog.scan import scan
 from flight_replay.logs.tlog.stretch_search import REACH
 from tests.helpers.log_writer import ENCAPSULATED_DATA, START_US, STATUSTEXT, LogWriter, frame

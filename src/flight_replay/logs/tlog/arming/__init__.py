@@ -1,0 +1,1 @@
+"""Whether the vehicle was armed, and in which mode, by heartbeats and what is said beside them."""

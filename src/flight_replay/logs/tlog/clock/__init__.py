@@ -1,0 +1,1 @@
+"""The vehicle's clock over wraps, reboots and records that come late."""
