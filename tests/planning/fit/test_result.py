@@ -1,4 +1,4 @@
-"""Notes on where the vehicle is far from where the recorded one was."""
+"""Notes on where the vehicle cannot keep up."""
 
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
@@ -8,8 +8,8 @@ from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, sped_up, wander
 
 
-def test_where_the_vehicle_lags_or_leads_is_said() -> None:
-    """It is behind a recording flown twice as fast as it can, and ahead of one slower than it was told."""
+def test_where_the_vehicle_lags_is_said() -> None:
+    """A recording flown twice as fast as the vehicle can is behind from somewhere on; a slow one nowhere."""
     fast = local_track(sped_up(wander(3), 2.0), 20.0)
     slow = local_track(along([(0, 0), (60, 0)], 0.5), 20.0)
     lags = []
@@ -19,5 +19,4 @@ def test_where_the_vehicle_lags_or_leads_is_said() -> None:
         lags.append(lag_notes(problem.evaluate(line), problem))
     assert len(lags[0]) == 1
     assert "behind by up to" in lags[0][0]
-    assert len(lags[1]) == 1
-    assert "ahead by up to" in lags[1][0]
+    assert lags[1] == ()

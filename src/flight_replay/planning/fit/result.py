@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.planning.fit.objective import Evaluation
@@ -12,10 +14,8 @@ from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 from flight_replay.planning.heights import Heights
 from flight_replay.planning.stretches import worst_stretches
 
-_WORTH_TELLING_M = 5.0
+MIN_LAG_M = 5.0
 """Nearer behind than this is keeping up."""
-_BEHIND = "The vehicle cannot keep up everywhere: it is expected to be behind by up to {}."
-_AHEAD = "The recording is too slow for so few waypoints: the vehicle is expected to be ahead by up to {}."
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ class FitResult:
 
 
 def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
-    """Sentences on where the vehicle is farthest behind and ahead of the recording, if it is to keep up.
+    """A sentence on the stretches in which the vehicle is farthest behind the recording, if it is to keep up.
 
     Args:
         best: the predicted flight.
@@ -47,9 +47,9 @@ def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
     if not problem.timed:
         return ()
     recorded_s = problem.recording.time_s
-    far = best.late_m > _WORTH_TELLING_M
-    is_behind = best.flown_s > recorded_s
-    kinds = ((_BEHIND, far & is_behind), (_AHEAD, far & ~is_behind))
-    return tuple(
-        text.format(worst_stretches(off, best.late_m, recorded_s, 0)) for text, off in kinds if off.any()
-    )
+    behind_m = np.where(best.flown_s > recorded_s, best.late_m, 0.0)
+    lags = behind_m > MIN_LAG_M
+    if not lags.any():
+        return ()
+    told = worst_stretches(lags, behind_m, recorded_s, 0)
+    return (f"The vehicle cannot keep up everywhere: it is expected to be behind by up to {told}.",)
