@@ -70,7 +70,7 @@ def test_a_vehicle_with_the_defaults_is_planned_for_once() -> None:
     events: list[Event] = []
     planner = plan_step.Planner(*track_and_options("--altitude", "recorded"), events.append)
     assert [event.text for event in events if isinstance(event, Notice)] == [
-        " Generated 74 waypoints from tlog"
+        " Generated 76 waypoints from tlog"
     ]
     first, second = planner.route(VehicleLimits()), planner.route(VehicleLimits(vehicle="ArduCopter 4.6.0"))
     assert first.mission is second.mission
