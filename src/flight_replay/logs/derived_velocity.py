@@ -52,7 +52,8 @@ def _pieces(time_s: Floats) -> Iterator[tuple[slice, slice]]:
         rows = slice(begin, min(begin + _ROWS_AT_ONCE, len(time_s)))
         first = int(np.searchsorted(time_s, time_s[begin] - _REACH_S)) - 1
         last = int(np.searchsorted(time_s, time_s[rows.stop - 1] + _REACH_S, "right"))
-        yield rows, slice(max(first, 0), last + 1)
+        # Nobody records more in a second, but a log that is made to take long may.
+        yield rows, slice(max(first, begin - _ROWS_AT_ONCE, 0), min(last, rows.stop + _ROWS_AT_ONCE) + 1)
 
 
 def _slopes(time_s: Floats, values: Floats, at_s: Floats) -> Floats:
