@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -277,6 +278,20 @@ def test_an_item_is_reached_once_with_all_before_it() -> None:
     assert scripted.monitor.progress.reached == {1: 51.0, 2: 51.0, 3: 52.0, 4: 53.0}
     reached = [event for event in scripted.events if isinstance(event, WaypointReached)]
     assert reached == [WaypointReached(seq, scripted.monitor.progress.reached[seq]) for seq in (1, 2, 3, 4)]
+
+
+@pytest.mark.parametrize("heard", [[AUTO, MissionCurrent(1, 10)], []], ids=["in AUTO", "before AUTO"])
+def test_what_was_flown_in_a_silence_is_no_jump(heard: list[Report]) -> None:
+    """The first number behind it waits for the position that follows, 100 m on; AUTO may begin within it."""
+    scripted = Scripted()
+    scripted.monitor.record_auto(route(20))
+    scripted.process(state(50.0), Heartbeat("GUIDED", True), *heard)
+    scripted.clock.now_s += 6.0
+    entered: list[Report] = [] if heard else [state(55.8), AUTO]
+    monitor = scripted.process(*entered, MissionCurrent(11, 20))
+    scripted.process(replace(state(56.0), lat_deg=47.0 + 9e-4), MissionCurrent(11, 20))
+    assert (monitor.progress.jumps, monitor.mission) == ([], MissionCurrent(11, 20))
+    assert sorted(monitor.progress.reached) == list(range(1, 11))
 
 
 def test_a_lost_request_fails_with_the_next_heartbeat() -> None:

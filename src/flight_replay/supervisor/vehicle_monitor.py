@@ -63,6 +63,8 @@ class VehicleMonitor:
         self.modes = ModeMonitor()
         self.armed: bool | None = None
         self.state: VehicleState | None = None
+        self._before_auto: VehicleState | None = None  # When it was last heard in another mode.
+        self._held: list[MissionCurrent | MissionItemReached] = []
         self._heartbeats_since_state = 0
         self.armed_state: VehicleState | None = None
         """The state before the latest heartbeat that showed the vehicle armed."""
@@ -173,8 +175,8 @@ class VehicleMonitor:
     def _auto_entered(self) -> None:
         if self._recording and self.auto_start_s is None:
             self.auto_start_s = self.time_s
-            if self.state is not None:
-                self.progress.begin(self.state)
+            if self._before_auto is not None:
+                self.progress.begin(self._before_auto)
 
     def step(self, timeout_s: float = _STEP_WALL_S) -> None:
         """Process the next report, waiting for it up to the timeout.
@@ -235,6 +237,8 @@ class VehicleMonitor:
         self.requests.heartbeat()
         if heartbeat.mode == "AUTO":
             self._auto_entered()
+        else:
+            self._before_auto = self.state
 
     @_process.register
     def _(self, state: VehicleState) -> None:
@@ -246,6 +250,9 @@ class VehicleMonitor:
         if self.auto_start_s is not None:
             self.flown.append(state)
         self.emit(state)
+        held, self._held = self._held, []
+        for report in held:
+            self._process(report)
 
     @_process.register
     def _(self, text: StatusText) -> None:
@@ -267,8 +274,20 @@ class VehicleMonitor:
     def _(self, lost: RequestLost) -> None:
         self.requests.lost(lost.request)
 
+    def _held_back(self, report: MissionCurrent | MissionItemReached) -> bool:
+        """Whether a report of the mission waits for the position that follows it: none came for a while.
+
+        From the last one before a silence nobody could have flown so far.
+        """
+        is_old = self.state is not None and self.wall_s - self._state_wall_s >= _LINK_GAP_WALL_S
+        if is_old:
+            self._held.append(report)
+        return is_old
+
     @_process.register
     def _(self, current: MissionCurrent) -> None:
+        if self._held_back(current):
+            return
         if self.auto_start_s is None or self.state is None:
             # Where AUTO is about to begin, the number may be that of a mission before.
             self.mission = self.mission if self._recording else current
@@ -278,7 +297,7 @@ class VehicleMonitor:
 
     @_process.register
     def _(self, item: MissionItemReached) -> None:
-        if self.state is not None:
+        if not self._held_back(item) and self.state is not None:
             self._note_reached(self.progress.reached_item(item.seq, self.state))
 
     @_process.register
