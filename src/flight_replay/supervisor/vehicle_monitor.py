@@ -39,6 +39,7 @@ _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the lin
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
 _NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
+_NO_POSITION_WALL_S = 5.0  # A fast simulator sends ten in no time, and a link asks for positions anew.
 _REASON_VALID_S = 10.0  # An older status text (vehicle time) does not explain a new mode.
 
 ConfirmArming = Callable[[Callable[[], VehicleState]], bool]
@@ -149,7 +150,10 @@ class VehicleMonitor:
             FlightEnded: Its link is up, and it has not for some seconds in flight; one that disarmed may
                 have rebooted, and another check tells that.
         """
-        if self.armed and self._heartbeats_since_state >= _NO_POSITION_HEARTBEATS:
+        silent_wall_s = self.wall_s - self._state_wall_s
+        if not self.armed or silent_wall_s < _NO_POSITION_WALL_S:
+            return
+        if self._heartbeats_since_state >= _NO_POSITION_HEARTBEATS:
             raise flight_ended.no_position(_NO_POSITION_HEARTBEATS)
 
     def begin_arming(self) -> None:
