@@ -29,10 +29,10 @@ def with_derived_velocity(track: Track) -> Track:
         return track
     north, east, up = filled = [axis.copy() for axis in recorded]
     for first, end in _unbroken(track):
-        part, frame = track.select(slice(first, end)), track.select(slice(first, first + 1)).frame
+        part = track.select(slice(first, end))
         for rows, around in _pieces(part.time_s):
             near, at_s = part.select(around), part.time_s[rows]
-            values = *near.north_east_m(frame).T, near.alt_m
+            values = *near.north_east_m(part.frame).T, near.alt_m
             for axis, value in zip(filled, values, strict=True):
                 into = axis[first:end][rows]
                 np.copyto(into, _slopes(near.time_s, value, at_s), where=~np.isfinite(into))

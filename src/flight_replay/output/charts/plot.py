@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".svg", ".pdf")
 _PAGE_IN = (7.2, 11.4)
 _PNG_DOTS_PER_IN = 150
+_MARGIN_SHARE = 0.05  # Above the highest line, also where there is one height only.
 _SCALE_BAR_SHARE, _SCALE_BAR_IN = 0.075, 0.31
 """So far below the map is the scale bar, as a share of its height, at most: beside the name of its axis."""
 _SCALE_TEXT_SHARE = 0.085 / 0.075
@@ -103,7 +104,8 @@ def _fill(figure: Figure, series: ReplaySeries) -> None:
         axes = figure.add_subplot(cell, sharex=figure.axes[1 + first] if n > first else None)
         axes.set_xlabel(series.error_label if n < len(errors) else series.time_label)
         draw(axes, series)
-        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(0.0, low), max(high, (1 + _MARGIN_SHARE) * float(axes.dataLim.y1)))
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
     # The length of a metre on the page is known only after the layout.
     figure.draw_without_rendering()
