@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from threadpoolctl import threadpool_info
 
 from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Floats
@@ -256,6 +257,19 @@ def test_a_track_without_fixes_cannot_be_fitted() -> None:
         fit(wander(1).select(slice(0, 0)))
 
 
+@pytest.mark.usefixtures("brief_search")
+def test_matrices_so_small_are_left_to_one_thread() -> None:
+    """Others would wait for it, and take as much of the processors' time."""
+    threads: list[int] = []
+
+    def progress(done: int, total: int) -> None:
+        threads.extend(each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas")
+
+    fit(wander(6, fixes=30), max_points=8, progress=progress)
+    assert set(threads) == {1}
+
+
+@pytest.mark.usefixtures("brief_search")
 def test_progress_runs_to_its_total() -> None:
     """What is done grows until it is all that there is."""
     told: list[tuple[int, int]] = []

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from flight_replay.exceptions import LogError
 from flight_replay.logs.track import Track
@@ -85,9 +86,11 @@ def fit(  # noqa: PLR0913
     recording = local_track(flown, heights.planned_m, takeoff_m)
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = replace(problem_for(recording, max_points, limits, timed=timed), frame=flat_frame(flown))
-    starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
     budget = _budget(problem, len(flown), progress)
-    best, stopped = search(problem, starts, max_points, budget)
+    # For matrices so small a second thread of the library waits more than it computes, and it waits busily.
+    with threadpool_limits(1, user_api="blas"):
+        starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
+        best, stopped = search(problem, starts, max_points, budget)
     notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
     return _result(best, flown, heights, notes)
 
