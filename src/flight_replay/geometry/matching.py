@@ -13,7 +13,12 @@ from numpy.typing import ArrayLike
 
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.monotone_path import cheapest_monotone_path, cheapest_monotone_path_in_band
-from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
+from flight_replay.geometry.polyline import (
+    lengths_along_m,
+    lengths_m,
+    nearest_on_segments,
+    segment_lengths_m,
+)
 from flight_replay.geometry.scalar.segments import Columns, nearest_in_bands
 
 SHORTEST_PIECE_M, LONGEST_PIECE_M = 0.01, 0.25
@@ -83,7 +88,7 @@ def match_in_order(
     pieces = _Pieces.of(path, piece_m or _affordable_piece_m(fixes, path))
     chosen = _pieces_near(fixes, pieces, near_m) if near_m else _best_pieces(fixes, pieces, quick=quick)
     along = _along_pieces(fixes, pieces, chosen)
-    distance = np.linalg.norm(fixes - pieces.start_m[chosen] - along[:, None] * pieces.unit[chosen], axis=1)
+    distance = lengths_m(fixes - pieces.start_m[chosen] - along[:, None] * pieces.unit[chosen])
     return Matching(distance, pieces.begin_m[chosen] + along, pieces.segment[chosen])
 
 

@@ -12,9 +12,15 @@ from flight_replay.geometry.arrays import Floats
 _LEAST_STEP_S = 1e-3
 
 
+def lengths_m(vector_m: Floats) -> Floats:
+    """Lengths (...) of vectors (..., d), d >= 1; numpy's ``norm`` takes three times as long for few axes."""
+    columns = [vector_m[..., axis] for axis in range(vector_m.shape[-1])]
+    return np.sqrt(_sum([column * column for column in columns]))
+
+
 def segment_lengths_m(line_m: Floats) -> Floats:
     """Lengths (m - 1,) of the segments of a line (m, d)."""
-    return np.asarray(np.linalg.norm(np.diff(line_m, axis=0), axis=1))
+    return lengths_m(np.diff(line_m, axis=0))
 
 
 def lengths_along_m(line_m: Floats) -> Floats:

@@ -87,12 +87,23 @@ def fit(  # noqa: PLR0913
     max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = replace(problem_for(recording, max_points, limits, timed=timed), frame=flat_frame(flown))
     budget = _budget(problem, len(flown), progress)
+    best, stopped = _searched(problem, recording, max_points, speed_m_s, budget)
+    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
+    return _result(best, flown, heights, notes)
+
+
+def _searched(
+    problem: FitProblem,
+    recording: LocalTrack,
+    max_points: int,
+    speed_m_s: float | Recorded | None,
+    budget: Budget,
+) -> tuple[Evaluation, str]:
+    """The best draft that comes of all starts, and why the search stopped."""
     # For matrices so small a second thread of the library waits more than it computes, and it waits busily.
     with threadpool_limits(1, user_api="blas"):
         starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
-        best, stopped = search(problem, starts, max_points, budget)
-    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
-    return _result(best, flown, heights, notes)
+        return search(problem, starts, max_points, budget)
 
 
 def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed: bool) -> FitProblem:

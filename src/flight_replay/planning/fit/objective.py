@@ -27,7 +27,7 @@ from math import inf
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import segment_lengths_m, speeds_m_s
+from flight_replay.geometry.polyline import lengths_m, segment_lengths_m, speeds_m_s
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.offsets import Offsets, match_to_flight, match_to_plan
 from flight_replay.planning.fit.reference import LocalTrack
@@ -188,7 +188,7 @@ def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> Floats:
     if len(slow):
         stops = draft.hold_s > 0
         stops[0] = stops[-1] = True
-        apart_m = np.linalg.norm(north_east_m[slow, None] - draft.places_m[stops, :2], axis=2)
+        apart_m = lengths_m(north_east_m[slow, None] - draft.places_m[stops, :2])
         away = slow[apart_m.min(axis=1) > _AT_STOP_M]
         creeping[away] = steps_s[away]
     return creeping

@@ -12,7 +12,12 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.matching import match_in_order
-from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments, segment_lengths_m
+from flight_replay.geometry.polyline import (
+    lengths_along_m,
+    lengths_m,
+    nearest_on_segments,
+    segment_lengths_m,
+)
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.reference import LocalTrack
@@ -50,7 +55,7 @@ class Offsets:
     @property
     def apart_m(self) -> Floats:
         """Lengths (m,) of the vectors."""
-        return np.asarray(np.linalg.norm(self.off_m, axis=1))
+        return lengths_m(self.off_m)
 
     @property
     def progress(self) -> Floats:
@@ -143,7 +148,7 @@ def directions(draft: Draft, offsets: Offsets) -> Floats:
     ahead, behind = np.minimum(offsets.part + _NUDGE, 1.0), np.maximum(offsets.part - _NUDGE, 0.0)
     rows = weights(draft, offsets.leg, ahead) - weights(draft, offsets.leg, behind)
     direction = rows @ draft.places_m[:, :2]
-    return np.asarray(direction / np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9))
+    return np.asarray(direction / np.maximum(lengths_m(direction)[:, None], 1e-9))
 
 
 def _leg_and_part(progress: Floats, legs: int) -> tuple[Indices, Floats]:
@@ -229,7 +234,7 @@ def _offsets_back(points_m: Floats, following: Indices, recording: LocalTrack) -
     if len(fixes) == 1:
         return np.asarray(fixes - points_m)
     around = pieces_around(following, len(fixes))
-    start, step = fixes[around], fixes[around + 1] - fixes[around]
+    start, step = fixes[around], np.diff(fixes, axis=0)[around]
     share, apart = nearest_on_segments(points_m[:, None], start, step)
     nearest = apart.argmin(axis=1)
     row = np.arange(len(points_m))

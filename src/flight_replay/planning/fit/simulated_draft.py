@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import chain
 from math import isfinite
 
 import numpy as np
@@ -16,7 +15,7 @@ from flight_replay.planning.fit.reference import AT_SEA_LEVEL, Takeoff
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
-from flight_replay.simulator.flight.flown_positions import positions_to_end
+from flight_replay.simulator.flight.flown_positions import AXES, positions_to_end
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _LAST_PART_M = 2.0
@@ -58,26 +57,27 @@ def simulate_draft(
     items, seqs = items_of(draft)
     copter = copter_after_takeoff(draft, limits, step_s, takeoff)
     copter.start_auto(items)
-    rows = [copter.position_m, *positions_to_end(copter)]
-    return flight_of(draft, copter, seqs, rows)
+    positions = [*copter.position_m, *positions_to_end(copter)]
+    return flight_of(draft, copter, seqs, positions)
 
 
-def flight_of(draft: Draft, copter: Copter, seqs: list[int], rows: list[Vector]) -> SimulatedDraft:
+def flight_of(draft: Draft, copter: Copter, seqs: list[int], positions: list[float]) -> SimulatedDraft:
     """A draft as a copter has flown it to the end, with the positions before and after each step."""
     run, step_s = copter.mission, copter.step_s
     assert run is not None, "a draft is flown in AUTO"
-    end_s = step_s * (len(rows) - 1)
+    place_m = places_of(positions)
+    end_s = step_s * (len(place_m) - 1)
     passed_s = np.array([_reached_s(run.reached, seq, end_s) for seq in seqs])
-    place_m = places_of(rows[round(passed_s[0] / step_s) :])
+    place_m = place_m[round(passed_s[0] / step_s) :]
     times_s = step_s * np.arange(len(place_m), dtype=float)
     least_up_m = _LEAST_UP_SHARE * float(draft.places_m[:, 2].min())
     stays_up = run.completed and bool(place_m[:, 2].min() >= least_up_m)
     return SimulatedDraft(draft, times_s, place_m, passed_s - passed_s[0], stays_up, copter.has_error)
 
 
-def places_of(rows: list[Vector]) -> Floats:
-    """Positions as an array (k, 3); numpy by itself takes five times as long to look into tuples."""
-    return np.fromiter(chain.from_iterable(rows), float, 3 * len(rows)).reshape(-1, 3)
+def places_of(positions: list[float]) -> Floats:
+    """Positions that are numbers one after another as an array (k, 3)."""
+    return np.fromiter(positions, float, len(positions)).reshape(-1, AXES)
 
 
 def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, takeoff: Takeoff) -> Copter:

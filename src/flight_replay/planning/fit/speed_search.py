@@ -23,10 +23,10 @@ from flight_replay.planning.fit.simulated_draft import (
 )
 from flight_replay.planning.fit.speed_schedule import SLOWEST_M_S, Schedule, slowest_m_s, with_speeds
 from flight_replay.simulator.dynamics.limits import Limits
-from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
 from flight_replay.simulator.flight.copter_copy import copter_copy
 from flight_replay.simulator.flight.flown_positions import (
+    AXES,
     longest_step_m,
     passed_s,
     positions_on_leg,
@@ -57,7 +57,7 @@ class _Trial:
     speed_m_s: float
     used_m_s: float
     copter: Copter
-    rows: list[Vector]
+    positions: list[float]
     late_s: float
 
 
@@ -83,13 +83,13 @@ class SpeedSearch:
         self._items, self._seqs = items_of(replace(plan.draft, speed_m_s=caps_m_s), every_speed=True)
         self._copter = copter_after_takeoff(plan.draft, limits, step_s, takeoff)
         self._copter.start_auto(self._items)
-        self._rows = [self._copter.position_m]
+        self._positions = [*self._copter.position_m]
         self._begin_s = 0.0
         self.steps = 0
 
     def run(self) -> SimulatedDraft:
         """The draft's flight at the speeds with which its places are left as nearly as can be on time."""
-        self._rows += self._fly(self._copter, 0, _PATIENCE_S)
+        self._positions += self._fly(self._copter, 0, _PATIENCE_S)
         self._begin_s = self._copter.time_s
         speeds = np.full(len(self._plan.draft), np.nan)
         for place in range(1, len(speeds)):
@@ -97,13 +97,13 @@ class SpeedSearch:
             best = self._best(place, float(guess_m_s))
             speeds[place] = best.speed_m_s
             self._copter = best.copter
-            self._rows += best.rows
+            self._positions += best.positions
         return self._flight(speeds)
 
     def _flight(self, speeds: Floats) -> SimulatedDraft:
         """The flight when the last place is reached."""
-        self._rows += positions_to_end(self._copter)
-        return flight_of(with_speeds(self._plan.draft, speeds), self._copter, self._seqs, self._rows)
+        self._positions += positions_to_end(self._copter)
+        return flight_of(with_speeds(self._plan.draft, speeds), self._copter, self._seqs, self._positions)
 
     @property
     def _now_s(self) -> float:
@@ -134,13 +134,13 @@ class SpeedSearch:
         at = self._seqs[place] - 2  # The speed's item, just before the place's.
         self._items[at] = replace(self._items[at], params=(1.0, round(speed_m_s, 2), 0.0, 0.0))
         leave_s = float(self._leave_s[place])
-        rows = self._fly(copter, place, 3 * max(leave_s - self._now_s, 0.0) + _PATIENCE_S)
-        used_m_s = min(speed_m_s, self._top_speed_m_s(rows))
-        return _Trial(speed_m_s, used_m_s, copter, rows, passed_s(copter) - self._begin_s - leave_s)
+        positions = self._fly(copter, place, 3 * max(leave_s - self._now_s, 0.0) + _PATIENCE_S)
+        used_m_s = min(speed_m_s, self._top_speed_m_s(positions))
+        return _Trial(speed_m_s, used_m_s, copter, positions, passed_s(copter) - self._begin_s - leave_s)
 
-    def _top_speed_m_s(self, rows: list[Vector]) -> float:
+    def _top_speed_m_s(self, positions: list[float]) -> float:
         """The highest ground speed of a leg."""
-        return max(longest_step_m(rows) / self._step_s, SLOWEST_M_S)
+        return max(longest_step_m(positions) / self._step_s, SLOWEST_M_S)
 
     def _next_speed(self, place: int, trials: list[_Trial], low: float, high: float) -> float:
         """The speed at which a leg would end on time if its duration went with a power of it."""
@@ -164,11 +164,11 @@ class SpeedSearch:
         hold_s = float(self._plan.draft.hold_s[place])
         return max(float(self._leave_s[place]) + late_s - hold_s - self._now_s, _SHORTEST_S)
 
-    def _fly(self, copter: Copter, place: int, most_s: float) -> list[Vector]:
+    def _fly(self, copter: Copter, place: int, most_s: float) -> list[float]:
         """Where a copter is after each step until the leg to a place is about to end, or for so long."""
-        rows = positions_on_leg(copter, self._seqs[place], int(most_s / self._step_s))
-        self.steps += len(rows)
-        return rows
+        positions = positions_on_leg(copter, self._seqs[place], int(most_s / self._step_s))
+        self.steps += len(positions) // AXES
+        return positions
 
 
 def _settled(trials: list[_Trial]) -> bool:

@@ -178,19 +178,21 @@ class AutoYaw(SnapshotPart):
     @property
     def course_rad(self) -> float | None:
         """Where the target's velocity points; None below 5 % of the highest speed."""
+        return atan2(self._control.ve, self._control.vn) if self._has_course else None
+
+    @property
+    def _has_course(self) -> bool:
         control = self._control
         vn, ve = control.vn, control.ve
         least = _TURNING_SHARE * control.speed_max
-        if vn * vn + ve * ve <= least * least:
-            return None
-        return atan2(ve, vn)
+        return vn * vn + ve * ve > least * least
 
     def _along_target(self) -> float:
         """Take the target's course, or without one keep the heading; returns the yaw rate."""
-        control, course = self._control, self.course_rad
-        if course is None:
+        if not self._has_course:
             self.target_rad = self._airframe.heading.target
             return 0.0
-        self.target_rad = course
+        control = self._control
         vn, ve = control.vn, control.ve
+        self.target_rad = atan2(ve, vn)
         return (control.accel_e * vn - control.accel_n * ve) / (vn * vn + ve * ve)

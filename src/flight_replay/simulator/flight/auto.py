@@ -7,6 +7,7 @@ the navigation item after it) and ArduCopter/mode_auto.cpp, whose functions are 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.simulator.dynamics.vector import Vector
@@ -22,6 +23,7 @@ from flight_replay.simulator.flight.takeoff import TakeOff
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _FIRST_CLIMB_M = 1.0
+_NOT_ASKED_S: Final = -1.0
 
 
 class MissionRun(SubMode):
@@ -40,10 +42,10 @@ class MissionRun(SubMode):
         self.completed = False
         self.steps = 0
         self._item: LocalItem | None = None
-        self._delays = False
+        self._delays = self._lands = self._is_endless = False
         self._submode: SubMode | None = None
         self._next_seq = start_seq
-        self._since_s: float | None = None
+        self._since_s, self._whole_s = _NOT_ASKED_S, 0.0
         self._circle_radius_m = flight.limits.circle_radius_m
         flight.navigation.start()
         flight.auto_yaw.begin_mission()
@@ -72,8 +74,7 @@ class MissionRun(SubMode):
     @property
     def loitering(self) -> bool:
         """Whether the vehicle loiters at an item that never ends."""
-        endless = self._item is not None and self._item.command == Command.LOITER_UNLIMITED
-        return endless and self._flight.navigation.reached
+        return self._is_endless and self._flight.navigation.reached
 
     @property
     def destination_m(self) -> Vector:
@@ -121,8 +122,10 @@ class MissionRun(SubMode):
             self._loiter()
             return
         # What is asked at every step is kept here: items are not compiled.
-        self._item, self._next_seq, self._delays = item, item.seq + 1, item.command == Command.DELAY
-        self._since_s = None
+        self._item, self._next_seq, command = item, item.seq + 1, item.command
+        self._delays, self._lands = command == Command.DELAY, command == Command.LAND
+        self._is_endless = command == Command.LOITER_UNLIMITED
+        self._since_s = _NOT_ASKED_S
         self._start(item)
 
     def _loiter(self) -> None:
@@ -190,17 +193,17 @@ class MissionRun(SubMode):
         if self._submode is None and not self._delays and not self._flight.navigation.reached:
             return False
         if self._delays:
-            return self._waited(item.params[0])
-        if item.command == Command.LAND:
+            return self._waited(item)
+        if self._lands:
             if self._submode is None:
                 self._submode = Landing(self._flight)
             return False
         if self._submode is not None:
             return self._submode.done
-        return item.command != Command.LOITER_UNLIMITED and self._waited(item.params[0])
+        return not self._is_endless and self._waited(item)
 
-    def _waited(self, seconds: float) -> bool:
-        """Whether so many whole seconds have passed since this was first asked of an item."""
-        if self._since_s is None:
-            self._since_s = self.time_s
-        return self.time_s - self._since_s >= int(seconds)
+    def _waited(self, item: LocalItem) -> bool:
+        """Whether an item's whole seconds have passed since this was first asked of it."""
+        if self._since_s == _NOT_ASKED_S:
+            self._since_s, self._whole_s = self.time_s, float(int(item.params[0]))
+        return self.time_s - self._since_s >= self._whole_s

@@ -73,7 +73,8 @@ def _copied_part(part: SnapshotPart, known: dict[int, object]) -> object:
     known[id(part)] = copied
     slots, has_others = _attributes(kind)
     for name in (*slots, *vars(part)) if has_others else slots:
-        setattr(copied, name, _copied(getattr(part, name), known))
+        value = getattr(part, name)
+        setattr(copied, name, value if type(value) in _SHARED else _copied(value, known))
     return copied
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import nearest_on_segments
+from flight_replay.geometry.polyline import lengths_m, nearest_on_segments
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
 from flight_replay.planning.fit.objective import Evaluation, places_at
 from flight_replay.planning.fit.offsets import marks_along, pieces_around
@@ -75,11 +75,11 @@ def _places_m(flight: LocalFlight, time_s: Floats) -> Floats:
 
 
 def _unit(vectors: Floats) -> Floats:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9))
+    return np.asarray(vectors / np.maximum(lengths_m(vectors)[:, None], 1e-9))
 
 
 def _free_ways(ways: Floats, off_m: Floats) -> Floats:
     """The unit vectors along a path (k, 2) where errors (k, 2) are across it; zero at the other points."""
     along_m = np.abs((off_m * ways).sum(axis=1, keepdims=True))
-    apart_m = np.linalg.norm(off_m, axis=1, keepdims=True)
+    apart_m = lengths_m(off_m)[:, None]
     return np.where(along_m <= _ACROSS_SHARE * apart_m + _ACROSS_M, ways, 0.0)

@@ -22,9 +22,13 @@ from flight_replay.planning.fit.simulated_draft import (
     items_of,
     places_of,
 )
-from flight_replay.simulator.dynamics.vector import Vector
 from flight_replay.simulator.flight.copter import Copter
-from flight_replay.simulator.flight.flown_positions import passed_s, positions_after, positions_on_leg
+from flight_replay.simulator.flight.flown_positions import (
+    AXES,
+    passed_s,
+    positions_after,
+    positions_on_leg,
+)
 from flight_replay.simulator.mission.local_items import LocalItem
 
 _FOLLOWS_S = 1.0
@@ -57,14 +61,14 @@ class LocalFlight:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Leg:
-    """Where the copter was after each step of a leg (``rows``) and of the second after it (``after``).
+    """Where the copter was after each step of a leg (``flown``) and of the second after it (``after``).
 
     ``left_s`` is when the target left the leg's place, in whole steps, ``passed_s`` when it passed that
     place, to a fraction of a step.
     """
 
-    rows: list[Vector]
-    after: list[Vector]
+    flown: list[float]
+    after: list[float]
     left_s: float
     passed_s: float
 
@@ -123,48 +127,49 @@ class LocalFlights:
         if draft is self._draft:
             return self._flown_already(first, last)
         copter = self._before[first].copy(self._items_of(draft))
-        rows, passed = [copter.position_m], []
+        positions, passed = [*copter.position_m], []
         for place in range(first, last + 1):
-            rows += self._flown_to(copter, place)
+            positions += self._flown_to(copter, place)
             passed.append(passed_s(copter))
-        return self._flight(first, rows, self._run_on(copter), passed)
+        return self._flight(first, positions, self._run_on(copter), passed)
 
     def _flown_already(self, first: int, last: int) -> LocalFlight:
         """The same for the draft that is flown, from what is known of its legs."""
         self.left_s(last)
         legs = self._legs[first : last + 1]
-        began_m = self._legs[first - 1].rows[-1]
-        rows = [began_m, *chain.from_iterable(leg.rows for leg in legs)]
-        return self._flight(first, rows, legs[-1].after, [leg.passed_s for leg in legs])
+        began_m = self._legs[first - 1].flown[-AXES:]
+        positions = [*began_m, *chain.from_iterable(leg.flown for leg in legs)]
+        return self._flight(first, positions, legs[-1].after, [leg.passed_s for leg in legs])
 
     def _flight(
-        self, first: int, rows: list[Vector], after: list[Vector], passed_s: list[float]
+        self, first: int, flown: list[float], after: list[float], passed_s: list[float]
     ) -> LocalFlight:
-        steps = np.arange(len(rows) + len(after), dtype=float)
-        times_s = self.left_s(first - 1) + self._problem.step_s * steps
-        return LocalFlight(times_s, places_of(rows + after), len(rows), np.array(passed_s) - self._begin_s)
+        place_m = places_of(flown + after)
+        times_s = self.left_s(first - 1) + self._problem.step_s * np.arange(len(place_m), dtype=float)
+        return LocalFlight(times_s, place_m, len(flown) // AXES, np.array(passed_s) - self._begin_s)
 
-    def _run_on(self, copter: Copter) -> list[Vector]:
+    def _run_on(self, copter: Copter) -> list[float]:
         """Where a copter is after each step of the time in which it follows its target."""
-        rows = positions_after(copter, round(_FOLLOWS_S / self._problem.step_s))
-        self.steps += len(rows)
-        return rows
+        positions = positions_after(copter, round(_FOLLOWS_S / self._problem.step_s))
+        self.steps += len(positions) // AXES
+        return positions
 
     def _fly_on(self) -> None:
         """Find what is flown on the next leg, and how the copter is after it."""
         copter = self._before[-1].copy(self._items)
-        rows = self._flown_to(copter, len(self._legs))
+        positions = self._flown_to(copter, len(self._legs))
         self._before.append(CopterSnapshot(copter, self._items))
         left_s, passed = copter.time_s, passed_s(copter)
-        self._legs.append(_Leg(rows, self._run_on(copter), left_s, passed))
+        self._legs.append(_Leg(positions, self._run_on(copter), left_s, passed))
 
-    def _flown_to(self, copter: Copter, place: int) -> list[Vector]:
+    def _flown_to(self, copter: Copter, place: int) -> list[float]:
         """Where a copter is after each step until the leg to a place is about to end."""
-        rows = positions_on_leg(copter, self._seqs[place], self._most_steps)
-        self.steps += len(rows)
-        if len(rows) >= self._most_steps:
+        positions = positions_on_leg(copter, self._seqs[place], self._most_steps)
+        steps = len(positions) // AXES
+        self.steps += steps
+        if steps >= self._most_steps:
             raise MissionError("a leg of the fitted flight does not end")
-        return rows
+        return positions
 
     def _items_of(self, draft: Draft) -> list[LocalItem]:
         return items_changed(self._items, self._seqs, self._draft, draft)
