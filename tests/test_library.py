@@ -48,6 +48,7 @@ def test_a_signal_returns_the_vehicle(number: int) -> None:
     assert [signal.getsignal(each) for each in signals.TERMINATION_SIGNALS] == before
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_whole_flight_can_be_fitted_or_followed() -> None:
     """Both kinds of plan give a route with predicted errors."""
     track = select(flight_replay.read_log(sample_log()).track, from_s=60.0, to_s=110.0)

@@ -101,6 +101,7 @@ def test_limits_are_raised_from_those_of_the_vehicle() -> None:
     assert route.limits.vehicle == "ArduCopter 3.3.0"
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_simulator_starts_where_the_route_begins() -> None:
     """A fit leaves out what was not flown; home is that of its mission."""
     for route in ("spacing", "fit"):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from flight_replay.planning.fit import fit
 from flight_replay.planning.heights import heights_of
@@ -51,6 +52,7 @@ def test_a_spaced_route_climbs_sooner_at_the_recorded_speed() -> None:
     assert [item.alt_m for _, item in own.mission.waypoints] == JUMP_M
 
 
+@pytest.mark.slow
 def test_a_fit_that_climbs_sooner_is_less_late() -> None:
     """A climb of 24 m in 4 s holds the vehicle up; at heights that it can have in time it keeps up."""
     track = wander(3)

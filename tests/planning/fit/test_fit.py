@@ -129,6 +129,7 @@ def test_last_bits_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert fit(track, max_points=20, speed_m_s="recorded").mission == usual.mission
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_a_given_speed_is_asked_for_once_after_a_second_here() -> None:
     """Then it holds for the whole route, also on a vehicle that would undo the first item of a mission."""
     items = fit(wander(4, fixes=40), max_points=12, speed_m_s=3.0).mission.items
@@ -212,6 +213,7 @@ def test_a_flight_may_be_shorter_than_the_way_down_from_the_take_off() -> None:
     assert found.predicted_duration_s < 15.0
 
 
+@pytest.mark.usefixtures("brief_search")
 def test_figures_of_eight_are_flown_in_order() -> None:
     """Four laps of an eight stay four laps: the path is as long, and no lap is borrowed."""
     track = eights(laps=4)
