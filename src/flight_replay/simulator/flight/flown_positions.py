@@ -1,7 +1,7 @@
 """Where a copter is after each step of a part of its mission, which a search asks for most of all.
 
-Positions are numbers one after another, north, east and up, three for each step: tuples would take longer
-to make, and to look into, than they take to be flown.
+Positions are numbers one after another, north, east and up, three for each step: tuples take much longer to
+make and to look into.
 """
 
 from __future__ import annotations
@@ -25,11 +25,7 @@ def positions_on_leg(copter: Copter, seq: int, most_steps: float) -> list[float]
     positions: list[float] = []
     steps = 0.0  # mypyc compares an integer with a number as objects.
     while steps < most_steps and not run.ends_item(seq):
-        copter.step()
-        n, e, u = copter.position_m
-        positions.append(n)
-        positions.append(e)
-        positions.append(u)
+        _step(copter, positions)
         steps += 1.0
     return positions
 
@@ -43,11 +39,7 @@ def positions_to_end(copter: Copter) -> list[float]:
     run = _mission_of(copter)
     positions: list[float] = []
     while not run.completed and not copter.landed:
-        copter.step()
-        n, e, u = copter.position_m
-        positions.append(n)
-        positions.append(e)
-        positions.append(u)
+        _step(copter, positions)
         if copter.time_s > _LONGEST_S:
             raise MissionError("the fitted flight does not end; fit a shorter part of the log")
     return positions
@@ -57,11 +49,7 @@ def positions_after(copter: Copter, steps: int) -> list[float]:
     """The positions after each of so many steps, the mission completed or not."""
     positions: list[float] = []
     for _ in range(steps):
-        copter.step()
-        n, e, u = copter.position_m
-        positions.append(n)
-        positions.append(e)
-        positions.append(u)
+        _step(copter, positions)
     return positions
 
 
@@ -85,6 +73,15 @@ def longest_step_m(positions: list[float]) -> float:
             longest_m = max(longest_m, hypot(n, e))
             enough_m2 = longest_m * longest_m * _NEARLY
     return longest_m
+
+
+def _step(copter: Copter, positions: list[float]) -> None:
+    """Fly one step, and append where that leads to."""
+    copter.step()
+    n, e, u = copter.position_m
+    positions.append(n)
+    positions.append(e)
+    positions.append(u)
 
 
 def _mission_of(copter: Copter) -> MissionRun:
