@@ -268,7 +268,7 @@ def test_matrices_so_small_are_left_to_one_thread() -> None:
         threads.extend(each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas")
 
     fit(wander(6, fixes=30), max_points=8, progress=progress)
-    assert set(threads) == {1}
+    assert set(threads) <= {1}  # None where numpy has a library that threadpoolctl does not know: Apple's.
 
 
 @pytest.mark.usefixtures("brief_search")
