@@ -104,9 +104,9 @@ class Budget:
         self.spent += flights
         self._progress(min(round(self.spent), self.flights), self.flights)
 
-    def affords(self, flights: float) -> bool:
-        """Whether so many flights are left."""
-        return self.spent + flights <= self.flights
+    def affords(self, flights: float, overdrawn: float = 0.0) -> bool:
+        """Whether so many flights are left, with a share more than there may be to overdraw."""
+        return self.spent + flights <= (1.0 + overdrawn) * self.flights
 
     def finish(self) -> None:
         """Tell that the work is done."""

@@ -2,8 +2,8 @@
 
 Which waypoints a draft begins with decides where a search ends, and little that can be seen before tells
 which are good. So there are several starts. They exchange stretches, and what comes of that goes on as far as
-it leads; it takes stretches from them once more. So do the others, one by one, while there is time, each
-exchanging with the best.
+it leads; it takes stretches from them once more, and loses places that make it late. The others go on, too,
+one by one, while there is time, each exchanging with the best.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from flight_replay.planning.fit.leg_errors import without_errors
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import COMES_DOWN, ENOUGH, NO_MORE, State
+from flight_replay.planning.fit.steps.fewer_places import with_fewer_places
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +54,25 @@ def search(
     best = _exchanged(problem, [], states, most, budget)
     if len(states) > 1 and budget.affords(EXCHANGE_FLIGHTS):
         best = _exchanged(problem, [best], states, most, budget)
+    best = relieved = _relieved(problem, best, budget)
     for other in others:
         if not budget.affords(way.another_flights):
             break
         best = _exchanged(problem, [best, way.gone_on(problem, other, budget)], states, most, budget)
     stopped = NO_MORE if budget.affords(way.another_flights) else ENOUGH
+    if best is not relieved:
+        best = _relieved(problem, best, budget)
     budget.finish()
     return without_errors(problem, without_leaps(problem, best.best)), stopped
+
+
+def _relieved(problem: FitProblem, best: State, budget: Budget) -> State:
+    """The best with fewer places where they make it late, each time going on as far as there is time."""
+    if not problem.timed:
+        return best
+    while (fewer := with_fewer_places(problem, best, budget)) is not best:
+        best = timed_search.gone_on(problem, fewer, budget)
+    return best
 
 
 def _exchanged(
