@@ -9,7 +9,7 @@ from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import Hover, local_track
 from flight_replay.planning.fit.rounds import State, flown_leaving
-from flight_replay.planning.fit.steps.fewer_places import with_fewer_places
+from flight_replay.planning.fit.steps.fewer_places import _changes, with_fewer_places
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, budget, circle, draft_of
 
@@ -20,8 +20,8 @@ HOVER = Hover(0, 1, 5.0)
 """Some hover: which is not looked at."""
 
 
-def problem_of(track: Track) -> FitProblem:
-    return problem_for(local_track(track, 20.0), 10, Limits(), timed=True)
+def problem_of(track: Track, limits: Limits | None = None) -> FitProblem:
+    return problem_for(local_track(track, 20.0), 10, limits or Limits(), timed=True)
 
 
 def state_of(problem: FitProblem, way: list[tuple[float, float]], hold_s: list[float]) -> State:
@@ -51,6 +51,15 @@ def test_a_stop_in_a_bend_is_flown_through() -> None:
     assert len(found.best.draft) == len(HALF_CIRCLE)
     assert not found.best.draft.hold_s[1:].any()
     assert found.hovers == {4: HOVER}
+
+
+def test_stops_are_left_straight_where_they_have_to_be() -> None:
+    """At high limits a curve from a stop may leap, and the place before the one left out may be a stop."""
+    problem = problem_of(along(WAY, SPEED_M_S), Limits(wp_accel_m_s2=6.0))
+    late = state_of(problem, WAY, [6, 0, 15, 15, 0])
+    drafts = [draft for draft, _, _ in _changes(late, problem)]
+    assert len(drafts) > 2
+    assert not any((draft.spline[1:] & (draft.hold_s[:-1] > 0)).any() for draft in drafts)
 
 
 def test_a_draft_that_keeps_up_stays_as_it_is() -> None:

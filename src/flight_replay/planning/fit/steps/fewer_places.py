@@ -37,7 +37,7 @@ def with_fewer_places(problem: FitProblem, state: State, budget: Budget) -> Stat
         budget: is told how much was flown.
     """
     found = state
-    for draft, leave_s, hovers in _changes(state, problem.recording):
+    for draft, leave_s, hovers in _changes(state, problem):
         if not budget.affords(1, _OVERDRAWN):
             break
         with suppress(MissionError):
@@ -47,17 +47,25 @@ def with_fewer_places(problem: FitProblem, state: State, budget: Budget) -> Stat
     return found if found.objective_m < (1 - WORTH_GOING_ON) * state.objective_m else state
 
 
-def _changes(state: State, recording: LocalTrack) -> Iterator[tuple[Draft, Floats, dict[int, Hover]]]:
+def _changes(state: State, problem: FitProblem) -> Iterator[tuple[Draft, Floats, dict[int, Hover]]]:
     """Changed drafts, when their places are to be left, and the hovers that they wait for."""
-    draft, late_s = with_every_speed(state.best.draft), _late_s(state.best, recording)
-    for place in _where_late_most(state.best, recording, late_s):
+    draft, late_s = with_every_speed(state.best.draft), _late_s(state.best, problem.recording)
+    for place in _where_late_most(state.best, problem.recording, late_s):
         leave_s = _sooner_s(state.best.passed_s, late_s, place)
         others = np.arange(len(draft)) != place
         hovers = {at: hover for at, hover in state.hovers.items() if at != place}
         if draft.hold_s[place] > 0:
             through = replace(draft, hold_s=draft.hold_s * others, spline=draft.spline | ~others)
-            yield through, leave_s, hovers
-        yield draft.select(others), leave_s[others], _without(place, hovers)
+            yield _left_straight(through, problem), leave_s, hovers
+        yield _left_straight(draft.select(others), problem), leave_s[others], _without(place, hovers)
+
+
+def _left_straight(draft: Draft, problem: FitProblem) -> Draft:
+    """A draft whose stops are left on straight legs, if they have to be."""
+    if not problem.straight_starts:
+        return draft
+    from_rest = np.append(False, draft.hold_s[:-1] > 0)
+    return replace(draft, spline=draft.spline & ~from_rest)
 
 
 def _without(place: int, hovers: Mapping[int, Hover]) -> dict[int, Hover]:
