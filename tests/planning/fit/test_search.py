@@ -17,7 +17,7 @@ from flight_replay.planning.fit.rounds import State
 from flight_replay.planning.fit.search import search
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import DIVE, budget, recording_of, wander
+from tests.helpers.fit_tracks import DIVE, along, budget, draft_of, recording_of, wander
 
 
 def problem_and_starts(*, timed: bool) -> tuple[FitProblem, list[FirstDraft]]:
@@ -67,6 +67,16 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
     best, _ = search(problem, [curved, curved], 20, budget(150))
     assert best.objective_m < gone_on[0]
     assert len(gone_on) == 2, "what exchanging leaves as it was does not go on again"
+
+
+def test_stops_that_make_the_vehicle_late_are_left_out() -> None:
+    """No step takes one away."""
+    way = [(0.0, 0.0), (30.0, 0.0), (31.0, 0.0), (32.0, 0.0), (33.0, 0.0), (60.0, 0.0), (90.0, 0.0)]
+    problem = problem_for(local_track(along([way[0], way[-1]], 2.0), 20.0), len(way), Limits(), timed=True)
+    waits = [6.0, 1, 1, 1, 1, 0, 0]
+    start = draft_of(way, [False, *[wait == 0 for wait in waits[1:]]], waits)
+    best, _ = search(problem, [FirstDraft(start, {})], len(way), budget(40))
+    assert np.count_nonzero(best.draft.hold_s) < np.count_nonzero(waits)
 
 
 def test_where_the_vehicle_comes_down_no_search_goes_on() -> None:
