@@ -58,27 +58,6 @@ def test_only_the_distance_that_is_corrected_counts() -> None:
     assert navigation.track_scaler.scale >= before
 
 
-def scale_after_stop(rest_s: float, start_n: float) -> float:
-    """The time scale when a target that came from the west, and rested, has started north or south."""
-    limits = Limits()
-    airframe = Airframe(limits, (0.0, 0.0, 20.0), 0.0, Air(), 0.02)
-    control = PositionControl(limits, airframe)
-    scaler = TrackScaler()
-    for north, east, seconds in ((0.0, 5.0, 1.0), (0.0, 0.0, rest_s), (start_n, 0.0, 0.4)):
-        control.vn, control.ve = north, east
-        airframe.vn, airframe.ve = 0.0, 0.95 * east
-        for _ in range(round(seconds / 0.02)):
-            scaler.advance(limits, control, airframe)
-    return scaler.scale
-
-
-def test_after_a_stop_legs_to_the_left_start_sooner_for_a_while() -> None:
-    """The drift of the estimate makes a start to the left sooner than one to the right, until it is over."""
-    assert scale_after_stop(2.0, 0.005) > scale_after_stop(2.0, -0.005) + 0.05
-    assert scale_after_stop(1.0, 0.005) > scale_after_stop(1.0, -0.005) + 0.02
-    assert scale_after_stop(6.0, 0.005) == pytest.approx(scale_after_stop(6.0, -0.005))
-
-
 @given(st.floats(-3, 3), st.floats(0.0, 5.0))
 def test_a_noisy_value_averages_within_its_bounds(mean: float, deviation: float) -> None:
     """The mean of a clamped value lies within 0 and 1, and at a half where the value does."""
