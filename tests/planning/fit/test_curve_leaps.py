@@ -64,6 +64,14 @@ def test_such_stops_are_mended() -> None:
     assert mended.objective_m < 1.3 * best.objective_m
 
 
+def test_a_stop_that_is_reached_sooner_waits_longer() -> None:
+    """The other speeds, which were found together, are kept, and what follows begins when it did."""
+    problem, best = evaluated([6, 0, 3, 0, 3, 0])
+    mended = without_leaps(problem, best)
+    assert mended.draft.hold_s[4] > best.draft.hold_s[4]
+    assert mended.passed_s[4] == pytest.approx(best.passed_s[4], abs=0.6)
+
+
 def test_a_draft_without_such_stops_stays_as_it_is() -> None:
     """Nothing is flown for it."""
     problem, best = evaluated([6, 2, 3, 0, 0, 0])
@@ -77,5 +85,5 @@ def test_what_cannot_be_mended_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -
     def refuse(*_: object) -> None:
         raise MissionError("the fitted flight does not end")
 
-    monkeypatch.setattr("flight_replay.planning.fit.rounds.flown_leaving", refuse)
+    monkeypatch.setattr(FitProblem, "compared", refuse)
     assert without_leaps(problem, best) is best

@@ -8,16 +8,19 @@ planned anew then, and what rounding makes of no speed stays (SCurve::set_origin
 of those at 0.35 m/s leave just that, and the vehicle is up to a second early for all that follows; faster
 ones leave more.
 
-Such stops are rare, so they are mended after the search: reached on a curve, left straight, or reached from
-rest.
+Such stops are rare, so they are mended after the search: reached on a curve, left straight, reached from
+rest, or sooner, to wait longer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 
-from flight_replay.geometry.arrays import Floats
+import numpy as np
+
+from flight_replay.exceptions import MissionError
+from flight_replay.geometry.arrays import Flags
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
@@ -34,7 +37,7 @@ def without_leaps(problem: FitProblem, best: Evaluation) -> Evaluation:
         leaps = places_before_leaps(found.draft)
         if not leaps:
             break
-        up = changed_flown(problem, _changes(found, leaps[0]))
+        up = _flown(problem, found, leaps[0])
         mended = [each for each in up if len(places_before_leaps(each.draft)) < len(leaps)]
         if not mended:
             break
@@ -54,11 +57,39 @@ def places_before_leaps(draft: Draft) -> list[int]:
     ]
 
 
-def _changes(evaluation: Evaluation, place: int) -> Iterator[tuple[Draft, Floats]]:
-    """What may be made of a stop, and when the places are left then."""
+def _flown(problem: FitProblem, evaluation: Evaluation, place: int) -> list[Evaluation]:
+    """What becomes of a stop, changed in one way or another, in which the vehicle stays up."""
+    changed, leave_s = _changes(evaluation, place), evaluation.passed_s
+    found = changed_flown(problem, ((draft, leave_s) for draft in changed))
+    if problem.timed:
+        draft = with_every_speed(evaluation.draft)
+        sooner = replace(draft, speed_m_s=np.where(_at(place, draft), _SLOW_M_S, draft.speed_m_s))
+        for each in (*changed, sooner):
+            with suppress(MissionError):
+                found.append(_waiting_until(problem, each, place, float(leave_s[place])))
+    return [each for each in found if each.flight.stays_up]
+
+
+def _waiting_until(problem: FitProblem, draft: Draft, place: int, leave_s: float) -> Evaluation:
+    """A draft flown at the speeds it has, with a wait that ends as near as can be to when it ought to."""
+    found = problem.exact.evaluate(draft)
+    late_s = round(float(found.passed_s[place]) - leave_s)
+    wait_s = max(draft.hold_s[place] - late_s, LEAST_HOLD_S)
+    waiting = replace(draft, hold_s=np.where(_at(place, draft), wait_s, draft.hold_s))
+    return problem.exact.evaluate(waiting) if late_s else found
+
+
+def _changes(evaluation: Evaluation, place: int) -> list[Draft]:
+    """What may be made of a stop."""
     draft = with_every_speed(evaluation.draft)
-    reached_curved, left_straight, from_rest = draft.spline.copy(), draft.spline.copy(), draft.hold_s.copy()
-    reached_curved[place], left_straight[place + 1], from_rest[place - 1] = True, False, LEAST_HOLD_S
-    changed = [replace(draft, spline=spline) for spline in (reached_curved, left_straight)]
-    for each in (*changed, replace(draft, hold_s=from_rest)):
-        yield each, evaluation.passed_s
+    here, before, behind = (_at(each, draft) for each in (place, place - 1, place + 1))
+    return [
+        replace(draft, spline=draft.spline | here),
+        replace(draft, spline=draft.spline & ~behind),
+        replace(draft, hold_s=np.where(before, LEAST_HOLD_S, draft.hold_s)),
+    ]
+
+
+def _at(place: int, draft: Draft) -> Flags:
+    """Where a place is (n,)."""
+    return np.asarray(np.arange(len(draft)) == place)

@@ -152,6 +152,9 @@ def flown_leaving(problem: FitProblem, draft: Draft, leave_s: Floats) -> tuple[E
 def changed_flown(problem: FitProblem, changes: Iterable[tuple[Draft, Floats]]) -> list[Evaluation]:
     """Changed drafts as they are flown in exact steps, without those that do not end or come down.
 
+    Where the recorded speed is to be kept, with their speeds set anew and as they are: speeds that were found
+    together are rarely found again one by one.
+
     Args:
         problem: what to fit.
         changes: drafts of at least two places, and when each place is to be left then (n,).
@@ -160,6 +163,9 @@ def changed_flown(problem: FitProblem, changes: Iterable[tuple[Draft, Floats]]) 
     for draft, leave_s in changes:
         with suppress(MissionError):
             found.append(flown_leaving(problem.exact, draft, leave_s)[0])
+        if problem.timed:
+            with suppress(MissionError):
+                found.append(problem.exact.evaluate(draft))
     return [each for each in found if each.flight.stays_up]
 
 
