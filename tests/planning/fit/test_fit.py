@@ -161,8 +161,8 @@ def test_a_long_hover_is_waited_out_in_whole_seconds() -> None:
 
 
 @pytest.mark.slow
-def test_a_flown_mission_is_found_again() -> None:
-    """Its corner that was flown through lies beside the recorded way; its waits are as long, give or take."""
+def test_a_flown_mission_is_followed_as_well_as_by_itself() -> None:
+    """With a stop of 0.3 m, and a corner that the vehicle cut, where no fix is."""
     corners = [(0.0, 0.0), (0.0, 0.3), (0.0, 40.0), (40.0, 40.0), (40.0, 0.0), (10.0, 0.0)]
     mission = replace(
         draft_of(corners, [False] * 6, [6, 8, 7, 0, 9, 0]),
@@ -173,7 +173,8 @@ def test_a_flown_mission_is_found_again() -> None:
     found = fit(track, altitude_m=20.0, speed_m_s="recorded")
     assert position_error(found).mean < 0.3
     assert path_error(found).max < 0.3
-    assert np.linalg.norm(places_m(found) - [40.0, 40.0], axis=1).min() < 0.2
+    problem = problem_for(local_track(track, 20.0), 100, Limits(), timed=True)
+    assert found.objective_m < problem.exact.evaluate(mission).objective_m
 
 
 @pytest.mark.usefixtures("brief_search")
