@@ -1,22 +1,37 @@
-"""Notes on where the vehicle cannot keep up."""
+"""Notes on where the vehicle does not keep to the recorded times."""
+
+from dataclasses import replace
+
+import numpy as np
 
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.reference import local_track
+from flight_replay.planning.fit.reference import LocalTrack, local_track
 from flight_replay.planning.fit.result import lag_notes
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, sped_up, wander
 
 
-def test_where_the_vehicle_lags_is_said() -> None:
-    """A recording flown twice as fast as the vehicle can is behind from somewhere on; a slow one nowhere."""
-    fast = local_track(sped_up(wander(3), 2.0), 20.0)
-    slow = local_track(along([(0, 0), (60, 0)], 0.5), 20.0)
-    lags = []
-    for recording in (fast, slow):
-        line = straight_draft(recording, douglas_peucker(recording.north_east_m, 12))
-        problem = problem_for(recording, 12, Limits(), timed=True)
-        lags.append(lag_notes(problem.evaluate(line), problem))
-    assert len(lags[0]) == 1
-    assert "behind by up to" in lags[0][0]
-    assert lags[1] == ()
+def _notes(recording: LocalTrack, speed_m_s: float = np.nan) -> tuple[str, ...]:
+    """What is said of a recording flown along a dozen corners, at the vehicle's own speed or another."""
+    line = straight_draft(recording, douglas_peucker(recording.north_east_m, 12))
+    line = replace(line, speed_m_s=np.full(len(line), speed_m_s))
+    problem = problem_for(recording, 12, Limits(), timed=True)
+    return lag_notes(problem.evaluate(line), problem)
+
+
+def test_where_the_vehicle_is_behind_or_ahead_is_said() -> None:
+    """A recording flown twice as fast as the vehicle can be is behind from somewhere on."""
+    (late,) = _notes(local_track(sped_up(wander(3), 2.0), 20.0))
+    assert "behind by up to" in late
+
+
+def test_a_vehicle_that_runs_ahead_of_a_slow_recording_is_told_of() -> None:
+    """Along a straight leg at 0.05 m/s it is at the end long before the recording."""
+    (early,) = _notes(local_track(along([(0, 0), (60, 0)], 0.05), 20.0))
+    assert "ahead of the recording by up to" in early
+
+
+def test_nothing_is_said_of_a_vehicle_that_keeps_to_the_recorded_times() -> None:
+    """Along a straight leg at the recorded speed it does."""
+    assert _notes(local_track(along([(0, 0), (60, 0)], 2.0), 20.0), 2.0) == ()

@@ -15,7 +15,12 @@ from flight_replay.planning.heights import Heights
 from flight_replay.planning.stretches import worst_stretches
 
 MIN_LAG_M = 5.0
-"""Nearer behind than this is keeping up."""
+"""Nearer behind or ahead than this is keeping to the recorded times."""
+_OFF_TIME = (
+    ("The vehicle cannot keep up everywhere: it is expected to be behind by", 1),
+    ("It is expected to be ahead of the recording by", -1),
+)
+"""What is said of being late (1) and early (-1)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +43,7 @@ class FitResult:
 
 
 def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
-    """A sentence on the stretches in which the vehicle is farthest behind the recording, if it is to keep up.
+    """Sentences on where the vehicle is farthest behind the recording, and ahead of it, if that counts.
 
     Args:
         best: the predicted flight.
@@ -47,9 +52,10 @@ def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
     if not problem.timed:
         return ()
     recorded_s = problem.recording.time_s
-    behind_m = np.where(best.flown_s > recorded_s, best.late_m, 0.0)
-    lags = behind_m > MIN_LAG_M
-    if not lags.any():
-        return ()
-    told = worst_stretches(lags, behind_m, recorded_s, 0)
-    return (f"The vehicle cannot keep up everywhere: it is expected to be behind by up to {told}.",)
+    notes = []
+    for said, sign in _OFF_TIME:
+        off_m = np.where(sign * (best.flown_s - recorded_s) > 0, best.late_m, 0.0)
+        off = off_m > MIN_LAG_M
+        if off.any():
+            notes.append(f"{said} up to {worst_stretches(off, off_m, recorded_s, 0)}.")
+    return tuple(notes)
