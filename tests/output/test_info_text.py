@@ -9,8 +9,9 @@ from flight_replay.cli.main import main
 from flight_replay.logs.flights import find_flights
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
+from flight_replay.logs.vehicles import VehicleId
 from flight_replay.output.info_text import info_lines
-from tests.helpers.log_writer import LogWriter
+from tests.helpers.log_writer import LogWriter, position_payload
 
 
 def lines_of(path: Path) -> list[str]:
@@ -38,6 +39,20 @@ def test_a_log_without_a_flight_says_so(tmp_path: Path) -> None:
     path = tmp_path / "parked.tlog"
     path.write_bytes(log.data)
     assert lines_of(path)[-1] == "No flight is found: the vehicle was not armed, or did not move."
+
+
+def test_the_other_vehicles_are_named(tmp_path: Path) -> None:
+    """Whichever is chosen."""
+    log = LogWriter()
+    for at_ms in range(1_000, 9_000, 500):
+        log.position(at_ms, 47.0, 8.0)
+    log.add(33, position_payload(9_000), system=2)
+    path = tmp_path / "two.tlog"
+    path.write_bytes(log.data)
+    for chosen, other in ((1, "2:1 (1 fixes)"), (2, "1:1 (16 fixes)")):
+        recording = read_log(path, vehicle=VehicleId(chosen))
+        lines = info_lines(recording, find_flights(recording.track))
+        assert f"Others    {other}; choose with --vehicle" in lines
 
 
 def test_info_flies_nothing(capsys: pytest.CaptureFixture[str]) -> None:

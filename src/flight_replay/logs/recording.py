@@ -20,7 +20,7 @@ class Recording:
         path: The log's name.
         format: Its format's name in the table of ``log_formats``.
         bytes: The log's bytes, unpacked.
-        vehicles: All that recorded positions, the one with most usable fixes first; empty where the
+        vehicles: All that recorded positions, the one to be replayed by default first; empty where the
             format has no MAVLink ids.
         vehicle: The one of them that was read.
         track: Its usable fixes, one at least.

@@ -39,7 +39,7 @@ def _facts(recording: Recording) -> Iterator[tuple[str, str]]:
         vehicle = ", ".join(filter(None, [vehicle, f"system {recording.vehicle.id}"]))
     if vehicle:
         yield "Vehicle", vehicle
-    others = [f"{each.id} ({each.fixes} fixes)" for each in recording.vehicles[1:]]
+    others = [f"{each.id} ({each.fixes} fixes)" for each in recording.vehicles if each != recording.vehicle]
     if len(others) > _NAMED:
         others[_NAMED:] = [f"{len(others) - _NAMED} more"]
     if others:

@@ -128,6 +128,18 @@ def test_vehicles_are_not_mixed_and_the_fullest_is_chosen(tmp_path: Path) -> Non
     assert len(read_log(path, vehicle=VehicleId(7, 3)).track) == 9
 
 
+@pytest.mark.parametrize(("vehicle_type", "autopilot"), [(6, 8), (5, 3), (18, 8)])
+def test_what_is_no_vehicle_is_not_chosen(tmp_path: Path, vehicle_type: int, autopilot: int) -> None:
+    """Ground stations, antenna trackers and companion computers send where they are, and more often."""
+    log = flight(LogWriter().heartbeat(), 5)
+    other = flight(LogWriter(system=255).heartbeat(vehicle_type=vehicle_type, autopilot=autopilot), 9)
+    unknown = flight(LogWriter(component=9), 7)
+    path = write(tmp_path, bytes(other.data + unknown.data + log.data))
+    assert [each.fixes for each in read_log(path).vehicles] == [5, 7, 9]
+    assert read_log(path).vehicle == VehicleCount(1, 1, 5)
+    assert read_log(path, vehicle=VehicleId(255)).vehicle == VehicleCount(255, 1, 9)
+
+
 def test_a_vehicle_that_is_not_there_is_told_with_those_that_are(tmp_path: Path) -> None:
     """Asking for another vehicle names the ones to choose from."""
     path = write(tmp_path, flight(LogWriter(), 5))

@@ -14,7 +14,7 @@ from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.logs.byte_source import OpenLog, Progress
 from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
 from flight_replay.logs.recording import Recording
-from flight_replay.logs.tlog.arming.armed_state import armed_at, modes_at, vehicle_kind
+from flight_replay.logs.tlog.arming.armed_state import armed_at, modes_at, moves_itself, vehicle_kind
 from flight_replay.logs.tlog.arming.late_status import Arrivals, arrivals
 from flight_replay.logs.tlog.climb_sign import with_climbs_as_heights
 from flight_replay.logs.tlog.clock.boot_clock import BootClock, read_clock
@@ -79,14 +79,22 @@ class _Judged:
     rejection: NDArray[np.int8]
 
     def vehicles(self) -> tuple[VehicleCount, ...]:
-        """All that sent positions, the one with most usable fixes first."""
+        """All that sent positions, the vehicle with most usable fixes first.
+
+        Those with heartbeats of a vehicle are before those without any, and ground stations are last.
+        """
         vehicle = self.records.positions.vehicle
         keys = np.flatnonzero(np.bincount(vehicle))
         fixes = np.bincount(vehicle[self.rejection == Rejection.NONE], minlength=1 << 16)[keys]
         counts = [
             VehicleCount(key >> 8, key & 255, n) for key, n in zip(keys.tolist(), fixes.tolist(), strict=True)
         ]
-        return tuple(sorted(counts, key=lambda each: -each.fixes))
+        return tuple(sorted(counts, key=self._rank))
+
+    def _rank(self, vehicle: VehicleCount) -> tuple[bool, bool, bool, int]:
+        """What is less for what is rather to be replayed."""
+        moves = moves_itself(self.heartbeats(vehicle))
+        return moves is False, vehicle.fixes == 0, moves is None, -vehicle.fixes
 
     def without_position(self, vehicle: VehicleCount) -> int:
         """How many of a vehicle's records are empty."""

@@ -19,6 +19,7 @@ _AUTOPILOTS = {3: "ArduPilot", 12: "PX4"}  # MAV_AUTOPILOT_ARDUPILOTMEGA, MAV_AU
 # MAV_TYPE of what may share a vehicle's ids without being one: ground station, onboard controller,
 # gimbal, ADS-B, camera to Open Drone ID, battery to winch, illuminator, gripper, radio.
 _NO_VEHICLE_TYPES = np.array([6, 18, 26, 27, *range(30, 35), *range(36, 43), 44, 48, 49])
+_ANTENNA_TRACKER = 5  # MAV_TYPE_ANTENNA_TRACKER: it has an autopilot, and stands
 
 
 def armed_at(
@@ -84,6 +85,17 @@ def vehicle_kind(heartbeats: Heartbeats) -> VehicleKind:
         return VehicleKind()
     most = np.bincount(own.type).argmax()
     return kind_of(int(most), _AUTOPILOTS.get(int(own.autopilot[own.type == most][0])))
+
+
+def moves_itself(heartbeats: Heartbeats) -> bool | None:
+    """Whether what sent most heartbeats under some ids is a vehicle; None without any.
+
+    Ground stations send where they are, too, as QGroundControl does for Follow Me, and antenna trackers.
+    """
+    if not len(heartbeats):
+        return None
+    own = _of_autopilot(heartbeats)
+    return bool(len(own)) and int(np.bincount(own.type).argmax()) != _ANTENNA_TRACKER
 
 
 def _of_autopilot(heartbeats: Heartbeats) -> Heartbeats:
