@@ -18,7 +18,6 @@ from flight_replay.logs.dataflash.message_rows import Offsets
 from flight_replay.logs.dataflash.message_tables import GpsPositions, LoggedColumns
 
 _FALL_S = 1.0
-_LONGEST_GAP_S = 86_400.0  # receivers of two sections farther apart say nothing about one flight
 MOST_SECTIONS = 4096
 """More starts than any log holds."""
 
@@ -122,7 +121,7 @@ def joined_clocks(
     utc_s = _utc_at_zero_s(len(first), gps, gps_section)
     gap_s = (utc_s + first_s)[1:] - (utc_s + last_s)[:-1]
     clock_gap_s = np.maximum(first_s[1:] - last_s[:-1], 0.0)
-    gap_s = np.where((gap_s >= 0) & (gap_s <= _LONGEST_GAP_S), gap_s, clock_gap_s)
+    gap_s = np.where(gap_s >= 0, gap_s, clock_gap_s)
     shift_s = np.r_[0.0, np.cumsum(last_s[:-1] + gap_s - first_s[1:])]
     return SectionClocks(shift_s, utc_s)
 

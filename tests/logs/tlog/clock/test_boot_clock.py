@@ -14,8 +14,10 @@ from flight_replay.logs.tlog.columns import Positions
 STAMP_US = 1_700_000_000_000_000
 
 
-def clock_of(times_ms: list[int], stamps_s: list[float] | None = None) -> BootClock:
-    """The clock of positions with those times, and log stamps in seconds where there are any."""
+def clock_of(
+    times_ms: list[int], stamps_s: list[float] | None = None, lat_deg: list[float] | None = None
+) -> BootClock:
+    """The clock of positions with those times, log stamps in seconds where there are any, and latitudes."""
     n = len(times_ms)
     whole = np.zeros(n, np.int32)
     stamps = np.zeros(n) if stamps_s is None else np.array(stamps_s)
@@ -27,7 +29,7 @@ def clock_of(times_ms: list[int], stamps_s: list[float] | None = None) -> BootCl
             if stamps_s is None
             else STAMP_US + (stamps * 1e6).astype(np.int64),
             time_ms=np.array(times_ms, np.uint32),
-            lat_e7=whole,
+            lat_e7=whole if lat_deg is None else (np.array(lat_deg) * 1e7).astype(np.int32),
             lon_e7=whole,
             amsl_mm=whole,
             alt_mm=whole,
@@ -60,13 +62,29 @@ def test_a_falling_clock_is_a_reboot_that_takes_no_time() -> None:
 
 
 @pytest.mark.parametrize(
-    ("gap_s", "bridged_s"), [(18.79, 18.79), (-523.0, 0.0), (90_000.0, 0.0), (86_400.0, 86_400.0)]
+    ("gap_s", "bridged_s"), [(18.79, 18.79), (-523.0, 0.0), (90_000.0, 90_000.0), (-2e9, 0.0)]
 )
 def test_stamps_bridge_a_reboot_where_they_can_be_right(gap_s: float, bridged_s: float) -> None:
-    """A gap that is negative or longer than a day is left out."""
+    """A gap between stamps that fall or cannot be right is left out; it may take days."""
     clock = clock_of([279_320, 18_925, 19_325], [0, gap_s, gap_s + 0.4])
     assert clock.boot.tolist() == [0, 1, 1]
     assert clock.time_s.tolist() == pytest.approx([279.32, 279.32 + bridged_s, 279.72 + bridged_s])
+
+
+@pytest.mark.parametrize("passed_s", [86_400.0, -86_400.0])
+def test_a_log_that_was_appended_is_another_boot_though_its_clock_is_higher(passed_s: float) -> None:
+    """The stamps tell of another day, and the vehicle cannot have flown to where it is."""
+    clock = clock_of([60_000, 60_500, 90_000, 90_500], [0, 0.5, passed_s, passed_s + 0.5], [47, 47, 48, 48])
+    assert clock.boot.tolist() == [0, 0, 1, 1]
+    later_s = max(passed_s - 0.5, 0.0)
+    assert clock.time_s.tolist() == pytest.approx([60.0, 60.5, 60.5 + later_s, 61.0 + later_s])
+
+
+def test_a_recorder_whose_clock_is_set_in_flight_cuts_no_flight() -> None:
+    """The vehicle is where it can have flown to."""
+    clock = clock_of([60_000, 60_500, 61_000], [0, 1e6, 1e6 + 0.5], [47, 47.0001, 47.0002])
+    assert clock.boot.tolist() == [0, 0, 0]
+    assert clock.time_s.tolist() == [60.0, 60.5, 61.0]
 
 
 def test_stamps_move_a_clock_that_stands_still() -> None:

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.geodesy import distance_m
+from flight_replay.logs.plausibility import FASTEST_M_S
 from flight_replay.logs.tlog.clock import stamps
 from flight_replay.logs.tlog.clock.late_records import are_late
 from flight_replay.logs.tlog.clock.record_runs import Integers, Runs
@@ -21,6 +23,10 @@ from flight_replay.logs.tlog.columns import Positions
 
 _WRAP_MS = 1 << 32
 _WRAP_GAP_MS = 3_600_000  # a fall by nearly a whole turn is a wrap if no more than this is missing
+
+_APPENDED_US = 600_000_000  # no recorder is off by so much between two records
+_NEAR_M = 1000.0
+_LONGEST_STEP_US = 86_400_000_000  # beyond a day, stamps say nothing about one flight
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +53,8 @@ def read_clock(positions: Positions) -> BootClock:
     falls = np.flatnonzero(clock_ms[1:] < clock_ms[:-1]) + 1
     falls = falls[~np.isin(falls, vehicles.first)]
     reboots = falls[~are_late(clock_ms, positions.stamp_us, falls, vehicles)]
-    boots = Runs(np.sort(np.append(vehicles.first, reboots)), len(positions))
+    begins = np.concatenate([vehicles.first, reboots, _appended(positions, clock_ms)])
+    boots = Runs(np.unique(begins), len(positions))
     boot = boots.spread(np.arange(len(boots.first), dtype=np.int32))
     order = np.lexsort((clock_ms, boot)) if len(falls) > len(reboots) else None
     first_us, last_us = (
@@ -61,12 +68,27 @@ def read_clock(positions: Positions) -> BootClock:
     return BootClock(clock_ms / 1e6, boot, order)
 
 
+def _appended(positions: Positions, clock_ms: Integers) -> Indices:
+    """The records (k,) that another log begins with which was appended, its clock higher by chance.
+
+    Stamps alone do not tell: the recorder's clock may have been set. The vehicle is also where it cannot have
+    flown to by its own clock.
+    """
+    counted_us = np.diff(clock_ms) * 1000
+    missing_us = stamps.steps_us(positions.stamp_us[:-1], positions.stamp_us[1:]) - counted_us
+    before = np.flatnonzero((np.abs(missing_us) > _APPENDED_US) & (counted_us >= 0))
+    lat_deg, lon_deg = positions.lat_e7 / 1e7, positions.lon_e7 / 1e7
+    apart_m = distance_m(lat_deg[before], lon_deg[before], lat_deg[before + 1], lon_deg[before + 1])
+    return np.asarray(before[apart_m > _NEAR_M + FASTEST_M_S * counted_us[before] / 1e6] + 1)
+
+
 def _running_ms(positions: Positions, vehicles: Runs) -> Integers:
     """Clocks (n,), moved by the stamps where a vehicle's stands still, as that of senders without one."""
     time_ms = positions.time_ms.astype(np.int64)
     if (time_ms[vehicles.first] == time_ms[vehicles.end - 1]).any():
         stands = np.logical_and.reduceat(time_ms == vehicles.spread(time_ms[vehicles.first]), vehicles.first)
         gaps_us = stamps.gaps_us(positions.stamp_us[:-1], positions.stamp_us[1:])
+        gaps_us[gaps_us > _LONGEST_STEP_US] = 0
         time_ms += vehicles.cumulated(gaps_us) // 1000 * vehicles.spread(stands)
     return time_ms
 

@@ -9,7 +9,6 @@ from flight_replay.logs.tlog.clock.record_runs import Integers
 
 _EARLIEST_US = 946_684_800_000_000  # 2000, before there was MAVLink
 _LATEST_US = 4_102_444_800_000_000  # 2100
-_LONGEST_REBOOT_US = 86_400_000_000  # beyond a day, stamps of two boots say nothing about one flight
 
 
 def plausible_utc_s(stamp_us: int) -> float | None:
@@ -22,7 +21,12 @@ def in_order(before_us: Integers, after_us: Integers) -> Flags:
     return np.asarray((before_us > _EARLIEST_US) & (before_us <= after_us) & (after_us < _LATEST_US))
 
 
+def steps_us(before_us: Integers, after_us: Integers) -> Integers:
+    """Microseconds from stamp to stamp (m,), which may fall; 0 where one of them cannot be right."""
+    least, most = np.minimum(before_us, after_us), np.maximum(before_us, after_us)
+    return np.where(in_order(least, most), after_us - before_us, 0)
+
+
 def gaps_us(before_us: Integers, after_us: Integers) -> Integers:
     """Microseconds between log stamps (m,), 0 where they cannot be right."""
-    gaps = np.where(in_order(before_us, after_us), after_us - before_us, 0)
-    return np.where(gaps <= _LONGEST_REBOOT_US, gaps, 0)
+    return np.where(in_order(before_us, after_us), after_us - before_us, 0)
