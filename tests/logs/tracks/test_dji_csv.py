@@ -52,6 +52,29 @@ def test_airdata_is_read_in_its_units(metric: bool) -> None:
     assert (track.armed == Armed.YES).all()
 
 
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
+def test_lines_end_as_any_program_ends_them(end: bytes) -> None:
+    """Excel has a format with carriage returns alone."""
+    assert len(read_bytes(airdata().replace(b"\n", end)).track) == 100
+
+
+@pytest.mark.parametrize("stray", [b'"', b"\r", b","])
+def test_a_stray_character_costs_its_own_row(stray: bytes) -> None:
+    """Not what follows it."""
+    lines = airdata().split(b"\n")
+    lines[50] = stray + lines[50] if stray == b'"' else lines[50].replace(b",P-", stray + b",P-")
+    recording = read_bytes(b"\n".join(lines))
+    assert len(recording.track) == 99
+    assert "rows have more or fewer cells" in recording.notes[0]
+
+
+def test_a_table_in_a_single_column_is_no_table_of_a_flight() -> None:
+    """As spreadsheets save it that part cells by another character."""
+    lines = (b'"' + line.replace(b'"', b'""') + b'"' for line in airdata().split(b"\n"))
+    with pytest.raises(LogError, match="is text that holds no flight"):
+        read_bytes(b"\n".join(lines))
+
+
 def test_heights_of_older_tables_have_other_names() -> None:
     """Of the names that are known the first is read that there is."""
     table = airdata(name="ascent").replace(b"altitude_above_seaLevel", b"altitude")

@@ -27,6 +27,12 @@ def test_any_line_is_a_track_without_times() -> None:
         assert recording.track.amsl_m[-1] == 449.0
 
 
+def test_members_come_in_any_order() -> None:
+    """The kind of a geometry may be told behind its many coordinates."""
+    value = {"geometry": dict(sorted(line().items())), "properties": {}, "type": "Feature"}
+    assert len(read_bytes(json.dumps(value).encode()).track) == 60
+
+
 @pytest.mark.parametrize("properties", ["coordinateProperties", "coordTimes"])
 def test_times_of_togeojson_are_read(properties: str) -> None:
     """Its newer and its older way of writing them."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import io
 from collections.abc import Iterator
 
 from flight_replay.exceptions import LogError
@@ -29,15 +30,16 @@ class LogPieces:
             yield bytes(piece[:got])
 
     def lines(self) -> Iterator[str]:
-        """The lines of the text, without their ends; what cannot be decoded is replaced.
+        """The lines of the text, however they end, without their ends; what cannot be decoded is replaced.
 
         Raises:
             LogError: There is no end of a line, or of the text.
         """
-        decoder = codecs.getincrementaldecoder(encoding_of(self._log.head))("replace")
+        text = codecs.getincrementaldecoder(encoding_of(self._log.head))("replace")
+        decoder = io.IncrementalNewlineDecoder(text, translate=True)
         rest = ""
         for piece in self:
-            *lines, rest = (rest + decoder.decode(piece)).replace("\r\n", "\n").split("\n")
+            *lines, rest = (rest + decoder.decode(piece)).split("\n")
             yield from lines
             if len(rest) > _LONGEST_LINE or self.count > _MOST_BYTES:
                 what = "a line" if len(rest) > _LONGEST_LINE else "a table"

@@ -1,21 +1,20 @@
-"""The rows of a table in CSV, by the names of its columns."""
+"""The rows of a table in CSV, by the names of its columns.
+
+Each line is read by itself, so that a stray quote spoils no other.
+"""
 
 from __future__ import annotations
 
-import csv
 from array import array
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.tracks.byte_pieces import LogPieces
-from flight_replay.logs.tracks.text_values import number
+from flight_replay.logs.tracks.text_values import cells_of, header_cells, number
 from flight_replay.logs.tracks.track_points import MOST_POINTS
-
-_NO_CHARACTER = "\N{REPLACEMENT CHARACTER}"
-"""Python 3.10 reads no table that holds a NUL."""
 
 
 class Table:
@@ -25,12 +24,8 @@ class Table:
     """
 
     def __init__(self, pieces: LogPieces, name: str) -> None:
-        lines = (line.replace("\0", _NO_CHARACTER) for line in pieces.lines())
-        first = next(lines, "")
-        self.header = [
-            cell.strip() for cell in next(csv.reader([next(lines, "") if _parts(first) else first]))
-        ]
-        self._rows = csv.reader(lines)
+        self._lines = pieces.lines()
+        self.header = header_cells(self._lines)
         self._name = name
         self.notes: list[str] = []
 
@@ -53,7 +48,7 @@ class Table:
         at = {name: index for index, name in reversed(list(enumerate(self.header)))}
         taken = [(array("d"), at[source], read) for source, read in wanted.values()]
         damaged = 0
-        for rows, row in enumerate(self._cells()):
+        for rows, row in enumerate(cells_of(line) for line in self._lines if line):
             if len(row) != len(self.header):
                 damaged += 1
             elif is_row({name: row[at[name]] for name in tested}):
@@ -66,18 +61,6 @@ class Table:
                 f"{damaged} of its rows have more or fewer cells than its header, and are left out"
             )
         return {name: np.array(column) for name, (column, _, _) in zip(wanted, taken, strict=True)}
-
-    def _cells(self) -> Iterator[list[str]]:
-        """The rows that are not empty, up to the first fault."""
-        try:
-            yield from (row for row in self._rows if row)
-        except csv.Error as error:
-            self.notes.append(f"It is read up to a fault in line {self._rows.line_num}: {error}")
-
-
-def _parts(line: str) -> bool:
-    """Whether a first line only tells Excel what parts the cells."""
-    return line.startswith("sep=")
 
 
 def as_number(cell: str) -> float:

@@ -1,9 +1,11 @@
-"""Numbers and times as text files write them."""
+"""Numbers, times and the cells of tables as text files write them."""
 
 from __future__ import annotations
 
+import csv
 import math
 import re
+from collections.abc import Iterator
 from datetime import datetime, timedelta, timezone
 
 _NAN = float("nan")
@@ -12,6 +14,21 @@ _TIME = re.compile(
     r"(?:[Zz]|([+-])(\d\d):?(\d\d))?\s*",
     re.ASCII,
 )
+
+
+_NO_CHARACTER = "\N{REPLACEMENT CHARACTER}"
+"""Python 3.10 reads no table that holds a NUL."""
+
+
+def header_cells(lines: Iterator[str]) -> list[str]:
+    """The names of a table's columns; a first line "sep=," only tells Excel what parts the cells."""
+    first = next(lines, "")
+    return [cell.strip() for cell in cells_of(next(lines, "") if first.startswith("sep=") else first)]
+
+
+def cells_of(line: str) -> list[str]:
+    """The cells of a line of a table in CSV, none of an empty one."""
+    return next(csv.reader([line.replace("\0", _NO_CHARACTER)]))
 
 
 def number(text: str | None) -> float:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import re
 
 from flight_replay.logs.tracks.byte_pieces import text_of
+from flight_replay.logs.tracks.text_values import header_cells
 
 _BEFORE_ROOT = re.compile(
     r"\s+|<\?.*?\?>|<!--.*?-->|<!DOCTYPE\s+(?P<type>[\w:.-]+)[^>\[]*(?:\[.*?\]\s*)?>", re.S
 )
 _OPEN_DOCTYPE = re.compile(r"<!DOCTYPE\s+(?P<type>[\w:.-]+)")
 _ROOT = re.compile(r"<(?P<name>[\w:.-]+)[\s/>]")
+_OF_GEOJSON = re.compile(
+    r'"type"\s*:\s*"(FeatureCollection|Feature|LineString|MultiLineString)"|"(features|geometry|coordinates)"\s*:'
+)
+"""Members of an object come in any order, and the coordinates may be long."""
 _ZIP = b"PK\x03\x04"
 _DJI_VERSIONS = range(1, 40)
 _DJI_HEADER = range(12, 1 << 31)
@@ -34,8 +40,7 @@ def begins_zip(head: bytes) -> bool:
 def begins_geojson(head: bytes) -> bool:
     """Whether it is a GeoJSON object."""
     text = text_of(head).lstrip() if b"{" in head[:64] else ""
-    kinds = r'"type"\s*:\s*"(FeatureCollection|Feature|LineString|MultiLineString)"'
-    return text.startswith("{") and re.search(kinds, text) is not None
+    return text.startswith("{") and _OF_GEOJSON.search(text) is not None
 
 
 def begins_saved_csv(head: bytes) -> bool:
@@ -63,12 +68,10 @@ def begins_dji_record(head: bytes) -> bool:
 
 
 def header_of(head: bytes) -> list[str]:
-    """The names of a table's columns; a first line "sep=," only tells Excel what parts them."""
+    """The names of a table's columns."""
     if b"," not in head:
         return []
-    lines = text_of(head).split("\n", 2)
-    line = lines[1] if lines[0].startswith("sep=") and len(lines) > 1 else lines[0]
-    return [name.strip().strip('"').strip() for name in line.split(",")]
+    return header_cells(line.rstrip("\n") for line in io.StringIO(text_of(head), newline=None))
 
 
 def _xml_root(head: bytes) -> str | None:
