@@ -125,6 +125,24 @@ def test_of_tracks_at_the_same_time_the_longer_one_is_read() -> None:
     assert recording.track.boot.tolist() == [0] * 60 + [1] * 40
 
 
+def test_a_track_that_begins_before_the_last_one_ends_goes_on_where_that_ends() -> None:
+    """Whole seconds, or two clocks, let tracks overlap."""
+    points = moving()
+    recording = read_bytes(gpx_of([[points[:35]], [points[32:]]]))
+    assert recording.notes == ()
+    assert recording.track.time_s.tolist() == list(range(60))
+    assert recording.track.boot.tolist() == [0] * 60
+
+
+@pytest.mark.parametrize("at", [0, 59])
+def test_a_date_that_the_receiver_did_not_know_is_no_part_of_the_flight(at: int) -> None:
+    """A point of years before or after is a boot of its own."""
+    points = moving()
+    points[at] = (1e9 if at else -1e9, *points[at][1:])
+    boot = read_bytes(gpx(points)).track.boot
+    assert boot.tolist() == ([0] + [1] * 59 if at == 0 else [0] * 59 + [1])
+
+
 def test_points_without_a_time_among_others_are_left_out() -> None:
     """A file mostly with times counts as timed."""
     points = moving()

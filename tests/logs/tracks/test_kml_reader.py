@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import LogError
-from flight_replay.logs.tracks import xml_events
+from flight_replay.logs.tracks import byte_pieces, xml_events
 from flight_replay.mission import formats
 from tests.helpers.format_examples import MISSION, recorded_track
 from tests.helpers.track_files import (
@@ -112,6 +112,25 @@ def test_a_multitrack_has_segments() -> None:
     assert track.boot.tolist() == [0] * 20 + [1] * 20
 
 
+def test_heights_of_a_multitrack_are_what_it_says_they_are() -> None:
+    """But for a track of it that says otherwise."""
+    inner = kml_track(moving()).removeprefix("<Placemark>").removesuffix("</Placemark>")
+    bare = inner.replace("<altitudeMode>absolute</altitudeMode>", "")
+    mode = "<altitudeMode>{}</altitudeMode>"
+    for said, track in (("absolute", bare), ("relativeToGround", inner)):
+        data = f"<Placemark><gx:MultiTrack>{mode.format(said)}{track}</gx:MultiTrack></Placemark>"
+        recording = read_bytes(kml(data))
+        assert recording.track.amsl_m[0] == 400.0
+        assert recording.notes == ()
+
+
+def test_a_long_track_has_all_times_before_its_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both are a part of its points."""
+    monkeypatch.setattr(xml_events, "_MOST_IDLE_ELEMENTS", 50)
+    monkeypatch.setattr(byte_pieces, "_PIECE_LENGTH", 256)
+    assert len(read_bytes(kml(kml_track(moving(200)))).track) == 200
+
+
 def test_a_file_that_ends_within_a_track_is_read_up_to_there() -> None:
     """And says so."""
     data = kml(kml_track(moving()))
@@ -186,7 +205,7 @@ def test_files_before_the_kml_file_are_not_unpacked_where_their_length_is_told()
 def test_a_line_of_too_many_places_is_refused_while_it_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     """It takes no more memory than as many points."""
     monkeypatch.setattr(xml_events, "MOST_POINTS", 20_000)
-    line = b"<kml><Placemark><LineString><coordinates>" + b"8,47 " * 50_000
+    line = b"<kml><Placemark><LineString><coordinates>" + b"8,47 " * 100_000
     with pytest.raises(LogError, match="has more than 20000 points; name a file"):
         read_bytes(line)
 

@@ -31,7 +31,7 @@ class KmlReader:
         self.is_clamped = False
         self._open: list[str] = []
         self._placemark, self._when, self._number = "", "", 0
-        self._geometry = _Geometry()
+        self._geometry, self._mode = _Geometry(), ""
 
     def __len__(self) -> int:
         return len(self.tracks) + len(self.points) + len(self.lines) + len(self._geometry)
@@ -49,8 +49,10 @@ class KmlReader:
         elif name == "LineString":
             self.lines.begin_track()
             self._number += 1
+        elif name == "MultiTrack":
+            self._mode = ""
         if name in _GEOMETRIES:
-            self._geometry = _Geometry()
+            self._geometry = _Geometry(self._mode if parent == "MultiTrack" else "")
 
     def text(self, text: str) -> bool:
         """Take a piece of coordinates, of which there may be many."""
@@ -66,6 +68,8 @@ class KmlReader:
         parent = self._open[-1] if self._open else ""
         if parent in _GEOMETRIES:
             self._geometry.take(name, text)
+        elif parent == "MultiTrack" and name == "altitudeMode":
+            self._mode = text.strip()
         elif parent == "Placemark" and name == "name":
             self._placemark = text.strip()
         elif parent == "TimeStamp" and name == "when":
@@ -115,14 +119,14 @@ class KmlReader:
 class _Geometry:
     """What was read of a track, a line or a point: its places as longitude, latitude, height."""
 
-    def __init__(self) -> None:
-        self.mode = ""
+    def __init__(self, mode: str = "") -> None:
+        self.mode = mode
         self.times_s, self.headings_deg = array("d"), array("d")
         self._numbers = array("d")
         self._rest = ""
 
     def __len__(self) -> int:
-        return len(self._numbers) // 3
+        return len(self._numbers) // 3 + len(self.times_s) + len(self.headings_deg)
 
     @property
     def is_clamped(self) -> bool:

@@ -11,12 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.logs.tracks.track_points import TrackPoints
 
 _SEGMENT_GAP_S = 10.0
 """Receivers begin a segment whenever they lost the satellites; after more than this, somebody switched on."""
+_LONGEST_GAP_S = 86_400.0
+"""After more than this the receiver had learned the date; nothing flies as long."""
 _SEGMENT_GAP_M = 50.0
 _COARSEST_S = 1.0
 """Clocks that repeat themselves mostly show whole seconds."""
@@ -56,31 +58,44 @@ def in_order_of_time(points: TrackPoints) -> OrderedPoints:
     known = np.isfinite(points.utc_s)
     notes = [] if known.all() else [f"{np.count_nonzero(~known)} points without a time are left out"]
     points = points.select(known)
-    kept = _apart_in_time(points)
-    if len(kept) < len(np.unique(points.track)):
-        left_out = len(np.unique(points.track)) - len(kept)
+    apart = points.select(_apart_in_time(points))
+    left_out = len(np.unique(points.track)) - len(np.unique(apart.track))
+    if left_out:
         notes.append(
             "1 track at the same time as a longer one is left out"
             if left_out == 1
             else f"{left_out} tracks at the same time as longer ones are left out"
         )
-    points = points.select(np.isin(points.track, kept))
-    points = points.select(np.argsort(points.utc_s, kind="stable"))
-    breaks = (np.diff(points.segment) != 0) & (np.diff(points.utc_s) > _SEGMENT_GAP_S)
+    points = apart.select(np.argsort(apart.utc_s, kind="stable"))
+    gap_s = np.diff(points.utc_s)
+    breaks = (np.diff(points.segment) != 0) & (gap_s > _SEGMENT_GAP_S) | (gap_s > _LONGEST_GAP_S)
     spread = replace(points, utc_s=spread_repeats(points.utc_s))
     return OrderedPoints(spread, _numbered(breaks), tuple(notes))
 
 
-def _apart_in_time(points: TrackPoints) -> list[int]:
-    """The tracks that were recorded one after another; of those at the same time the one with most points."""
+def _apart_in_time(points: TrackPoints) -> Flags:
+    """The points (n,) of tracks that were recorded one after another.
+
+    Of tracks at the same time the one with most points is kept, but two that overlap by less than half of
+    either: of those the one goes on where the other ends.
+    """
     numbers, counts = np.unique(points.track, return_counts=True)
-    kept: list[tuple[float, float, int]] = []
-    for number in numbers[np.argsort(-counts, kind="stable")].tolist():
-        utc_s = points.utc_s[points.track == number]
+    keep = np.zeros(len(points), np.bool_)
+    spans: list[tuple[float, float]] = []
+    for number in numbers[np.argsort(-counts, kind="stable")]:
+        own = np.flatnonzero(points.track == number)
+        utc_s = points.utc_s[own]
         begin_s, end_s = float(utc_s.min()), float(utc_s.max())
-        if all(end_s <= first_s or begin_s >= last_s for first_s, last_s, _ in kept):
-            kept.append((begin_s, end_s, number))
-    return [number for _, _, number in kept]
+        others = [(first_s, last_s) for first_s, last_s in spans if begin_s < last_s and end_s > first_s]
+        if all(
+            2 * (min(end_s, last_s) - max(begin_s, first_s)) < min(end_s - begin_s, last_s - first_s)
+            for first_s, last_s in others
+        ):
+            spans.append((begin_s, end_s))
+            keep[own] = True
+            for first_s, last_s in others:
+                keep[own[(utc_s >= first_s) & (utc_s <= last_s)]] = False
+    return keep
 
 
 def spread_repeats(time_s: Floats) -> Floats:

@@ -20,6 +20,8 @@ _MOST_IDLE_BYTES = 8 << 20
 """Without a point in so much a file is not a track; pictures and styles stand beside it."""
 _MOST_IDLE_ELEMENTS = 200_000
 """A second's work."""
+_VALUES_OF_A_POINT = 3
+"""A track of KML has all times first, then the places, then the headings."""
 _LONGEST_MARK = 1 << 20
 """Older versions of expat take time by the square of the length of a tag or a comment."""
 _DEEPEST, _MOST_NAMES = 100, 10_000
@@ -42,7 +44,7 @@ class ElementReader(Protocol):
         ...
 
     def __len__(self) -> int:
-        """How many points were read so far."""
+        """How many places, times and headings of points were read so far, those of others counted as one."""
         ...
 
 
@@ -110,7 +112,7 @@ class _Parser:
 
     def _check(self) -> None:
         """Refuse what is no track."""
-        if len(self._reader) > MOST_POINTS:
+        if len(self._reader) > _VALUES_OF_A_POINT * MOST_POINTS:
             self._refuse(f"has more than {MOST_POINTS} points")
         if len(self._reader) > self._points:
             self._points, self._productive_at, self._idle = len(self._reader), self.fed, 0
