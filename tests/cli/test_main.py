@@ -51,6 +51,15 @@ def test_a_log_in_this_folder_comes_before_the_sample(
     assert run_json(capsys, "--dry-run")["log"]["bytes"] == 600_000
 
 
+def test_a_flight_that_cannot_be_read_is_not_replaced_by_the_sample(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A link that leads nowhere would have another flight flown."""
+    (folder / "flight.tlog").symlink_to("nowhere")
+    assert main(["--dry-run"]) == 1
+    assert "flight.tlog does not exist; name a recorded flight" in capsys.readouterr().err
+
+
 def test_json_is_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
     """One object on stdout with the promised keys; flight is null after a dry run."""
     summary = run_json(capsys, "--dry-run")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 DEFAULT_NAME = "flight.tlog"
 
 
 def default_log() -> Path:
-    """``flight.tlog`` in the current folder, else the sample flight that comes with the package."""
+    """``flight.tlog`` in the current folder, else the sample flight that comes with the package.
+
+    What has that name but is no log, such as a link that leads nowhere, is for the reader to refuse.
+    """
     here = Path(DEFAULT_NAME)
-    return here if here.is_file() else sample_log()
+    return here if os.path.lexists(here) else sample_log()
 
 
 def sample_log() -> Path:
