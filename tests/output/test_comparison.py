@@ -7,17 +7,28 @@ import pytest
 
 from flight_replay.exceptions import LogError
 from flight_replay.flight_modes import CopterMode
+from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.output.comparison import compare_tracks, part_in
 
 
-def loops(count: int, *, late_s: float = 0.0, beside_m: float = 0.0, hover_s: int = 10) -> Track:
-    """So many circles of 40 m radius at 4 m/s with a hover before them, each farther east by 30 m."""
+def loops(
+    count: int,
+    *,
+    late_s: float = 0.0,
+    beside_m: float | Floats = 0.0,
+    hover_s: int = 10,
+    apart_m: float = 30.0,
+) -> Track:
+    """So many circles of 40 m radius at 4 m/s with a hover before them, each farther east by 30 m.
+
+    ``beside_m`` may be of every half second of the circles.
+    """
     time_s = np.arange(0.0, count * 60.0, 0.5)
     turn = time_s / 60.0 * 2 * np.pi
     north = np.r_[np.zeros(hover_s * 2), (40.0 + beside_m) * np.sin(turn)]
-    east = np.r_[np.zeros(hover_s * 2), 30.0 * time_s / 60.0 + 40.0 - (40.0 + beside_m) * np.cos(turn)]
+    east = np.r_[np.zeros(hover_s * 2), apart_m * time_s / 60.0 + 40.0 - (40.0 + beside_m) * np.cos(turn)]
     lat, lon = 47.0 + north / 111_200.0, 8.0 + east / (111_200.0 * np.cos(np.radians(47.0)))
     times = np.arange(len(lat), dtype=np.float64) * 0.5 + late_s
     return track_from_columns(
@@ -47,6 +58,47 @@ def test_a_copy_beside_is_beside_at_every_time() -> None:
     error_m = compare_tracks(first, beside).errors.position_m.error
     assert error_m.max() == pytest.approx(0.5, abs=0.03)
     assert error_m.mean() == pytest.approx(0.5, abs=0.02)
+
+
+WIDER_M = np.where(np.arange(360) < 240, 0.3, 0.8)
+"""Beside three circles by so much, the last one by more."""
+
+
+@pytest.mark.parametrize(
+    ("from_s", "to_s", "beside_m"),
+    [(150.0, None, 0.8), (150.0, 170.0, 0.8), (None, 40.0, 0.3), (40.0, 60.0, 0.3)],
+)
+def test_a_part_of_a_replay_is_what_it_is_of_the_whole(
+    from_s: float | None, to_s: float | None, beside_m: float
+) -> None:
+    """Though most of the replay has no counterpart there; both ways of the path error are of the part."""
+    first, second = loops(3), loops(3, beside_m=WIDER_M, late_s=33.0)
+    result = compare_tracks(first, second, from_s, to_s)
+    errors = result.errors
+    within_s = (to_s or 185.0) - max(from_s or 0.0, 10.0)
+    assert result.fixes == pytest.approx(2 * within_s, abs=10)
+    path = errors.path_m
+    for each in (path.recorded_to_path, path.path_to_recorded, errors.position_m):
+        assert each.error.mean() == pytest.approx(beside_m, abs=0.05)
+        assert np.ptp(each.time_s) == pytest.approx(within_s, abs=4.0)
+    assert len(path.place_m) == len(path.path_to_recorded) > 3 * within_s
+
+
+def test_a_replay_of_one_of_many_laps_is_looked_for_where_it_was_flown() -> None:
+    """Laps over the same places are told apart by the times given."""
+    laps, lap = loops(3, apart_m=0.0), loops(1, apart_m=0.0, beside_m=0.4)
+    result = compare_tracks(laps, lap, from_s=130.0)
+    assert result.fixes == pytest.approx(120, abs=10)
+    assert result.errors.path_m.recorded_to_path.error.mean() == pytest.approx(0.4, abs=0.05)
+    assert result.errors.position_m.error.mean() == pytest.approx(0.4, abs=0.05)
+
+
+def test_times_that_were_not_flown_again_are_refused() -> None:
+    """One line says which were."""
+    with pytest.raises(LogError, match=r"follows the first from 10\.\d to 6\d\.\d s; choose --from and --to"):
+        compare_tracks(loops(3), loops(1), from_s=120.0)
+    with pytest.raises(LogError, match="no fix lies between"):
+        compare_tracks(loops(3), loops(1), from_s=1200.0)
 
 
 def test_what_does_not_move_or_follow_is_refused() -> None:

@@ -29,8 +29,7 @@ def compare(options: Options, console: Console) -> None:
     second, second_part = part_in(recordings[1], [CopterMode.AUTO, CopterMode.GUIDED])
     if options.flight is not None:
         first, first_part = select(recordings[0].track, options.flight), f"flight {options.flight}"
-    first = select(first, None, options.from_s, options.to_s)
-    result = compare_tracks(first, second)
+    result = compare_tracks(first, second, options.from_s, options.to_s)
     if options.json:
         write_verbatim(sys.stdout, json.dumps({"compared": _summary(paths, result)}))
         return

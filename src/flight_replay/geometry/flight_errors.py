@@ -38,6 +38,11 @@ class Errors:
         """Mean, 95th percentile and maximum; None when there is no error."""
         return error_statistics(self.error)
 
+    def between(self, first_s: float, last_s: float) -> Errors:
+        """Those at the times from ``first_s`` to ``last_s``."""
+        keep = (self.time_s >= first_s) & (self.time_s <= last_s)
+        return Errors(self.time_s[keep], self.error[keep])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathErrors:
@@ -49,6 +54,15 @@ class PathErrors:
     recorded_to_path: Errors
     path_to_recorded: Errors
     place_m: Floats
+
+    def between(self, first_s: float, last_s: float) -> PathErrors:
+        """Those of the fixes and places at the recorded times from ``first_s`` to ``last_s``."""
+        matched_s = self.path_to_recorded.time_s
+        return PathErrors(
+            self.recorded_to_path.between(first_s, last_s),
+            self.path_to_recorded.between(first_s, last_s),
+            self.place_m[(matched_s >= first_s) & (matched_s <= last_s)],
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,6 +76,14 @@ class FlightErrors:
     position_m: Errors
     height_m: Errors
     heading_deg: Errors
+
+    def between(self, first_s: float, last_s: float) -> FlightErrors:
+        """Those at the recorded times from ``first_s`` to ``last_s``."""
+        at_equal_times = (self.position_m, self.height_m, self.heading_deg)
+        return FlightErrors(
+            self.path_m.between(first_s, last_s),
+            *(errors.between(first_s, last_s) for errors in at_equal_times),
+        )
 
 
 NO_ERRORS = Errors(np.zeros(0), np.zeros(0))

@@ -10,10 +10,12 @@ from scipy.optimize import minimize_scalar
 
 from flight_replay.exceptions import LogError
 from flight_replay.flight_modes import CopterMode
+from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flight_errors import FlightErrors, errors_at_equal_times, flight_errors
 from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import lengths_along_m
+from flight_replay.logs.flights import select
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import Track
 from flight_replay.planning.flown_part import flown_part
@@ -35,38 +37,63 @@ class Comparison:
     fixes: int
 
 
-def compare_tracks(first: Track, second: Track) -> Comparison:
-    """The errors of the second track, over what it covers of the first.
+def compare_tracks(
+    first: Track, second: Track, from_s: float | None = None, to_s: float | None = None
+) -> Comparison:
+    """The errors of the second track, over what it covers of the first, between two times of that.
 
     Its clock is put on the first one's where it passes the first fix that it covers, give or take what
-    makes the mean position error least.
+    makes the mean position error least. Both are of all that it covers, whatever the times wanted.
+
+    Args:
+        first: what was to be flown.
+        second: what flew it.
+        from_s: first second of the first track that is measured, counted from its first fix.
+        to_s: last second, counted likewise.
 
     Raises:
-        LogError: One of them does not move, or the second does not follow the first.
+        LogError: One of them does not move, the second does not follow the first, or not between the times.
     """
     frame = first.frame
     recorded, flown = movement_of(first, frame), movement_of(second, frame)
     for movement in (recorded, flown):
         if len(movement) < 2 or np.ptp(movement.north_east_m, axis=0).max() < _END_M:
             raise LogError("one of the recordings does not move; name another to compare")
-    recorded = _reached(recorded, flown)
+    wanted = select(first, None, from_s, to_s)
+    wanted_s = wanted.time_s[[0, -1]] - first.time_s[0]
+    if len(wanted) < len(first):
+        recorded = _searched(recorded, flown, wanted_s)
+    recorded, passed_s = _covered(_reached(recorded, flown), flown)
+    covered_s = recorded.time_s[[0, -1]]
+    errors = _errors(recorded, flown, passed_s).between(*(wanted_s - covered_s[0]))
+    fixes = len(errors.path_m.recorded_to_path)
+    if not fixes:
+        times = f"from {covered_s[0]:.1f} to {covered_s[1]:.1f} s"
+        raise LogError(f"the second recording follows the first {times}; choose --from and --to there")
+    return Comparison(errors, fixes)
+
+
+def _covered(recorded: Movement, flown: Movement) -> tuple[Movement, Floats]:
+    """What of a recording a flight covers, and when (2,) it passes the first and the last fix of that."""
     matching = match_in_order(recorded.north_east_m, flown.north_east_m)
     along_m = matching.along_m
     lengths_m = lengths_along_m(flown.north_east_m)
     covered = np.flatnonzero((along_m > _END_M) & (along_m < lengths_m[-1] - _END_M))
     if len(covered) < 2 or matching.distance_m.min() > _ELSEWHERE_M:
         raise LogError("the second recording does not follow the first; name another to compare")
-    recorded = recorded.select(slice(int(covered[0]), int(covered[-1]) + 1))
     # Where the track stands, lengths are equal: the last time there is when it goes on.
     passed_s = np.interp(along_m[covered[[0, -1]]], lengths_m + 1e-9 * np.arange(len(flown)), flown.time_s)
-    start_s = float(passed_s[0])
+    return recorded.select(slice(int(covered[0]), int(covered[-1]) + 1)), passed_s
+
+
+def _errors(recorded: Movement, flown: Movement, passed_s: Floats) -> FlightErrors:
+    """The errors of a flight that passes the first and the last fix at two times (2,) of its own clock."""
     recorded = replace(recorded, time_s=recorded.time_s - recorded.time_s[0])
-    flown = replace(flown, time_s=flown.time_s - start_s)
-    errors = flight_errors(recorded, flown, last_s=float(passed_s[1]) - start_s)
+    flown = replace(flown, time_s=flown.time_s - passed_s[0])
+    errors = flight_errors(recorded, flown, last_s=float(passed_s[1] - passed_s[0]))
     aligned = replace(flown, time_s=flown.time_s - _late_s(recorded, flown))
     position_m, height_m, heading_deg = errors_at_equal_times(recorded, aligned)
-    errors = replace(errors, position_m=position_m, height_m=height_m, heading_deg=heading_deg)
-    return Comparison(errors, len(recorded))
+    return replace(errors, position_m=position_m, height_m=height_m, heading_deg=heading_deg)
 
 
 def _late_s(recorded: Movement, flown: Movement) -> float:
@@ -78,6 +105,16 @@ def _late_s(recorded: Movement, flown: Movement) -> float:
 
     bounds = (-_PASSING_S, _PASSING_S)
     return float(minimize_scalar(mean_m, bounds=bounds, method="bounded", options={"xatol": 1e-4}).x)
+
+
+def _searched(recorded: Movement, flown: Movement, wanted_s: Floats) -> Movement:
+    """Where a flight is looked for: between two times (2,) if it lies there alone, which tells laps apart."""
+    part = recorded.select((recorded.time_s >= wanted_s[0]) & (recorded.time_s <= wanted_s[1]))
+    apart_m, part_m = (
+        float(match_in_order(flown.north_east_m, line.north_east_m).distance_m.mean())
+        for line in (recorded, part)
+    )
+    return part if part_m < apart_m + _END_M else recorded
 
 
 def _reached(recorded: Movement, flown: Movement) -> Movement:
