@@ -86,6 +86,17 @@ def test_a_folder_is_no_output(
     assert f"cannot write {output[1]}: Is a directory; choose another name" in capsys.readouterr().err
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+@pytest.mark.parametrize("output", [["--save", "a.kml"], ["--plot", "a.png"], ["--report", "a.html"]])
+def test_a_pipe_is_no_output(log: Path, output: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """A file would take its place; only recordings are written to one."""
+    os.mkfifo(output[1])
+    assert main(["--tlog", str(log), *output, "--force", *DRY]) == 1
+    error = f"flight-replay: error: {output[1]} is not a regular file; choose another name\n"
+    assert capsys.readouterr().err == error
+    assert Path(output[1]).is_fifo()
+
+
 @pytest.mark.parametrize(
     "error", [OSError(28, "No space left on device"), ValueError("no font"), MemoryError()]
 )

@@ -1,6 +1,7 @@
 """output_files.py: suffixes are checked, and files are written whole or not at all."""
 
 import os
+import stat
 from pathlib import Path
 
 import pytest
@@ -69,10 +70,21 @@ def test_a_place_is_tried_before_it_is_needed(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
-def test_the_place_of_a_pipe_is_not_tried(tmp_path: Path) -> None:
-    """It is written to directly, and would wait for its reader."""
+@pytest.mark.parametrize("linked", [False, True], ids=["itself", "linked"])
+def test_a_pipe_is_not_replaced(tmp_path: Path, linked: bool) -> None:
+    """Nor is it tried where one may be: it is written to directly, and would wait for its reader."""
     os.mkfifo(tmp_path / "pipe")
-    check_place(tmp_path / "pipe")
+    named = tmp_path / ("link" if linked else "pipe")
+    if linked:
+        named.symlink_to(tmp_path / "pipe")
+    check_place(named, pipes=True)
+    for write in (check_place, NewFile, lambda path: write_atomically(path, "text")):
+        with pytest.raises(
+            FlightReplayError, match=f"{named.name} is not a regular file; choose another name"
+        ):
+            write(named)
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+    assert {path.name for path in tmp_path.iterdir()} == {"pipe", named.name}
 
 
 def test_permissions_of_a_replaced_file_are_kept(tmp_path: Path) -> None:

@@ -44,13 +44,15 @@ def check_outputs(options: Options) -> None:
     """Refuse output files and connection strings that cannot work, before anything is read or flown.
 
     Raises:
-        FlightReplayError: A file has an unknown suffix, is a folder or cannot be written in its folder, or
-            a connection string is not valid.
+        FlightReplayError: A file has an unknown suffix, is a folder or cannot be written in its folder, one
+            but the recording's is a pipe or device, or a connection string is not valid.
     """
     _check_suffixes(options)
-    for file in (*options.save, options.plot, options.report, options.record):
+    for file in (*options.save, options.plot, options.report):
         if file:
             check_place(file)
+    if options.record:
+        check_place(options.record, pipes=True)
     _check_files(options)
     if options.connect is not None:
         from flight_replay.vehicle.link.connection_string import transport_for

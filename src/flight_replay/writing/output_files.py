@@ -35,13 +35,15 @@ def check_suffix(path: Path | str, suffixes: Sequence[str]) -> str:
     return suffix
 
 
-def check_place(path: Path | str) -> None:
+def check_place(path: Path | str, *, pipes: bool = False) -> None:
     """Refuse a place that a file cannot be written to; a file is made beside it, and removed again.
 
-    What is there and is no regular file, such as a named pipe, is not tried.
+    Args:
+        path: the place.
+        pipes: whether what is there may be no regular file, such as a named pipe; it is then not tried.
 
     Raises:
-        FlightReplayError: It is a folder, or in one that does not exist or takes no file.
+        FlightReplayError: It is a folder, or in one that does not exist or takes no file, or no regular file.
     """
     target = Path(path).expanduser()
     if not target.parent.is_dir():
@@ -54,8 +56,17 @@ def check_place(path: Path | str) -> None:
         raise FlightReplayError(f"cannot write {path}: {error.strerror}; choose another name") from error
     if target.is_dir():
         raise cannot_write(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
-    if target.is_file() or not target.exists():
+    if not (pipes and _is_special(target)):
         NewFile(path).discard()
+
+
+def _is_special(target: Path) -> bool:
+    """Whether it is neither file nor folder, but a pipe, a socket or a device; through links, too."""
+    try:
+        mode = target.stat().st_mode
+    except OSError:
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
 def write_atomically(path: Path | str, content: bytes | str) -> None:
@@ -64,7 +75,7 @@ def write_atomically(path: Path | str, content: bytes | str) -> None:
     Text is written as UTF-8, with escapes for what that cannot express: the name of a log may hold any bytes.
 
     Raises:
-        FlightReplayError: The folder does not exist, is full or is not writable.
+        FlightReplayError: The folder does not exist, is full or not writable, or a pipe or device is there.
     """
     new = NewFile(path)
     try:
@@ -96,10 +107,12 @@ class NewFile:
             hidden: whether it is of no use to anybody before.
 
         Raises:
-            FlightReplayError: The folder does not exist or is not writable.
+            FlightReplayError: The folder does not exist or is not writable, or a pipe or device is there.
         """
         target = Path(path).expanduser()
         self._target = Path(os.path.realpath(target)) if target.is_symlink() else target
+        if _is_special(self._target):
+            raise FlightReplayError(f"{path} is not a regular file; choose another name")
         unique = secrets.token_hex(8)
         shown = f"{self._target.stem}.unfinished-{unique}{self._target.suffix}"
         # Where it is until then.
