@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -84,6 +87,14 @@ def test_a_folder_is_no_output(
     Path(output[1]).mkdir()
     assert main(["--tlog", str(log), *output, "--force"]) == 1
     assert f"cannot write {output[1]}: Is a directory; choose another name" in capsys.readouterr().err
+
+
+def test_the_command_in_a_report_can_be_run(log: Path) -> None:
+    """As it is printed there, though the report is there by then."""
+    assert main(["--tlog", str(log), "--report", "a.html", *DRY]) == 0
+    page = Path("a.html").read_text(encoding="utf-8")
+    (command,) = re.findall("<pre>flight-replay (.*)</pre>", page)
+    assert main(shlex.split(unescape(command))) == 0
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")

@@ -3,7 +3,7 @@
 import pytest
 
 from flight_replay.cli.options import parse_options
-from flight_replay.cli.whole_flight import whole_flight_command
+from flight_replay.cli.whole_flight import repeat_arguments, whole_flight_command
 
 ALL = ("--route fit", "--duration all")
 
@@ -27,3 +27,17 @@ def test_options_take_the_place_of_those_given(
     """And what they make useless goes; what the run wrote is replaced."""
     assert whole_flight_command(arguments, fly_all) == command
     parse_options(command.replace("'a b.tlog'", "a").split()[1:])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "again"),
+    [
+        (["--dry-run", "-q"], ["--dry-run", "-q"]),
+        (["--dry-run", "--report", "s.html"], ["--dry-run", "--report", "s.html", "--force"]),
+        (["--force", "--plot=m.png"], ["--force", "--plot=m.png"]),
+        (["--save", "m.kml", "--", "--force"], ["--save", "m.kml", "--force", "--", "--force"]),
+    ],
+)
+def test_a_run_is_repeated_over_the_files_that_it_wrote(arguments: list[str], again: list[str]) -> None:
+    """Only then is there anything to replace."""
+    assert repeat_arguments(arguments) == again

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flight_replay.cli.options import Options
-from flight_replay.cli.whole_flight import whole_flight_command
+from flight_replay.cli.whole_flight import repeat_arguments, whole_flight_command
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.logs.flights import Flight, find_flights
 from flight_replay.logs.sample import default_log
@@ -156,7 +156,8 @@ def _save_report(
     from flight_replay.output.charts.report import ReportText, save_report
 
     record, outcome = (result.flight.record, result.flight.outcome) if result.flight else (None, None)
-    save_report(path, ReportText(json_object(result), events, arguments), result.route, record, outcome)
+    text = ReportText(json_object(result), events, repeat_arguments(arguments))
+    save_report(path, text, result.route, record, outcome)
 
 
 def print_result(options: Options, result: ReplayResult, console: Console, arguments: Sequence[str]) -> None:

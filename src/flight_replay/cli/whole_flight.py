@@ -1,4 +1,4 @@
-"""The command that flies all of the recorded flight, out of the one that flew a part of it."""
+"""The command that repeats a run, and the one that flies all of the recorded flight, out of the run's own."""
 
 from __future__ import annotations
 
@@ -6,6 +6,15 @@ import shlex
 from collections.abc import Sequence
 
 _WRITES = ("--save", "--record", "--plot", "--report")
+
+
+def repeat_arguments(arguments: Sequence[str]) -> list[str]:
+    """The arguments of a run with which it can be repeated: the files that it wrote are replaced."""
+    end = _end_of_options(arguments)
+    options = arguments[:end]
+    wrote = any(argument.split("=")[0] in _WRITES for argument in options)
+    force = ["--force"] if wrote and "--force" not in options else []
+    return [*options, *force, *arguments[end:]]
 
 
 def whole_flight_command(arguments: Sequence[str], fly_all: Sequence[str]) -> str:
@@ -17,7 +26,7 @@ def whole_flight_command(arguments: Sequence[str], fly_all: Sequence[str]) -> st
         arguments: Those of the run, without the program's name.
         fly_all: Options with their values, such as "--duration all"; they take the place of those given.
     """
-    end = arguments.index("--") if "--" in arguments else len(arguments)
+    end = _end_of_options(arguments)
     replaced = {option.split()[0] for option in fly_all}
     if "--route" in replaced:
         replaced.add("--spacing")
@@ -29,6 +38,9 @@ def whole_flight_command(arguments: Sequence[str], fly_all: Sequence[str]) -> st
         elif argument.split("=")[0] not in replaced:
             kept.append(argument)
     options = [word for option in fly_all for word in option.split()]
-    if "--force" not in kept and any(argument.split("=")[0] in _WRITES for argument in kept):
-        options.append("--force")
-    return shlex.join(["flight-replay", *kept, *options, *arguments[end:]])
+    return shlex.join(["flight-replay", *repeat_arguments([*kept, *options, *arguments[end:]])])
+
+
+def _end_of_options(arguments: Sequence[str]) -> int:
+    """How many arguments there are before those that are no options whatever they begin with."""
+    return arguments.index("--") if "--" in arguments else len(arguments)

@@ -23,6 +23,7 @@ from flight_replay import signals
 from flight_replay.cli.many.log_files import LogFile, find_logs
 from flight_replay.cli.many.many_options import ManyOptions, parse_many_options
 from flight_replay.cli.many.many_progress import RunProgress
+from flight_replay.cli.whole_flight import repeat_arguments
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.console.terminal import flush_or_discard, write_error, write_line, write_verbatim
 from flight_replay.output.many.result_store import ResultStore, went_wrong
@@ -160,7 +161,8 @@ def _tell_results(options: ManyOptions, store: ResultStore) -> None:
     if options.report is not None:
         from flight_replay.output.many.fleet_report import save_fleet_report
 
-        save_fleet_report(options.report, store.rows(), shlex.join([_NAME, *options.argv]))
+        command = shlex.join([_NAME, *repeat_arguments(options.argv)])
+        save_fleet_report(options.report, store.rows(), command)
     summary = summary_of(store.rows())
     if options.json:
         write_verbatim(sys.stdout, json.dumps({"summary": summary_json(summary)}))

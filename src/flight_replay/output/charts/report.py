@@ -54,7 +54,7 @@ class ReportText:
     """The text of a report.
 
     ``summary`` is the ``--json`` object, ``events`` are the entries of an ``EventLog``, ``argv`` the
-    arguments of this run without the program's name.
+    arguments that repeat this run, without the program's name.
     """
 
     summary: Summary
