@@ -6,6 +6,7 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Callable
+from types import SimpleNamespace
 from urllib.request import urlopen
 
 import pytest
@@ -97,3 +98,23 @@ def test_the_map_of_a_plan_is_served_until_enter(monkeypatch: pytest.MonkeyPatch
     with with_live_map(parse_options(["--map", "--dry-run"]), route, console, list[Event]().append):
         assert typed.tell() == 0
     assert typed.tell() == 1
+
+
+def test_the_map_of_a_plan_of_the_input_is_served_until_ctrl_c(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The log came from there, so that there is no Enter to wait for."""
+    waited: list[float] = []
+
+    def wait(seconds: float) -> None:
+        waited.append(seconds)
+        if len(waited) == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("flight_replay.cli.map_step.time", SimpleNamespace(sleep=wait))
+    monkeypatch.setattr(sys, "stdin", None)
+    route, console = spaced_route(straight_track()), PlainConsole(io.StringIO())
+    with with_live_map(parse_options(["-", "--map", "--dry-run"]), route, console, list[Event]().append):
+        assert not waited
+    assert len(waited) == 3
+    assert capsys.readouterr().err == "The plan is on the map. Ctrl-C closes it.\n"

@@ -5,13 +5,17 @@ from __future__ import annotations
 import os
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from flight_replay.cli.options import Options
 from flight_replay.events import Listener, Notice, combine_listeners
+from flight_replay.logs.byte_source import STANDARD_INPUT
 from flight_replay.output.console.console import Console
 from flight_replay.planning.route import Route
+
+_LOOK_S = 0.5  # Windows notices Ctrl-C between two of them.
 
 
 @contextmanager
@@ -19,7 +23,7 @@ def with_live_map(options: Options, route: Route, console: Console, listener: Li
     """The listener, combined with the live map's if ``--map`` was given.
 
     At a terminal the map is served until Enter is pressed after the flight; that of a dry run is served
-    anywhere, until Enter or Ctrl-C is pressed, or the input ends.
+    anywhere, until Enter or Ctrl-C is pressed, or the input ends; until Ctrl-C if the input is the log.
     """
     if not options.map:
         yield listener
@@ -30,7 +34,9 @@ def with_live_map(options: Options, route: Route, console: Console, listener: Li
         listener(Notice(f"Live map: {live_map.url}"))
         _open_browser(live_map.url)
         yield combine_listeners(listener, live_map.listener)
-        if options.dry_run:
+        if options.dry_run and options.log == STANDARD_INPUT:
+            _wait_for_interrupt(console, "The plan is on the map")
+        elif options.dry_run:
             _wait_for_enter(console, "The plan is on the map")
         elif live_map.is_watched and sys.stdin.isatty():
             _wait_for_enter(console, "The flight is over")
@@ -58,3 +64,11 @@ def _wait_for_enter(console: Console, why: str) -> None:
         sys.stderr.write(f"{why}. Press Enter to close it: ")
         sys.stderr.flush()
         sys.stdin.readline()
+
+
+def _wait_for_interrupt(console: Console, why: str) -> None:
+    with console.paused(), suppress(KeyboardInterrupt):
+        sys.stderr.write(f"{why}. Ctrl-C closes it.\n")
+        sys.stderr.flush()
+        while True:
+            time.sleep(_LOOK_S)
