@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bokeh.models import Text
+from bokeh.models import Scatter, Text
 from bokeh.models.annotations import Label, ScaleBar
 
 from flight_replay.output.charts.bokeh_charts import (
@@ -15,7 +15,7 @@ from flight_replay.output.charts.bokeh_charts import (
     map_chart,
     time_chart,
 )
-from flight_replay.output.charts.series import RECORDED_COLOUR, replay_series
+from flight_replay.output.charts.series import PREDICTED_COLOUR, RECORDED_COLOUR, replay_series
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
@@ -47,6 +47,18 @@ def test_the_map_has_home_a_scale_bar_and_north() -> None:
     north: Any = chart.select_one({"type": Label})
     assert bar.location == "bottom_right"
     assert north.text.startswith("N")
+
+
+def test_the_map_of_a_hover_is_some_metres_wide() -> None:
+    """Rounding does not look like a way: what is not seen keeps the ranges apart."""
+    hover = replay_series(spaced_route(figure_of_eight().select(slice(0, 1))))
+    corners: Any = map_chart(hover).select_one({"name": "corners"})
+    assert corners.data_source.data["x"].tolist() == pytest.approx([-2.5, 2.5], abs=0.01)
+    assert corners.data_source.data["y"].tolist() == pytest.approx([-2.5, 2.5], abs=0.01)
+    assert corners.glyph.fill_alpha == corners.glyph.line_alpha == 0.0
+    whole = replay_series(*made_replay())
+    low, high = whole.recording.north_east_m.min(axis=0), whole.recording.north_east_m.max(axis=0)
+    assert (whole.map_corners_m >= low).all() and (whole.map_corners_m <= high).all()
 
 
 def test_a_plan_is_drawn_as_it_is_predicted_to_fly() -> None:
@@ -95,6 +107,15 @@ def test_charts_over_time_zoom_together() -> None:
     assert first.y_range.start == 0
     add_line(first, [0.0, 1.0], np.array([2.0, 3.0]), "recorded")
     assert first.renderers[0].glyph.line_color == RECORDED_COLOUR
+
+
+def test_a_single_value_over_time_is_a_dot() -> None:
+    """It makes no line."""
+    chart: Any = time_chart("position error", "time (s)", "error (m)")
+    add_line(chart, np.array([1.0]), np.array([2.0]), "predicted")
+    (dot,) = chart.renderers
+    assert isinstance(dot.glyph, Scatter)
+    assert (dot.glyph.line_color, dot.name) == (PREDICTED_COLOUR, "predicted")
 
 
 @pytest.mark.parametrize("name", ["recorded, not covered", "recorded", "planned", "flown"])

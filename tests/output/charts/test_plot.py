@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
+import numpy as np
 import pytest
 
 from flight_replay.exceptions import FlightReplayError
@@ -136,6 +137,24 @@ def test_a_single_fix_can_be_drawn(tmp_path: Path) -> None:
     """A log of a hover gives a plot, not an error."""
     save_plot(tmp_path / "a.png", spaced_route(figure_of_eight().select(slice(0, 1))))
     assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_the_map_of_a_hover_is_some_metres_wide() -> None:
+    """Neither noise nor rounding looks like a way; the single errors and the recorded height are dots."""
+    hover = figure_of_eight().select(slice(0, 1))
+    figure = replay_figure(with_prediction(spaced_route(hover), Limits(), 30.0))
+    paths, *errors, altitude, _ = figure.axes
+    for low, high in (paths.get_xlim(), paths.get_ylim()):
+        assert (low + high) / 2 == pytest.approx(0.0, abs=0.01)
+        assert 5.0 <= high - low < 15.0
+    assert "1 m" in [text.get_text() for text in paths.texts]
+    assert len(errors) == 4
+    for axes in errors:
+        assert list(axes.get_ylim()) == pytest.approx([0.0, 0.1], abs=0.006)
+    lines = [line for axes in (*errors, altitude) for line in axes.lines]
+    single = [line for line in lines if np.size(line.get_ydata()) == 1 and line.get_linestyle() == "-"]
+    assert len(single) >= 5
+    assert {line.get_marker() for line in single} == {"."}
 
 
 def test_north_and_east_and_the_scale_bar_have_one_scale(tmp_path: Path) -> None:

@@ -6,12 +6,14 @@ Only those two import this module: importing Bokeh takes a third of a second.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from bokeh.core.properties import value
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, Range
 from bokeh.models.annotations import Label, ScaleBar
 from bokeh.models.annotations.dimensional import Metric
+from bokeh.models.renderers import GlyphRenderer
 from bokeh.plotting import figure
 
 from flight_replay.geometry.arrays import Floats
@@ -19,6 +21,7 @@ from flight_replay.output.charts.series import (
     LINE_COLOURS,
     PLANNED_COLOUR,
     PREDICTED_COLOUR,
+    SMALLEST_MAP_M,
     ReplaySeries,
 )
 
@@ -31,6 +34,7 @@ _LABEL_OFFSET_PX = 13
 _LEGEND_COLUMNS = 2  # More do not fit a telephone.
 _LEGEND_GAP_PX = 10
 _HOME_PX = 17
+_DOT_PX = 7
 _LINE_WIDTHS = {"recorded": 4.0, "recorded, not covered": 4.0, "predicted": 2.5}
 """Those of lines that are drawn below others, which they must not be hidden by."""
 
@@ -53,6 +57,7 @@ def map_chart(series: ReplaySeries, *, height: int = 460) -> figure:
         y_range=DataRange1d(range_padding=_MARGIN_SHARE),
     )
     chart.toolbar.logo = None
+    chart.scatter(*series.map_corners_m.T[::-1], alpha=0.0, name="corners")
     for name, track in series.recorded_lines:
         north_m, east_m = track.north_east_m.T
         chart.line(east_m, north_m, color=LINE_COLOURS[name], line_width=5, legend_label=name)
@@ -140,7 +145,7 @@ def _add_waypoints(chart: figure, series: ReplaySeries) -> None:
 
 def label_indices(points_m: Floats) -> list[int]:
     """Indices of the points (n, 2) to label so that no two labels overlap; the first is always included."""
-    gap_m = max(LABEL_GAP_SHARE * float(np.ptp(points_m, axis=0).max()), 1e-9)
+    gap_m = LABEL_GAP_SHARE * max(float(np.ptp(points_m, axis=0).max()), SMALLEST_MAP_M)
     chosen: list[int] = []
     for n, point in enumerate(points_m):
         if not chosen or np.linalg.norm(points_m[chosen] - point, axis=1).min() >= gap_m:
@@ -174,8 +179,11 @@ def time_chart(title: str, x_label: str, y_label: str, *, x_range: Range | None 
 
 
 def add_line(chart: figure, times_s: Sequence[float] | Floats, values: Floats, name: str) -> None:
-    """A line over time in the colour of its name, such as "recorded", "planned" or "flown"."""
+    """A line over time in the colour of its name, such as "planned" or "flown"; a dot for a single value."""
     colour = LINE_COLOURS[name]
-    width = _LINE_WIDTHS.get(name, 1.5)
-    line = chart.line(times_s, values, color=colour, line_width=width, name=name)
+    line: GlyphRenderer[Any]
+    if len(values) == 1:
+        line = chart.scatter(times_s, values, color=colour, size=_DOT_PX, name=name)
+    else:
+        line = chart.line(times_s, values, color=colour, line_width=_LINE_WIDTHS.get(name, 1.5), name=name)
     chart.add_tools(HoverTool(renderers=[line], tooltips=f"{name} @y{{0.00}} at @x{{0.0}} s", mode="mouse"))

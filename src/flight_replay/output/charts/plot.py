@@ -153,11 +153,18 @@ def _draw_error(
     for error, colour, width in ((planned, PLANNED_COLOUR, 0.7), (flown, flown_colour, 1.1)):
         if error is not None:
             shown = error.time_s <= end_s
-            dot = "." if np.count_nonzero(shown) == 1 else ""
+            dot = _dot(error.time_s[shown])
             axes.plot(error.time_s[shown], error.error[shown], marker=dot, color=colour, linewidth=width)
             axes.set_title(f"{title}\n{statistics_text(error.statistics, unit)}")
     axes.set_ylabel(f"error ({unit})")
-    axes.set_ylim(top=max(axes.get_ylim()[1], SMALLEST_RANGE))
+    low, high = axes.get_ylim()
+    top = max(high, SMALLEST_RANGE)
+    axes.set_ylim(max(low, -_MARGIN_SHARE * top), top)
+
+
+def _dot(values: Floats) -> str:
+    """The marker of a line through values (n,): a single one makes no line."""
+    return "." if len(values) == 1 else ""
 
 
 def _draw_map(axes: Axes, series: ReplaySeries) -> None:
@@ -176,6 +183,7 @@ def _draw_map(axes: Axes, series: ReplaySeries) -> None:
         north_m, east_m = series.waypoints_m.T
         axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=3, label="waypoints")
         axes.plot(east_m[0], north_m[0], "o", color="black", mfc="none", ms=8, label="first waypoint")
+    axes.update_datalim(series.map_corners_m[:, ::-1])
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
     axes.set_xlabel("east of the first fix (m)")
@@ -225,7 +233,8 @@ def _draw_recorded_and_flown(
     axes: Axes, series: ReplaySeries, values: Callable[[TrackSeries], Floats]
 ) -> None:
     for name, track in series.timed_lines:
-        axes.plot(track.time_s, values(track), color=LINE_COLOURS[name], linewidth=2)
+        dot = _dot(track.time_s)
+        axes.plot(track.time_s, values(track), marker=dot, color=LINE_COLOURS[name], linewidth=2)
     for name, flight in (("predicted", series.predicted_unflown), ("flown", series.flown)):
         if flight is not None:
             axes.plot(flight.time_s, values(flight), color=LINE_COLOURS[name], linewidth=0.9, zorder=2.5)

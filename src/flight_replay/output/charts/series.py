@@ -41,6 +41,8 @@ MAX_CHART_POINTS = 4000
 """Most points of a line in a chart."""
 SMALLEST_RANGE = 0.1
 """Of an axis of errors, metres or degrees: millimetres must not look like much."""
+SMALLEST_MAP_M = 5.0
+"""So much is on a map at least: of a hover, neither noise nor rounding must look like a way."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +128,13 @@ class ReplaySeries:
         if len(part) and part[0] <= whole[0] and part[-1] >= whole[-1]:
             return (("recorded", self.recorded),)
         return ((NOT_COVERED, self.recording), ("recorded", self.recorded))
+
+    @property
+    def map_corners_m(self) -> Floats:
+        """Two corners (2, 2), opposite each other, of what is on a map at least, around the recording."""
+        places_m = self.recording.north_east_m
+        middle_m = (places_m.min(axis=0) + places_m.max(axis=0)) / 2
+        return np.vstack([middle_m - SMALLEST_MAP_M / 2, middle_m + SMALLEST_MAP_M / 2])
 
     @property
     def timed_lines(self) -> tuple[tuple[str, TrackSeries], ...]:
