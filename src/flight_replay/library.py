@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import replace as with_changes
 from typing import TYPE_CHECKING, Literal
 
-from flight_replay.cli.options import parse_options
+from flight_replay.cli.keyword_options import check_planning, keyword_options
 from flight_replay.cli.plan_step import Planner
 from flight_replay.events import Event, ignore
+from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flight_errors import FlightErrors
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Home
@@ -65,12 +65,15 @@ def plan(  # noqa: PLR0913
         limits: Those of the vehicle that will fly it; ArduCopter's defaults if None.
 
     Raises:
-        MissionError: The track cannot be flown like that.
+        MissionError: The track cannot be flown like that, or an argument is not what it may be.
     """
-    heading = heading or ("recorded" if mode == "guided" else "vehicle")
-    options = with_changes(parse_options([]), route=route, mode=mode, heading=heading, pace=pace)
-    options = with_changes(options, spacing_m=spacing_m, max_points=max_points, speed_m_s=speed_m_s)
-    options = with_changes(options, altitude_m=altitude_m, floor_m=floor_m)
+    how = {"route": route, "mode": mode, "heading": heading, "pace": pace}
+    places = {"spacing_m": spacing_m, "max_points": max_points}
+    motion = {"altitude_m": altitude_m, "floor_m": floor_m, "speed_m_s": speed_m_s}
+    options = keyword_options({**how, **places, **motion})
+    check_planning(options, track)
+    if not isinstance(limits, VehicleLimits | None):
+        raise MissionError(f"limits must be VehicleLimits or None, not {type(limits).__name__}")
     return Planner(options, track, ignore).route(limits or VehicleLimits())
 
 
@@ -84,7 +87,7 @@ def fit(
     """The whole flight in few straight and spline waypoints: ``plan`` with ``route="fit"``.
 
     Raises:
-        MissionError: The track cannot be flown like that.
+        MissionError: The track cannot be flown like that, or an argument is not what it may be.
     """
     return plan(track, route="fit", max_points=max_points, altitude_m=altitude_m, speed_m_s=speed_m_s)
 
@@ -115,14 +118,15 @@ def replay(  # noqa: PLR0913
         listener: Called with every event of the flight.
 
     Raises:
+        MissionError: An argument is not what it may be.
         FlightReplayError: The flight ended before the mission began.
     """
     from flight_replay.cli.flight_step import fly
     from flight_replay.output.console.console import open_console
 
-    options = with_changes(parse_options([]), mode="auto" if route.reference is None else "guided")
-    options = with_changes(options, connect=vehicle, speedup=speedup, duration_s=duration_s)
-    options = with_changes(options, takeoff_altitude_m=takeoff_altitude_m, land=land, yes=yes)
+    mode = "auto" if route.reference is None else "guided"
+    where = {"mode": mode, "connect": vehicle, "speedup": speedup, "takeoff_altitude_m": takeoff_altitude_m}
+    options = keyword_options({**where, "duration_s": duration_s, "land": land, "yes": yes})
     with as_keyboard_interrupt(exits=False), open_console(sys.stderr, quiet=True) as console:
         _, flown = fly(options, _home(route), lambda _limits: route, console, listener)
     assert flown is not None  # Only a dry run has no flight.

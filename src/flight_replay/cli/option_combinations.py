@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NoReturn
 
 from flight_replay.planning.altitude import RECORDED
 
@@ -14,7 +15,13 @@ _OPTIONS = {
     "from_s": "--from",
     "to_s": "--to",
     "connect": "--connect",
+    "mode": "--mode",
+    "route": "--route",
+    "altitude_m": "--altitude",
     "floor_m": "--floor",
+    "speed_m_s": "--speed",
+    "pace": "--speed with a factor",
+    "limits": "--limits",
     "spacing_m": "--spacing",
     "max_points": "--max-points",
     "max_error_m": "--max-error",
@@ -47,6 +54,28 @@ _RESULTS = "save", "plot", "report", "record", "map"
 _PLANNED = "spacing_m", "max_points", "floor_m", "max_error_m", "takeoff_altitude_m"
 _FLOWN = (*_PLANNED, *_IN_FLIGHT, "connect", "baud", "wait", "signing_key", "gcs", "sim", "sitl", "speedup")
 """What a log that is only looked at does not need."""
+_Error = Callable[[str], NoReturn]
+
+
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """What options are called where they were given: by destination, and with a value."""
+
+    names: Mapping[str, str]
+    pattern: str
+
+    def name(self, destination: str) -> str:
+        """The option."""
+        return self.names.get(destination, destination)
+
+    def setting(self, destination: str, value: str) -> str:
+        """The option with a value."""
+        return self.pattern.format(self.name(destination), value)
+
+
+COMMAND_LINE = Wording(_OPTIONS, "{} {}")
+KEYWORDS = Wording({}, "{}={!r}")
+"""Arguments of a function, which have the names of the destinations."""
 
 
 def check_combinations(parser: argparse.ArgumentParser, values: Mapping[str, object]) -> None:
@@ -64,14 +93,13 @@ def check_combinations(parser: argparse.ArgumentParser, values: Mapping[str, obj
     if isinstance(begin, float) and isinstance(end, float) and begin >= end:
         parser.error(f"--from {begin:g} must be less than --to {end:g}")
     _check_vehicle(parser, values)
-    _check_route(parser, values)
-    _check_mode(parser, values)
+    check_route(parser.error, values)
     if values["info"]:
-        _refuse(parser, values, (*_RESULTS, "dry_run"), "needs a plan and cannot be used with --info")
+        _refuse(parser.error, values, (*_RESULTS, "dry_run"), "needs a plan and cannot be used with --info")
     if values["compare"]:
         if values["log"] is not None or values["tlog"] is not None:
             parser.error("--compare names both logs; leave out LOG and --tlog")
-        _refuse(parser, values, (*_RESULTS, "dry_run", "info"), "cannot be used with --compare")
+        _refuse(parser.error, values, (*_RESULTS, "dry_run", "info"), "cannot be used with --compare")
 
 
 def without_effect(values: Mapping[str, object]) -> tuple[str, ...]:
@@ -99,12 +127,16 @@ def _is_given(value: object) -> bool:
 
 
 def _refuse(
-    parser: argparse.ArgumentParser, values: Mapping[str, object], names: tuple[str, ...], why: str
+    error: _Error,
+    values: Mapping[str, object],
+    names: tuple[str, ...],
+    why: str,
+    words: Wording = COMMAND_LINE,
 ) -> None:
     """Refuse the first of some options that was given."""
     for name in names:
         if _is_given(values[name]):
-            parser.error(f"{_OPTIONS[name]} {why}")
+            error(f"{words.name(name)} {why}")
 
 
 def _check_vehicle(parser: argparse.ArgumentParser, values: Mapping[str, object]) -> None:
@@ -112,17 +144,19 @@ def _check_vehicle(parser: argparse.ArgumentParser, values: Mapping[str, object]
     if values["connect"] is not None and (values["sim"] or values["sitl"]):
         parser.error("--sim and --sitl start a simulator and cannot be used with --connect")
     if values["connect"] is None:
-        _refuse(parser, values, ("signing_key", "baud", "wait"), "is for a vehicle given with --connect")
+        _refuse(
+            parser.error, values, ("signing_key", "baud", "wait"), "is for a vehicle given with --connect"
+        )
     if values["sitl"] and values["sim"] == "builtin":
         parser.error("--sitl starts ArduPilot SITL and cannot be used with --sim builtin")
     if not values["gcs"]:
-        _refuse(parser, values, ("gcs_open",), "is for ground stations given with --gcs")
+        _refuse(parser.error, values, ("gcs_open",), "is for ground stations given with --gcs")
     if not values["save"]:
-        _refuse(parser, values, ("bare",), "is for missions saved with --save")
+        _refuse(parser.error, values, ("bare",), "is for missions saved with --save")
     elif values["bare"]:
         _check_bare(parser, values["save"])
     if not values["map"]:
-        _refuse(parser, values, ("map_tiles",), "is for the live map and needs --map")
+        _refuse(parser.error, values, ("map_tiles",), "is for the live map and needs --map")
 
 
 def _check_bare(parser: argparse.ArgumentParser, saved: Any) -> None:
@@ -133,24 +167,31 @@ def _check_bare(parser: argparse.ArgumentParser, saved: Any) -> None:
         parser.error(f"--bare is for missions saved as {' or '.join(LOADED_SUFFIXES)}")
 
 
-def _check_route(parser: argparse.ArgumentParser, values: Mapping[str, object]) -> None:
-    """Refuse options that are for another way of planning."""
+def check_route(error: _Error, values: Mapping[str, object], words: Wording = COMMAND_LINE) -> None:
+    """Refuse options that are for another way of planning, or for the other mode.
+
+    Args:
+        error: Reports them.
+        values: What was given, by destination.
+        words: What it is called there.
+    """
+    recorded = words.setting("altitude_m", RECORDED)
     if values["altitude_m"] != RECORDED:
-        _refuse(parser, values, ("floor_m",), "is for recorded altitudes and needs --altitude recorded")
+        why = f"is for recorded altitudes and needs {recorded}"
+        _refuse(error, values, ("floor_m",), why, words)
+    spacing, fit = words.setting("route", "spacing"), words.setting("route", "fit")
+    guided = words.setting("mode", "guided")
     if values["route"] == "fit":
-        _refuse(parser, values, ("spacing_m",), "is for --route spacing and cannot be used with --route fit")
-
-
-def _check_mode(parser: argparse.ArgumentParser, values: Mapping[str, object]) -> None:
-    """Refuse options that are for the other mode."""
+        why = f"is for {spacing} and cannot be used with {fit}"
+        _refuse(error, values, ("spacing_m",), why, words)
     if values["mode"] == "auto":
         if values["pace"] != 1.0:
-            parser.error("--speed with a factor needs --mode guided")
-        _refuse(parser, values, ("max_error_m", "passes"), "needs --mode guided")
+            error(f"{words.name('pace')} needs {guided}")
+        _refuse(error, values, ("max_error_m", "passes"), f"needs {guided}", words)
         return
     if values["limits"] == "recorded":
-        parser.error("--limits recorded is for missions and cannot be used with --mode guided")
+        error(f"{words.setting('limits', 'recorded')} is for missions and cannot be used with {guided}")
     if values["route"] == "fit":
-        parser.error("--mode guided follows the recording without waypoints; leave out --route fit")
-    without = "is for waypoints and cannot be used with --mode guided"
-    _refuse(parser, values, ("spacing_m", "max_points"), without)
+        error(f"{guided} follows the recording without waypoints; leave out {fit}")
+    why = f"is for waypoints and cannot be used with {guided}"
+    _refuse(error, values, ("spacing_m", "max_points"), why, words)

@@ -97,6 +97,11 @@ def altitude(text: str) -> tuple[float | Recorded, float]:
     return height(text), 0.0
 
 
+def pace(text: str) -> float:
+    """A multiple of the recorded speed."""
+    return _at_least(_at_most(positive(text), _MAX_PACE), _MIN_PACE)
+
+
 def speed(text: str) -> tuple[float | Recorded | None, float]:
     """Metres per second, ``RECORDED``, or None for the vehicle's own setting; and the pace (0.5x)."""
     if text == "vehicle":
@@ -104,7 +109,7 @@ def speed(text: str) -> tuple[float | Recorded | None, float]:
     if text == RECORDED:
         return RECORDED, 1.0
     if text.endswith("x"):
-        return RECORDED, _at_least(_at_most(positive(text.removesuffix("x")), _MAX_PACE), _MIN_PACE)
+        return RECORDED, pace(text.removesuffix("x"))
     return _at_least(_at_most(positive(text), _MAX_SPEED_M_S), _MIN_SPEED_M_S), 1.0
 
 

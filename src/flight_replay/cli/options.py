@@ -31,7 +31,7 @@ examples:
 """
 
 
-_DEFAULTS = {
+DEFAULTS = {
     "floor_m": FLOOR_M,
     "spacing_m": SPACING_M,
     "max_points": MAX_POINTS,
@@ -111,7 +111,7 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
     values["without_effect"] = without_effect(values)
     tlog = values.pop("tlog")
     values["log"] = tlog if values["log"] is None else values["log"]
-    for name, default in _DEFAULTS.items():
+    for name, default in DEFAULTS.items():
         values[name] = default if values[name] is None else values[name]
     values["sim"] = values["sim"] or ("sitl" if values["sitl"] else "auto")
     values["heading"] = values["heading"] or ("recorded" if values["mode"] == "guided" else "vehicle")

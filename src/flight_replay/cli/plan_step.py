@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from flight_replay.cli.option_combinations import COMMAND_LINE, Wording
 from flight_replay.cli.options import Options
 from flight_replay.events import Listener, Notice, Progress, ignore
 from flight_replay.exceptions import LogError
@@ -79,16 +80,21 @@ def part_of(options: Options, recording: Recording, listener: Listener) -> tuple
 
 def _check_times(options: Options, recording: Recording) -> None:
     """Refuse what needs the times of a recording that has none."""
-    asked = {
-        "--mode guided": options.mode == "guided",
-        "--speed recorded": options.speed_m_s == RECORDED,
-        "--limits recorded": options.limits == "recorded",
-        "--from": options.from_s is not None,
-        "--to": options.to_s is not None,
-    }
-    needs = [option for option, is_asked in asked.items() if is_asked]
+    needs = needs_times(options, COMMAND_LINE)
     if needs and not recording.track.timed:
-        raise LogError(f"{recording.path} has no times: leave out {' and '.join(needs)}")
+        raise LogError(f"{recording.path} has no times: leave out {needs}")
+
+
+def needs_times(options: Options, words: Wording) -> str:
+    """The options that need the times of a recording, as they were given; nothing if none does."""
+    asked = {
+        words.setting("mode", "guided"): options.mode == "guided",
+        words.setting("speed_m_s", RECORDED): options.speed_m_s == RECORDED,
+        words.setting("limits", "recorded"): options.limits == "recorded",
+        words.name("from_s"): options.from_s is not None,
+        words.name("to_s"): options.to_s is not None,
+    }
+    return " and ".join(option for option, is_asked in asked.items() if is_asked)
 
 
 def _choices(options: Options, recording: Recording, flights: Sequence[Flight]) -> list[str]:
