@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flight_replay.cli import plan_step
@@ -56,6 +57,22 @@ def test_heights_are_said() -> None:
     assert any(isinstance(event, Notice) and "descends 22.0 m" in event.text for event in events)
     longer_s = route.predicted_duration_s - level.predicted_duration_s
     assert longer_s == pytest.approx(route.heights.climb_s - level.heights.climb_s, abs=2.0)
+
+
+@pytest.mark.usefixtures("brief_search")
+@pytest.mark.parametrize("how", [("--route", "spacing"), ("--route", "fit"), ("--mode", "guided")])
+def test_raised_heights_are_no_recorded_ones(how: tuple[str, ...]) -> None:
+    """--altitude recorded+10 is flown 10 m higher; what is saved and drawn as recorded is what was."""
+    points = () if "guided" in how else ("--max-points", "12")
+    argv = (*how, *points, "--to", "60", "--altitude", "recorded")
+    (plain, _), (higher, _) = planned(*argv), planned(*argv[:-1], "recorded+10")
+    for name in ("covered", "recorded", "recording"):
+        as_recorded, raised = getattr(plain, name), getattr(higher, name)
+        fixes = min(len(as_recorded), len(raised))
+        assert raised.alt_m[:fixes].tolist() == as_recorded.alt_m[:fixes].tolist()
+        assert raised.amsl_m[:fixes].tolist() == as_recorded.amsl_m[:fixes].tolist()
+    up_m = higher.recorded.alt_m + 10.0
+    assert higher.wanted.up_m == pytest.approx(np.maximum(up_m, 5.0))
 
 
 def test_recorded_limits_are_planned_with() -> None:

@@ -40,6 +40,13 @@ def test_the_floor_is_an_option() -> None:
     assert heights_of(track, "recorded", floor_m=10.0).wanted_m.tolist() == [10.0, 10.0, 12.0]
 
 
+def test_recorded_heights_can_be_raised() -> None:
+    """The floor is that of what is flown; a constant altitude is what was asked for."""
+    track = straight_track(fixes=3, altitudes_m=[-7.0, 8.0, 12.0])
+    assert heights_of(track, "recorded", floor_m=5.0, raise_m=10.0).wanted_m.tolist() == [5.0, 18.0, 22.0]
+    assert heights_of(track, 30.0, raise_m=10.0).wanted_m.tolist() == [30.0] * 3
+
+
 def test_a_spaced_route_climbs_sooner_at_the_recorded_speed() -> None:
     """Its waypoints before the jump are higher than recorded, those behind it lower."""
     track = straight_track(altitudes_m=JUMP_M)

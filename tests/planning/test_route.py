@@ -44,6 +44,17 @@ def test_standing_on_the_ground_is_not_measured() -> None:
     assert len(route.planned_error.recorded_to_path) == 20
 
 
+def test_a_pause_on_the_ground_is_none_in_the_air() -> None:
+    """Where nothing tells of arming: what is measured is what was flown, whatever height is wanted."""
+    track = straight_track(fixes=60)
+    still = np.zeros(60, np.bool_)
+    still[20:40] = True
+    track = replace(track, north_m_s=np.where(still, 0.0, 4.0))
+    mission = mission_through([(0.0, 0.0), (200.0, 0.0)])
+    route = route_of("by hand", mission, track, heights=Heights(np.full(60, 30.0), np.full(60, 28.0)))
+    assert len(route.recorded) == len(route.wanted) == len(route.planned_up_m) == 40
+
+
 def test_a_route_holds_what_it_is_made_of() -> None:
     """The mission, the covered fixes, the path and the expected duration; nothing is predicted yet."""
     mission, track = mission_through([(0.0, 0.0), (60.0, 0.0)]), straight_track(fixes=16)

@@ -63,6 +63,19 @@ def test_fixes_below_the_floor_are_counted() -> None:
     assert note.startswith("15 of 51 flown fixes are recorded below the floor of 5 m, by up to 3.0 m")
 
 
+def test_raised_heights_have_their_floor() -> None:
+    """What is below it even so is counted, by what it would be flown at."""
+    track = straight_track(altitudes_m=[-8.0] * 10 + [2.0] * 41)
+    route = spaced_route(track, altitude_m=RECORDED, raise_m=10.0)
+    raised = route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0, raise_m=10.0)
+    assert (raised.raised.fixes, raised.raised.max_m) == (10, 3.0)
+    (note,) = raised.notes
+    assert note.startswith(
+        "10 of 51 flown fixes are, 10 m higher than recorded, below the floor of 5 m, by up"
+    )
+    assert set(route.recorded.alt_m) == {-8.0, 2.0}
+
+
 def test_heights_that_cannot_be_kept_are_said() -> None:
     """Where, and by how much."""
     limited = heights([10.0] * 25 + [40.0] * 26, takeoff_m=10.0, timed=True)

@@ -18,7 +18,7 @@ from flight_replay.logs.track import Track
 from flight_replay.logs.vehicles import VehicleId
 from flight_replay.mission.items import Home
 from flight_replay.output.json_summary import reference_summary
-from flight_replay.planning.altitude import RECORDED, altitudes_m, home_of, raised
+from flight_replay.planning.altitude import RECORDED, altitudes_m, home_of
 from flight_replay.planning.doubts import check_moves, doubts
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.heights import RouteHeights
@@ -75,7 +75,7 @@ def part_of(options: Options, recording: Recording, listener: Listener) -> tuple
         *doubts(recording, flights, track),
     ):
         listener(Notice(f" {note}"))
-    return flights, raised(track, options.raise_m)
+    return flights, track
 
 
 def _check_times(options: Options, recording: Recording) -> None:
@@ -194,7 +194,7 @@ def _followed_route(options: Options, track: Track, vehicle: VehicleLimits) -> R
         approach_m_s=options.speed_m_s if isinstance(options.speed_m_s, float) else limits.wp_speed_m_s,
         drag=vehicle.drag,
     )
-    heights_m = altitudes_m(track, options.altitude_m, options.floor_m)
+    heights_m = altitudes_m(track, options.altitude_m, options.floor_m, options.raise_m)
     route = with_prediction(followed_route(track, heights_m, limits, follow), limits)
     heights = _heights(options, route, limits)
     return replace(route, heights=heights, notes=(*route.notes, *heights.notes))
@@ -226,7 +226,9 @@ def _with_heights(options: Options, route: Route, limits: Limits) -> Route:
 
 def _heights(options: Options, route: Route, limits: Limits) -> RouteHeights:
     floor_m = options.floor_m if options.altitude_m == RECORDED else None
-    return route_heights(route, limits, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m)
+    return route_heights(
+        route, limits, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m, raise_m=options.raise_m
+    )
 
 
 def _with_recorded_headings(options: Options, route: Route, limits: Limits) -> Route:
@@ -250,6 +252,7 @@ def _spaced_route(options: Options, track: Track, limits: Limits) -> Route:
         max_points=options.max_points,
         altitude_m=options.altitude_m,
         floor_m=options.floor_m,
+        raise_m=options.raise_m,
         speed_m_s=options.speed_m_s,
         limits=limits,
     )
@@ -263,6 +266,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         max_points=options.max_points,
         altitude_m=options.altitude_m,
         floor_m=options.floor_m,
+        raise_m=options.raise_m,
         speed_m_s=options.speed_m_s,
         limits=limits,
         takeoff_m=options.takeoff_altitude_m,

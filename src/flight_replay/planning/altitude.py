@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -29,26 +28,27 @@ def home_of(track: Track) -> Home:
     )
 
 
-def raised(track: Track, raise_m: float) -> Track:
-    """The track, higher by some metres, over the same home."""
-    if raise_m == 0:
-        return track
-    return replace(track, alt_m=track.alt_m + raise_m, amsl_m=track.amsl_m + raise_m)
-
-
-def altitudes_m(track: Track, altitude_m: float | Recorded, floor_m: float = FLOOR_M) -> Floats:
+def altitudes_m(
+    track: Track, altitude_m: float | Recorded, floor_m: float = FLOOR_M, raise_m: float = 0.0
+) -> Floats:
     """Altitude above home to fly at (n,): constant, or as recorded where that is plausible, above a floor.
+
+    Args:
+        track: fixes of one vehicle.
+        altitude_m: constant, or as recorded.
+        floor_m: the lowest that is flown of recorded ones.
+        raise_m: so much higher than recorded.
 
     Raises:
         MissionError: they are to be as recorded, and no height was.
     """
     if altitude_m != RECORDED:
         return np.full(len(track), float(altitude_m))
-    return plausible_altitudes_m(track, floor_m)
+    return plausible_altitudes_m(track, floor_m, raise_m)
 
 
-def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M) -> Floats:
-    """Recorded altitudes above home (n,), none below ``floor_m``.
+def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M, raise_m: float = 0.0) -> Floats:
+    """Recorded altitudes above home (n,), higher by ``raise_m``, none below ``floor_m``.
 
     Before home is set, the altitude above it is meaningless (often that above the sea): where the
     implied altitude of home is far from its median in that boot, the next plausible one is taken. In a
@@ -68,4 +68,4 @@ def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M) -> Floats:
         raise MissionError("the recording has no heights; choose one in metres, such as --altitude 30")
     index = np.flatnonzero(plausible)
     following = index[np.minimum(np.searchsorted(index, np.arange(len(track))), len(index) - 1)]
-    return np.asarray(np.maximum(track.alt_m[following], floor_m))
+    return np.asarray(np.maximum(track.alt_m[following] + raise_m, floor_m))

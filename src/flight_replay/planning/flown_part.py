@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import distance_m
@@ -29,13 +30,23 @@ def flown_part(track: Track, *, tell_joins: bool = True) -> tuple[Track, tuple[s
     if not flights:
         return track, ("No flight is found in the log; the route follows all of its fixes.",)
     parts = [track.select(slice(flight.first, flight.last + 1)) for flight in flights]
-    index = np.concatenate([np.arange(flight.first, flight.last + 1) for flight in flights])
-    flown = replace(track.select(index), time_s=_times_without_gaps_s(parts))
+    flown = replace(track.select(_fixes_of(flights)), time_s=_times_without_gaps_s(parts))
     notes = _gap_notes(parts, flights) if tell_joins else []
     if len(flown) < len(track):
         left_out = len(track) - len(flown)
         notes = [f"{left_out} of {len(track)} fixes are left out: they are not part of a flight.", *notes]
     return flown, tuple(notes)
+
+
+def flown_fixes(track: Track) -> NDArray[np.intp]:
+    """Indices of the fixes of a track that are its flown part."""
+    flights = find_flights(track)
+    return _fixes_of(flights) if flights else np.arange(len(track))
+
+
+def _fixes_of(flights: tuple[Flight, ...]) -> NDArray[np.intp]:
+    """Indices of the fixes of some flights."""
+    return np.concatenate([np.arange(flight.first, flight.last + 1) for flight in flights])
 
 
 def _times_without_gaps_s(parts: list[Track]) -> Floats:

@@ -61,6 +61,7 @@ def heights_of(
     altitude_m: float | Recorded,
     floor_m: float = FLOOR_M,
     timed_limits: Limits | None = None,
+    raise_m: float = 0.0,
 ) -> Heights:
     """The heights to fly at each fix of a track.
 
@@ -70,8 +71,9 @@ def heights_of(
         floor_m: lower recorded heights are raised to this.
         timed_limits: what the vehicle may do, where the recorded times are to be kept. Without them it
             takes the time that a climb needs, and every height can be kept.
+        raise_m: recorded heights are raised by so much.
     """
-    wanted_m = altitudes_m(track, altitude_m, floor_m)
+    wanted_m = altitudes_m(track, altitude_m, floor_m, raise_m)
     if timed_limits is None or altitude_m != RECORDED or not len(track):
         return Heights(wanted_m, wanted_m)
     time_s = np.maximum.accumulate(track.time_s)

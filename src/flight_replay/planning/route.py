@@ -14,7 +14,7 @@ from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
 from flight_replay.mission.path import Path, planned_path
 from flight_replay.planning.duration import duration_s
-from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.flown_part import flown_fixes, flown_part
 from flight_replay.planning.heights import Heights, RouteHeights
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
@@ -85,18 +85,18 @@ def route_of(  # noqa: PLR0913
         limits: what the vehicle may do; ArduCopter's defaults if None.
         predicted_duration_s: seconds in AUTO, if known.
     """
-    frame = covered.frame
-    path = planned_path(mission, frame)
+    path = planned_path(mission, covered.frame)
     recorded, _ = flown_part(covered)
     heights = heights or Heights(covered.alt_m, covered.alt_m)
-    wanted = movement_of(_flown_at(covered, heights.wanted_m), frame)
+    flown = flown_fixes(covered)  # By the recorded heights: a pause on the ground is none in the air.
+    wanted = movement_of(replace(recorded, alt_m=heights.wanted_m[flown]), covered.frame)
     return Route(
         method=method,
         mission=mission,
         covered=covered,
         recorded=recorded,
         wanted=wanted,
-        planned_up_m=_flown_at(covered, heights.planned_m).alt_m,
+        planned_up_m=heights.planned_m[flown],
         recording=recorded if recording is None else flown_part(recording)[0],
         path=path,
         planned_error=path_errors(wanted, path.north_east_m),
@@ -104,11 +104,6 @@ def route_of(  # noqa: PLR0913
         if predicted_duration_s is None
         else predicted_duration_s,
     )
-
-
-def _flown_at(track: Track, heights_m: Floats) -> Track:
-    """The flown part of a track, at other heights (n,) than the recorded ones."""
-    return flown_part(replace(track, alt_m=heights_m))[0]
 
 
 def movement_of(track: Track, frame: LocalFrame, start_s: float | None = None) -> Movement:

@@ -23,7 +23,9 @@ _STEP_S = 0.05
 _BESIDE_DEG = 1e-4
 
 
-def route_heights(route: Route, limits: Limits, *, takeoff_m: float, floor_m: float | None) -> RouteHeights:
+def route_heights(
+    route: Route, limits: Limits, *, takeoff_m: float, floor_m: float | None, raise_m: float = 0.0
+) -> RouteHeights:
     """What a route does with heights.
 
     Args:
@@ -31,18 +33,19 @@ def route_heights(route: Route, limits: Limits, *, takeoff_m: float, floor_m: fl
         limits: what the vehicle may do.
         takeoff_m: take-off altitude.
         floor_m: the floor, where the altitude is as recorded.
+        raise_m: how much higher than recorded the altitude is.
     """
     first_m = route.mission.waypoints[0][1].alt_m
     climbs = abs(first_m - takeoff_m) > _LEVEL_M
     climb_s = _climb_s(route.mission, takeoff_m, limits)
-    recorded_m = route.recorded.alt_m
-    below_m = np.zeros(len(recorded_m)) if floor_m is None else np.nan_to_num(floor_m - recorded_m)
+    asked_m = route.recorded.alt_m + raise_m
+    below_m = np.zeros(len(asked_m)) if floor_m is None else np.nan_to_num(floor_m - asked_m)
     raised = (below_m > 0) & (route.wanted.up_m == floor_m)
     off_m = np.abs(route.planned_up_m - route.wanted.up_m)
     off = off_m > _KEPT_M
     notes = [
         _climb_note(takeoff_m, first_m, climb_s, followed=route.reference is not None) if climbs else "",
-        _floor_note(floor_m or 0.0, below_m[raised], len(raised)) if raised.any() else "",
+        _floor_note(floor_m or 0.0, below_m[raised], len(raised), raise_m) if raised.any() else "",
         _limited_note(off, off_m, route.wanted.time_s) if off.any() else "",
     ]
     return RouteHeights(
@@ -88,9 +91,10 @@ def _climb_note(takeoff_m: float, first_m: float, climb_s: float, *, followed: b
     )
 
 
-def _floor_note(floor_m: float, below_m: Floats, of_fixes: int) -> str:
+def _floor_note(floor_m: float, below_m: Floats, of_fixes: int, raise_m: float) -> str:
+    are = f"are, {raise_m:g} m higher than recorded," if raise_m else "are recorded"
     return (
-        f"{len(below_m)} of {of_fixes} flown fixes are recorded below the floor of {floor_m:g} m, by up to "
+        f"{len(below_m)} of {of_fixes} flown fixes {are} below the floor of {floor_m:g} m, by up to "
         f"{below_m.max():.1f} m; they are flown at the floor (--floor)."
     )
 

@@ -74,6 +74,7 @@ def spaced_route(  # noqa: PLR0913
     max_points: int = MAX_POINTS,
     altitude_m: float | Recorded = 30.0,
     floor_m: float = FLOOR_M,
+    raise_m: float = 0.0,
     speed_m_s: float | Recorded | None = None,
     limits: Limits | None = None,
 ) -> Route:
@@ -85,23 +86,22 @@ def spaced_route(  # noqa: PLR0913
         max_points: maximum number of waypoints; speed changes come on top.
         altitude_m: altitude above home, constant or as recorded.
         floor_m: lower recorded altitudes are raised to this.
+        raise_m: so much higher than recorded.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
         limits: what the vehicle may do; ArduCopter's defaults if None.
     """
     limits = limits or Limits()
-    heights = heights_of(track, altitude_m, floor_m, limits if speed_m_s == RECORDED else None)
-    up_m = heights.planned_m if altitude_m == RECORDED else None
-    kept = decimate(track, spacing_m, max_points, up_m)
+    heights = heights_of(track, altitude_m, floor_m, limits if speed_m_s == RECORDED else None, raise_m)
+    kept = decimate(track, spacing_m, max_points, heights.planned_m if altitude_m == RECORDED else None)
     fixes = track.select(kept)
     waypoints = [
         waypoint(float(lat), float(lon), float(altitude))
         for lat, lon, altitude in zip(fixes.lat_deg, fixes.lon_deg, heights.planned_m[kept], strict=True)
     ]
-    mission = Mission(tuple(_with_speeds(waypoints, fixes, speed_m_s)), home_of(track))
     covered = slice(0, int(kept[-1]) + 1)
     return route_of(
         "spacing",
-        mission,
+        Mission(tuple(_with_speeds(waypoints, fixes, speed_m_s)), home_of(track)),
         track.select(covered),
         heights=heights.select(covered),
         recording=track,

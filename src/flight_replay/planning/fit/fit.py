@@ -36,7 +36,7 @@ from flight_replay.planning.spacing import MAX_POINTS
 from flight_replay.simulator.dynamics.limits import Limits
 
 WORK_FIXES = 1000
-"""Fixes that the search looks at; the errors of the answer are those of all fixes."""
+"""Fixes that the search, which takes memory by the square, looks at; the errors are those of all fixes."""
 _HOVER_SHARE = 3
 _ROOMY_LEG_S = 2.0
 """With fewer waypoints than one in so many seconds, stopping for a pause costs less than flying it slowly."""
@@ -57,6 +57,7 @@ def fit(  # noqa: PLR0913
     max_points: int = MAX_POINTS,
     altitude_m: float | Recorded = 30.0,
     floor_m: float = FLOOR_M,
+    raise_m: float = 0.0,
     speed_m_s: float | Recorded | None = None,
     limits: Limits | None = None,
     takeoff_m: float | None = None,
@@ -69,6 +70,7 @@ def fit(  # noqa: PLR0913
         max_points: most waypoints, of which at most ``WORK_FIXES`` are used; speed changes come on top.
         altitude_m: height above home, constant or as recorded.
         floor_m: lower recorded heights are raised to this.
+        raise_m: so much higher than recorded.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
         limits: what the vehicle may do; ArduCopter's defaults if None.
         takeoff_m: height above home that the vehicle takes off to; None: that of the first waypoint.
@@ -81,10 +83,9 @@ def fit(  # noqa: PLR0913
     if not len(track):
         raise LogError("the log has no position to follow; choose another log or vehicle")
     flown, notes = flown_part(track)
-    timed, limits = speed_m_s == RECORDED, limits or Limits()
-    heights = heights_of(flown, altitude_m, floor_m, limits if timed else None)
+    timed, limits, max_points = speed_m_s == RECORDED, limits or Limits(), min(max_points, WORK_FIXES)
+    heights = heights_of(flown, altitude_m, floor_m, limits if timed else None, raise_m)
     recording = local_track(flown, heights.planned_m, takeoff_m)
-    max_points = min(max_points, WORK_FIXES)  # The search takes memory by the square.
     problem = replace(problem_for(recording, max_points, limits, timed=timed), frame=flat_frame(flown))
     budget = _budget(problem, len(flown), progress)
     best, stopped = _searched(problem, recording, max_points, speed_m_s, budget)

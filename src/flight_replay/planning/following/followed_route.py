@@ -18,7 +18,7 @@ from flight_replay.mission.items import FIRST_SEQ, Mission, waypoint
 from flight_replay.mission.path import Path
 from flight_replay.planning.altitude import FLOOR_M, home_of
 from flight_replay.planning.drag import Drag, DragModel, sitl_drag
-from flight_replay.planning.flown_part import flown_part
+from flight_replay.planning.flown_part import flown_fixes, flown_part
 from flight_replay.planning.following.controller_lag import acceleration_lag, drag_lag
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
@@ -62,7 +62,7 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         MissionError: no motion within the limits follows the track, or only one that leads far beside it.
     """
     recorded, notes = flown_part(track, tell_joins=False)  # The bridges tell of them.
-    commanded, _ = flown_part(replace(track, alt_m=heights_m))
+    commanded = replace(recorded, alt_m=heights_m[flown_fixes(track)])
     motion, bridges = _motion(commanded, options.pace, limits.wp_speed_m_s)
     floor_m = min(options.floor_m, float(heights_m.min()))
     reference = _reference(motion, limits, options, floor_m, home_of(recorded).alt_amsl_m)
