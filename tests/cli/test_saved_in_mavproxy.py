@@ -60,7 +60,7 @@ def test_mavproxy_loads_arms_and_flies_a_saved_mission(
     home = mission.home
     assert home is not None
     # At speed 1 at first: the vehicle gives up an upload after 8 s of its own.
-    with copter(Start(home.lat_deg, home.lon_deg, home.alt_amsl_m, 0.0)) as connection:
+    with copter(Start(home.lat_deg, home.lon_deg, home.amsl_m, 0.0)) as connection:
         station = MavProxy(connection, tmp_path)
         try:
             station.expect(r"Received \d+ parameters")

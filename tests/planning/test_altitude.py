@@ -19,11 +19,13 @@ def track_at(alt_m: list[float], home_amsl_m: float | list[float] = 400.0) -> Tr
 
 
 def test_home_is_the_ground_below_the_first_fix() -> None:
-    """Its altitude above the sea is what the fix is higher above the sea than above home, or 0."""
+    """Its altitude above the sea is what the fix is higher above the sea than above home, if any tells."""
     track = track_at([12.0, 50.0], [400.0, 300.0])
     home = Home(float(track.lat_deg[0]), float(track.lon_deg[0]), 400.0)
     assert home_of(track) == home
-    assert home_of(replace(track, amsl_m=np.full(2, np.nan))) == replace(home, alt_amsl_m=0.0)
+    unknown_at_first = replace(track, amsl_m=np.append(np.nan, track.amsl_m[1:]))
+    assert home_of(unknown_at_first) == replace(home, alt_amsl_m=300.0)
+    assert home_of(replace(track, amsl_m=np.full(2, np.nan))) == replace(home, alt_amsl_m=None)
 
 
 def test_a_given_altitude_is_flown_whatever_was_recorded() -> None:

@@ -45,7 +45,7 @@ def vehicle_or_simulator(options: Options, home: Home, listener: Listener) -> It
     from flight_replay.simulator.autopilot.location import Start
     from flight_replay.vehicle.sitl import simulator
 
-    start = Start(home.lat_deg, home.lon_deg, home.alt_amsl_m)
+    start = Start(home.lat_deg, home.lon_deg, home.alt_amsl_m or 0.0)
     speedup = options.speedup or 1.0
     with simulator(options.sim, options.sitl, start, speedup=speedup, listener=listener) as connection:
         yield connection

@@ -6,6 +6,7 @@ item 0, is not an item here: the first item has sequence number 1 on board.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -126,11 +127,16 @@ def face(lat_deg: float, lon_deg: float, alt_m: float, frame: int) -> MissionIte
 
 @dataclass(frozen=True, slots=True)
 class Home:
-    """Where the vehicle returns to: degrees, and metres above mean sea level."""
+    """Where the vehicle returns to: degrees, and metres above mean sea level, None where not known."""
 
     lat_deg: float
     lon_deg: float
-    alt_amsl_m: float
+    alt_amsl_m: float | None
+
+    @property
+    def amsl_m(self) -> float:
+        """The height as tracks have it: not a number where it is not known."""
+        return math.nan if self.alt_amsl_m is None else self.alt_amsl_m
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
 import numpy as np
@@ -21,11 +20,11 @@ _MAX_HOME_ERROR_M = 20.0
 
 
 def home_of(track: Track) -> Home:
-    """The ground below the first fix of a track that has one; at sea level where its altitude is unknown."""
-    ground_m = float(track.amsl_m[0] - track.alt_m[0])
-    return Home(
-        float(track.lat_deg[0]), float(track.lon_deg[0]), ground_m if math.isfinite(ground_m) else 0.0
-    )
+    """The ground below the first fix of a track that has one, as high as the first that tells it has it."""
+    grounds_m = track.amsl_m - track.alt_m
+    known_m = grounds_m[np.isfinite(grounds_m)]
+    ground_m = float(known_m[0]) if len(known_m) else None
+    return Home(float(track.lat_deg[0]), float(track.lon_deg[0]), ground_m)
 
 
 def altitudes_m(

@@ -74,7 +74,7 @@ def _flown(route: Route, flight: Trajectory, end_s: float, every: int) -> Track:
         lat_deg,
         lon_deg,
         flight.up_m,
-        amsl_m=flight.up_m + home.alt_amsl_m,
+        amsl_m=flight.up_m + home.amsl_m,
         velocity_m_s=velocity_m_s,
         heading_deg=flight.heading_deg,
     )

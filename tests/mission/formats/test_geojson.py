@@ -1,13 +1,14 @@
 """GeoJSON: a feature for every item, lines cut at the antimeridian."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission, waypoint
-from tests.helpers.format_examples import MISSION, recorded_track
+from tests.helpers.format_examples import HOME, MISSION, recorded_track
 
 
 def test_geojson_has_a_feature_for_every_item_and_lines_for_route_and_track() -> None:
@@ -20,6 +21,15 @@ def test_geojson_has_a_feature_for_every_item_and_lines_for_route_and_track() ->
     assert features[3]["properties"]["speed_m_s"] == 4.25
     assert features[-1]["geometry"]["coordinates"][0] == [8.5455, 47.3977]
     assert features[-1]["properties"]["time_s"] == [0.0, 0.4, 0.8, 1.2]
+
+
+def test_unknown_heights_above_the_sea_are_left_out() -> None:
+    """Points and lines have two coordinates then."""
+    mission = Mission(MISSION.items[:4], replace(HOME, alt_amsl_m=None))
+    features = json.loads(formats.geojson.text(mission))["features"]
+    assert features[0]["geometry"]["coordinates"] == [HOME.lon_deg, HOME.lat_deg]
+    assert features[0]["properties"]["alt_amsl_m"] is None
+    assert {len(place) for place in features[-1]["geometry"]["coordinates"]} == {2}
 
 
 @pytest.mark.parametrize(

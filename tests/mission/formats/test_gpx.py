@@ -1,10 +1,11 @@
 """GPX 1.1: a route, a track, and elevations."""
 
+from dataclasses import replace
 from xml.etree import ElementTree as Xml
 
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission, waypoint
-from tests.helpers.format_examples import MISSION, recorded_track
+from tests.helpers.format_examples import HOME, MISSION, recorded_track
 
 GPX = "{http://www.topografix.com/GPX/1/1}"
 
@@ -22,6 +23,13 @@ def test_gpx_holds_home_the_route_and_one_segment_a_boot() -> None:
         None,
         "488.000",
     ]
+
+
+def test_gpx_without_a_height_above_the_sea_has_no_elevations() -> None:
+    """Neither of home nor of waypoints; heights above home are in the extensions."""
+    mission = Mission(MISSION.items[:3], replace(HOME, alt_amsl_m=None))
+    assert "<ele>" not in formats.gpx.text(mission)
+    assert "<replay:alt_m>31.5</replay:alt_m>" in formats.gpx.text(mission)
 
 
 def test_gpx_longitudes_end_below_180() -> None:

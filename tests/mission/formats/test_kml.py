@@ -4,12 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
+import numpy as np
 import pytest
 
 from flight_replay.logs.read_log import read_log
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
-from tests.helpers.format_examples import MISSION, recorded_track
+from tests.helpers.format_examples import HOME, MISSION, recorded_track
 from tests.helpers.made_replays import figure_of_eight
 
 KML = "{http://www.opengis.net/kml/2.2}"
@@ -18,7 +19,7 @@ START_UTC_S = 1_700_000_000.0
 
 
 def test_kml_pins_every_waypoint_above_the_sea_and_draws_route_and_track() -> None:
-    """Heights are home's plus the item's; a fix whose height is unknown does not break the line."""
+    """Heights are home's plus the item's; a fix whose height is unknown is between its neighbours."""
     root = Xml.fromstring(formats.kml.text(MISSION, recorded_track()))
     pins = {pin.findtext(f"{KML}name"): pin for pin in root.iter(f"{KML}Placemark")}
     assert list(pins) == ["Home", "1", "3", "4", "5", "Route", "Recorded track"]
@@ -35,7 +36,7 @@ def test_kml_pins_every_waypoint_above_the_sea_and_draws_route_and_track() -> No
     assert curve[0] == "8.54569412,47.39784213,518.250"
     assert curve[-1] == "8.54600000,47.39800000,520.000"
     assert len(recorded) == 4
-    assert recorded[2] == "8.54570000,47.39790000,0.000"
+    assert recorded[2] == "8.54570000,47.39790000,488.500"
 
 
 def test_kml_without_home_keeps_heights_above_ground() -> None:
@@ -44,6 +45,26 @@ def test_kml_without_home_keeps_heights_above_ground() -> None:
     modes = [mode.text for mode in root.iter(f"{KML}altitudeMode")]
     assert modes == ["relativeToGround"] * 3 + ["absolute", "relativeToGround"]
     assert "Recorded track" not in formats.kml.text(Mission(()))
+
+
+def test_kml_of_a_recording_that_tells_no_height_above_the_sea_invents_none() -> None:
+    """All stands above the ground, as if it were level, and what has no height at all lies on it."""
+    mission = MISSION.with_home(replace(HOME, alt_amsl_m=None))
+    track = replace(recorded_track(), amsl_m=np.full(4, np.nan))
+    root = Xml.fromstring(formats.kml.text(mission, track, START_UTC_S, recorded_track()))
+    modes = [mode.text for mode in root.iter() if mode.tag.endswith("altitudeMode")]
+    assert modes == ["clampToGround", *["relativeToGround"] * 3, "absolute", *["relativeToGround"] * 5]
+    bare = replace(track, alt_m=np.full(4, np.nan))
+    assert formats.kml.text(Mission(()), bare, START_UTC_S).count("clampToGround") == 2
+
+
+def test_heights_above_home_are_read_again(tmp_path: Path) -> None:
+    """A replay of such a file flies as high as that of the recording."""
+    recorded = replace(figure_of_eight(), amsl_m=np.full(len(figure_of_eight()), np.nan))
+    formats.save(tmp_path / "a.kml", MISSION.with_home(replace(HOME, alt_amsl_m=None)), recorded, START_UTC_S)
+    back = read_log(tmp_path / "a.kml").track
+    assert back.alt_m.tolist() == pytest.approx(recorded.alt_m.tolist(), abs=1e-3)
+    assert not np.isfinite(back.amsl_m).any()
 
 
 def test_what_was_flown_plays_beside_the_recording() -> None:

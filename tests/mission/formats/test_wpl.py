@@ -1,6 +1,7 @@
 """QGC WPL 110: what pymavlink and Mission Planner read and write, and what is refused."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,16 @@ def test_an_unknown_home_is_zeros_in_waypoints_and_the_first_waypoint_in_plan() 
     assert formats.qgc_plan.parse(formats.qgc_plan.text(Mission(())), "a file") == Mission(
         (), Home(0.0, 0.0, 0.0)
     )
+
+
+def test_a_home_of_unknown_height_is_at_0() -> None:
+    """Both formats have a number there."""
+    mission = MISSION.with_home(replace(HOME, alt_amsl_m=None))
+    for written in (
+        formats.wpl.parse(formats.wpl.text(mission), "a file"),
+        formats.qgc_plan.parse(formats.qgc_plan.text(mission), "a file"),
+    ):
+        assert written.home == replace(HOME, alt_amsl_m=0.0)
 
 
 def test_a_waypoints_file_may_lack_home() -> None:

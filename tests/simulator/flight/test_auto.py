@@ -406,7 +406,7 @@ def test_coinciding_waypoints_are_passed() -> None:
 
 def _local(mission: Mission) -> Sequence[LocalItem]:
     home = mission.home or Home(0, 0, 0)
-    return local_items(mission, FlatFrame(home.lat_deg, home.lon_deg), home.alt_amsl_m)
+    return local_items(mission, FlatFrame(home.lat_deg, home.lon_deg), home.amsl_m)
 
 
 def test_items_become_local_by_their_frames() -> None:

@@ -39,7 +39,7 @@ def _mission_rows(mission: Mission) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     if mission.home is not None:
         home = mission.home
-        place = (home.lat_deg, home.lon_deg, 0.0, home.alt_amsl_m)
+        place = (home.lat_deg, home.lon_deg, 0.0, home.amsl_m)
         rows.append({"kind": "home", "seq": HOME_SEQ, **_place(*place)})
     for seq, item in enumerate(mission.items, FIRST_SEQ):
         row: dict[str, object] = {"kind": "item", "seq": seq, "command": int(item.command)}

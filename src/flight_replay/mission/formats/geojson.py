@@ -64,7 +64,7 @@ def text(mission: Mission, track: Track | None = None, start_utc_s: float | None
 
 
 def _home_feature(home: Home) -> dict[str, Any]:
-    place = (home.lat_deg, home.lon_deg, home.alt_amsl_m)
+    place = (home.lat_deg, home.lon_deg, home.amsl_m)
     return _feature(_point(place), {"kind": "home", "name": "Home", "alt_amsl_m": home.alt_amsl_m})
 
 

@@ -28,7 +28,7 @@ def text(mission: Mission, track: Track | None = None, start_utc_s: float | None
     root = Xml.Element("gpx", attributes)
     if mission.home is not None:
         home = mission.home
-        point = _point(root, "wpt", home.lat_deg, home.lon_deg, home.alt_amsl_m)
+        point = _point(root, "wpt", home.lat_deg, home.lon_deg, home.amsl_m)
         _child(point, "name", "Home")
     _add_route(root, mission)
     if track is not None and len(track):

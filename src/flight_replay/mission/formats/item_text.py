@@ -40,7 +40,7 @@ def amsl_m(item: MissionItem, home: Home | None) -> float:
     if item.frame == Frame.ABSOLUTE:
         return item.alt_m
     if item.frame == Frame.RELATIVE and home is not None:
-        return home.alt_amsl_m + item.alt_m
+        return home.amsl_m + item.alt_m
     return math.nan
 
 

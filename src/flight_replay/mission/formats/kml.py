@@ -1,7 +1,8 @@
 """KML 2.2 (OGC 07-147r2): the mission as pins and a line, recorded and flown tracks as lines.
 
-Altitudes are above mean sea level where home's is known, else above ground, as if the ground were
-level. What KML has no word for (command, parameters, speed) stands in ExtendedData.
+Altitudes are above mean sea level where that is known, of tracks as of home, else above ground, as if the
+ground were level; what has neither lies on the ground. What KML has no word for (command, parameters,
+speed) stands in ExtendedData.
 """
 
 from __future__ import annotations
@@ -54,10 +55,11 @@ def text(
     _child(folder, "name", "Mission")
     _add_mission(folder, mission)
     if track is not None and len(track):
-        line = np.column_stack([track.lat_deg, track.lon_deg, track.amsl_m])
-        _add_line(document, "Recorded track", "recorded", "absolute", line)
+        mode, heights_m = _track_heights(track)
+        line = np.column_stack([track.lat_deg, track.lon_deg, heights_m])
+        _add_line(document, "Recorded track", "recorded", mode, line)
         if start_utc_s is not None:
-            _add_timed_track(document, "recorded", utc_texts(track, start_utc_s), "absolute", line)
+            _add_timed_track(document, "recorded", utc_texts(track, start_utc_s), mode, line)
     if flown is not None and len(flown):
         _add_flown(document, mission.home, flown, start_utc_s)
     Xml.indent(root)
@@ -68,7 +70,8 @@ def _add_mission(folder: Xml.Element, mission: Mission) -> None:
     if mission.home is not None:
         home = mission.home
         pin = _pin(folder, "Home", "where the vehicle returns to")
-        _add_point(pin, "absolute", home.lat_deg, home.lon_deg, home.alt_amsl_m)
+        mode = "clampToGround" if home.alt_amsl_m is None else "absolute"
+        _add_point(pin, mode, home.lat_deg, home.lon_deg, home.alt_amsl_m or 0.0)
     speeds = speeds_m_s(mission)
     for seq, item in mission.waypoints:
         pin = _pin(folder, str(seq), description(item))
@@ -83,12 +86,22 @@ def _add_mission(folder: Xml.Element, mission: Mission) -> None:
 
 def _add_flown(document: Xml.Element, home: Home | None, flown: Track, start_utc_s: float | None) -> None:
     """What was flown, which vehicles report above home."""
-    mode, ground_m = ("absolute", home.alt_amsl_m) if home is not None else ("relativeToGround", 0.0)
-    line = np.column_stack([flown.lat_deg, flown.lon_deg, flown.alt_m + ground_m])
+    ground_m = None if home is None else home.alt_amsl_m
+    mode = "relativeToGround" if ground_m is None else "absolute"
+    line = np.column_stack([flown.lat_deg, flown.lon_deg, flown.alt_m + (ground_m or 0.0)])
     _add_line(document, OUR_FLOWN_TRACK, "flown", mode, line)
     if start_utc_s is not None:
         times = utc_texts(flown, start_utc_s + float(flown.time_s[0]))
         _add_timed_track(document, "flown", times, mode, line)
+
+
+def _track_heights(track: Track) -> tuple[str, Floats]:
+    """Their mode and the heights (n,) of a recorded track; unknown ones between those of their neighbours."""
+    for mode, heights_m in (("absolute", track.amsl_m), ("relativeToGround", track.alt_m)):
+        known = np.flatnonzero(np.isfinite(heights_m))
+        if len(known):
+            return mode, np.interp(np.arange(len(track)), known, heights_m[known])
+    return "clampToGround", np.zeros(len(track))
 
 
 def _height(item: MissionItem, home: Home | None) -> tuple[str, float]:

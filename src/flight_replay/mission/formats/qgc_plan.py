@@ -1,7 +1,8 @@
 """QGroundControl's .plan file (QGroundControl developer guide, "Plan File Format").
 
 JSON, version 1 with mission version 2. Home is not an item; a parameter that is not a number is
-null. QGroundControl asks for a home in every plan: where none is known, it is at the first waypoint.
+null. QGroundControl asks for a home in every plan: where none is known, it is at the first waypoint, and
+where its height is not, at 0.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def text(mission: Mission, track: Track | None = None, start_utc_s: float | None
             "cruiseSpeed": _CRUISE_SPEED_M_S,
             "hoverSpeed": _first_speed_m_s(mission),
             "globalPlanAltitudeMode": _ALTITUDE_MODES[Frame.RELATIVE],
-            "plannedHomePosition": [home.lat_deg, home.lon_deg, home.alt_amsl_m],
+            "plannedHomePosition": [home.lat_deg, home.lon_deg, home.alt_amsl_m or 0.0],
             "items": [_simple_item(seq, item) for seq, item in enumerate(mission.items, FIRST_SEQ)],
         },
         "geoFence": {"version": 2, "circles": [], "polygons": []},

@@ -50,8 +50,8 @@ def checked_home(home: Home, where: str) -> Home:
     Raises:
         MissionError: They are not.
     """
-    _check_range(where, "altitude", home.alt_amsl_m, -_MAX_FLOAT32, _MAX_FLOAT32)
-    _check_coordinates(where, home.lat_deg, home.lon_deg, home.alt_amsl_m)
+    _check_range(where, "altitude", home.amsl_m, -_MAX_FLOAT32, _MAX_FLOAT32)
+    _check_coordinates(where, home.lat_deg, home.lon_deg, home.amsl_m)
     return home
 
 

@@ -2,8 +2,8 @@
 
 A header, then one line an item of 12 columns: number, current, frame, command, four parameters,
 latitude, longitude, altitude, autocontinue. For ArduPilot line 0 is home, its altitude above mean
-sea level; zeros there say that home is not known. ArduCopter takes a parameter that is not a number
-for 0, so that is what is written.
+sea level, 0 where that is not known; zeros in all three say that home is not. ArduCopter takes a
+parameter that is not a number for 0, so that is what is written.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def text(mission: Mission, track: Track | None = None, start_utc_s: float | None
     """The mission with home as item 0 and 8 decimals (1 mm); this format holds no track."""
     home = mission.home or Home(0.0, 0.0, 0.0)
     first = MissionItem(
-        Command.WAYPOINT, Frame.ABSOLUTE, (0.0, 0.0, 0.0, 0.0), home.lat_deg, home.lon_deg, home.alt_amsl_m
+        Command.WAYPOINT, Frame.ABSOLUTE, (0.0, 0.0, 0.0, 0.0), home.lat_deg, home.lon_deg, home.amsl_m
     )
     lines = [_line(HOME_SEQ, first), *(_line(seq, item) for seq, item in enumerate(mission.items, FIRST_SEQ))]
     return "\n".join([_HEADER, *lines, ""])

@@ -154,4 +154,4 @@ def local_track(track: Track, height_m: float | Floats, takeoff_m: float | None 
     heights = np.broadcast_to(np.asarray(height_m, float), len(track))
     places = flat_frame(track).to_metres(track.lat_deg, track.lon_deg)
     times, places, heights = (column.round(DECIMALS) for column in (times, places, heights))
-    return LocalTrack(times, places, heights, Takeoff(home_of(track).alt_amsl_m, takeoff_m))
+    return LocalTrack(times, places, heights, Takeoff(home_of(track).alt_amsl_m or 0.0, takeoff_m))

@@ -34,7 +34,7 @@ def predicted_following(route: Route, reference: ReferenceMotion, limits: Limits
     flight = simulate_targets(
         _targets(reference, times_s, braking_within(DEFAULT_TUNING, limits)),
         limits,
-        home_amsl_m=home_of(route.covered).alt_amsl_m,
+        home_amsl_m=home_of(route.covered).alt_amsl_m or 0.0,
     )
     kept = slice(None, None, _ROWS_A_SAMPLE)
     places_m = np.column_stack([flight.north_m, flight.east_m])[kept]

@@ -65,7 +65,7 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
     commanded = replace(recorded, alt_m=heights_m[flown_fixes(track)])
     motion, bridges = _motion(commanded, options.pace, limits.wp_speed_m_s)
     floor_m = min(options.floor_m, float(heights_m.min()))
-    reference = _reference(motion, limits, options, floor_m, home_of(recorded).alt_amsl_m)
+    reference = _reference(motion, limits, options, floor_m, home_of(recorded).alt_amsl_m or 0.0)
     wanted = _wanted(motion.time_s, recorded, commanded.alt_m)
     planned_m = reference.positions_m(motion.time_s)
     path = _path(reference, recorded, float(motion.time_s[-1]))
@@ -133,7 +133,7 @@ def reference_for(
     if tuning.feed_forward == DEFAULT_TUNING.feed_forward:
         return reference
     per_s = tuning.drag_per_s
-    drag = sitl_drag(home_of(route.covered).alt_amsl_m) if per_s is None else Drag(per_s, 0.0)
+    drag = sitl_drag(home_of(route.covered).alt_amsl_m or 0.0) if per_s is None else Drag(per_s, 0.0)
     return replace(
         reference,
         drag_lag=drag_lag(reference, drag, limits, tuning),

@@ -107,7 +107,7 @@ def home_frame(mission: Mission) -> LocalFrame:
 
 
 def _home_amsl_m(mission: Mission) -> float:
-    return mission.home.alt_amsl_m if mission.home else 0.0
+    return (mission.home.alt_amsl_m or 0.0) if mission.home else 0.0
 
 
 def _flat(frame: LocalFrame) -> FlatFrame:

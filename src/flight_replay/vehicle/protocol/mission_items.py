@@ -70,8 +70,8 @@ def item_from(message: Message) -> MissionItem:
 
 
 def home_item(home: Home) -> MissionItem:
-    """Item 0, in which ArduPilot stores its own home."""
-    position = home.lat_deg, home.lon_deg, home.alt_amsl_m
+    """Item 0, in which ArduPilot stores its own home; a height that is not known is 0."""
+    position = home.lat_deg, home.lon_deg, home.alt_amsl_m or 0.0
     return MissionItem(Command.WAYPOINT, Frame.ABSOLUTE, (0.0, 0.0, 0.0, 0.0), *position)
 
 
