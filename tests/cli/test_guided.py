@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from flight_replay.cli.main import main
-from flight_replay.mission.formats import load_mission
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
 from flight_replay.vehicle import connect
@@ -56,7 +55,7 @@ def test_a_part_is_followed_in_step(vehicle: str, folder: Path, capsys: pytest.C
 
     The bounds are for a busy machine, whose targets come late; tests/supervisor has narrower ones.
     """
-    files = ["--record", "a.tlog", "--plot", "a.png", "--report", "a.html", "--save", "a.waypoints"]
+    files = ["--record", "a.tlog", "--plot", "a.png", "--report", "a.html", "--save", "a.csv"]
     summary = summary_of(capsys, "--connect", vehicle, *PART, *LOW, "--duration", "all", *files)
     route, flight = summary["route"], summary["flight"]
     assert (route["method"], route["points"], route["items"]) == ("guided", 0, [])
@@ -74,7 +73,7 @@ def test_a_part_is_followed_in_step(vehicle: str, folder: Path, capsys: pytest.C
     assert flight["coverage"]["to_fly_all"] == []
     assert flight["not_measured"] == {}
     assert guid_timeout_s(vehicle) == 3.0
-    for file in ("a.tlog", "a.png", "a.html", "a.waypoints"):
+    for file in ("a.tlog", "a.png", "a.html", "a.csv"):
         assert (folder / file).stat().st_size > 1000
     assert b"GUID_TIMEOUT" in (folder / "a.tlog").read_bytes()
 
@@ -186,11 +185,19 @@ def test_recorded_heights_can_be_raised(capsys: pytest.CaptureFixture[str]) -> N
     assert higher["predicted"]["height_error_m"]["max"] < 0.5
 
 
-def test_the_outline_is_saved(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """--save writes a place for each second, for maps; the recorded track is beside it."""
-    planned(capsys, *PART, "--save", "outline.waypoints", "--save", "outline.kml")
-    assert len(load_mission(folder / "outline.waypoints").waypoints) == pytest.approx(35, abs=2)
-    assert (folder / "outline.kml").is_file()
+def test_what_is_followed_is_saved_without_waypoints(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """--save writes home and the recorded track, KML the line that is followed too, a place a second."""
+    names = ("a.kml", "a.gpx", "a.csv", "a.geojson")
+    planned(capsys, *PART, *(text for name in names for text in ("--save", name)))
+    kml, gpx, csv, geojson = ((folder / name).read_text(encoding="utf-8") for name in names)
+    places = re.findall("<name>(.*)</name>", kml)
+    assert places == ["Flight replay", "Mission", "Home", "Route", "Recorded track", "Recorded flight"]
+    assert len(kml.partition("<name>Route</name>")[2].partition("</coordinates>")[0].splitlines()) > 20
+    assert "<rte>" not in gpx and "<trkpt" in gpx
+    assert {line.partition(",")[0] for line in csv.splitlines()} == {"kind", "home", "track"}
+    assert {each["properties"]["kind"] for each in json.loads(geojson)["features"]} == {"home", "track"}
 
 
 @pytest.mark.parametrize(
@@ -198,6 +205,8 @@ def test_the_outline_is_saved(folder: Path, capsys: pytest.CaptureFixture[str]) 
     [
         (["--mode", "guided", "--route", "fit"], "leave out --route fit"),
         (["--mode", "guided", "--limits", "recorded"], "cannot be used with --mode guided"),
+        (["--mode", "guided", "--save", "a.kml", "--save", "a.Plan"], "--save a.Plan cannot be used with"),
+        (["--mode", "guided", "--save", "a.waypoints"], "use --route fit --speed recorded instead"),
         (["--speed", "0.5x"], "needs --mode guided"),
         (["--mode", "guided", "--speed", "0x"], "--speed"),
         (["--mode", "guided", "--max-error", "0"], "--max-error"),

@@ -33,7 +33,7 @@ def saved(folder: Path, result: ReplayResult, *names: str) -> Options:
 
 def test_after_the_flight_kml_has_what_was_flown(tmp_path: Path, result: ReplayResult) -> None:
     """At the first waypoint its clock is the recording's at the first fix; other files stay as they were."""
-    options = saved(tmp_path, result, "a.kml", "a.gpx", "a.waypoints")
+    options = saved(tmp_path, result, "a.kml", "a.gpx", "a.csv")
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert save_flown(options, result) == []
     after = {path.name: path.read_bytes() for path in tmp_path.iterdir()}

@@ -153,18 +153,24 @@ def _check_vehicle(parser: argparse.ArgumentParser, values: Mapping[str, object]
         _refuse(parser.error, values, ("gcs_open",), "is for ground stations given with --gcs")
     if not values["save"]:
         _refuse(parser.error, values, ("bare",), "is for missions saved with --save")
-    elif values["bare"]:
-        _check_bare(parser, values["save"])
+    elif values["bare"] or values["mode"] == "guided":
+        _check_saved(parser, values, values["save"])
     if not values["map"]:
         _refuse(parser.error, values, ("map_tiles",), "is for the live map and needs --map")
 
 
-def _check_bare(parser: argparse.ArgumentParser, saved: Any) -> None:
-    """Refuse ``--bare`` where no file has a take-off that it leaves out."""
+def _check_saved(parser: argparse.ArgumentParser, values: Mapping[str, object], saved: Any) -> None:
+    """Refuse ``--bare`` where no file has a take-off that it leaves out, and missions of what is none."""
     from flight_replay.mission.formats import LOADED_SUFFIXES
 
-    if not any(path.suffix.lower() in LOADED_SUFFIXES for path in saved):
+    missions = [path for path in saved if path.suffix.lower() in LOADED_SUFFIXES]
+    if values["bare"] and not missions:
         parser.error(f"--bare is for missions saved as {' or '.join(LOADED_SUFFIXES)}")
+    if values["mode"] == "guided" and missions:
+        parser.error(
+            f"--save {missions[0]} cannot be used with --mode guided: a motion that is followed is no "
+            "mission; use --route fit --speed recorded instead"
+        )
 
 
 def check_route(error: _Error, values: Mapping[str, object], words: Wording = COMMAND_LINE) -> None:

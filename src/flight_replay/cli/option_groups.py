@@ -289,8 +289,9 @@ def _add_results(group: argparse._ArgumentGroup) -> None:
         metavar="FILE",
         type=Path,
         action="append",
-        help="save the mission as .waypoints (MAVProxy, Mission Planner), .plan (QGroundControl), .kml "
-        "(Google Earth), .gpx, .geojson or .csv (repeatable)",
+        help="save the mission as .waypoints (MAVProxy, Mission Planner) or .plan (QGroundControl), and the "
+        "recorded track with it, or with --mode guided without one, as .kml (Google Earth), .gpx, .geojson "
+        "or .csv (repeatable)",
     )
     group.add_argument(
         "--bare",

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 def save_mission(options: Options, route: Route, recording: Recording) -> None:
     """Write the mission, and the recorded track where the format holds one.
 
-    What vehicles load is complete, with take-off and return, unless it is to be ``--bare``.
+    What vehicles load is complete, with take-off and return, unless it is to be ``--bare``. A motion that is
+    followed is no mission: of that there is home, and the line where the format draws one.
     """
     for path in options.save:
         _save(path, options, route, recording)
@@ -54,7 +55,11 @@ def _save(
 
     flies = path.suffix.lower() in formats.LOADED_SUFFIXES and not options.bare
     mission = standalone(route.mission, options.takeoff_altitude_m) if flies else route.mission
-    formats.save(path, mission, route.covered, recording.utc_s_of(route.covered), flown)
+    outline = None if route.reference is None else route.mission
+    if outline is not None:
+        mission = replace(outline, items=())
+    start_utc_s = recording.utc_s_of(route.covered)
+    formats.save(path, mission, route.covered, start_utc_s, flown, outline=outline)
 
 
 def _beside_recording(route: Route, flight: FlightResult) -> Track:

@@ -39,15 +39,17 @@ _READERS: dict[str, Callable[[str, str], Mission]] = {
 SAVED_SUFFIXES = tuple(_WRITERS)
 LOADED_SUFFIXES = tuple(_READERS)
 FLOWN_SUFFIXES = (".kml",)
-"""Those that hold what was flown beside what was recorded."""
+"""Those that hold what was flown, and what is followed, beside what was recorded."""
 
 
-def save(
+def save(  # noqa: PLR0913
     path: Path | str,
     mission: Mission,
     track: Track | None = None,
     start_utc_s: float | None = None,
     flown: Track | None = None,
+    *,
+    outline: Mission | None = None,
 ) -> None:
     """Write a mission, and the recorded track where the format holds one; replaces the file whole.
 
@@ -57,13 +59,14 @@ def save(
         track: The recorded track.
         start_utc_s: Unix time of the track's first fix, for formats whose times are those of the day.
         flown: What was flown, in formats of ``FLOWN_SUFFIXES``; its clock is 0 at the track's first fix.
+        outline: What is followed in GUIDED without a mission, in formats of ``FLOWN_SUFFIXES``: as a line.
 
     Raises:
         FlightReplayError: No format has this suffix, or the file cannot be written.
     """
     suffix = check_suffix(path, SAVED_SUFFIXES)
     if suffix == ".kml":
-        text = kml.text(mission, track, start_utc_s, flown)
+        text = kml.text(mission, track, start_utc_s, flown, outline)
     else:
         text = _WRITERS[suffix](mission, track, start_utc_s)
     write_atomically(path, text)

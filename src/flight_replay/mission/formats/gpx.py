@@ -30,7 +30,8 @@ def text(mission: Mission, track: Track | None = None, start_utc_s: float | None
         home = mission.home
         point = _point(root, "wpt", home.lat_deg, home.lon_deg, home.amsl_m)
         _child(point, "name", "Home")
-    _add_route(root, mission)
+    if mission.waypoints:
+        _add_route(root, mission)
     if track is not None and len(track):
         _add_track(root, track, start_utc_s)
     Xml.indent(root)

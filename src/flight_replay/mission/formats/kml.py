@@ -37,8 +37,9 @@ def text(
     track: Track | None = None,
     start_utc_s: float | None = None,
     flown: Track | None = None,
+    outline: Mission | None = None,
 ) -> str:
-    """The mission, and the recorded track and what was flown, as far as they are there.
+    """The mission, or the outline of what is followed without one, the recorded track and what was flown.
 
     Tracks are lines; with ``start_utc_s``, the Unix time of the recorded track's first fix, they are there
     once more with times (gx:Track), which Google Earth plays side by side: the clock of ``flown`` is 0 at
@@ -54,6 +55,7 @@ def text(
     folder = Xml.SubElement(document, "Folder")
     _child(folder, "name", "Mission")
     _add_mission(folder, mission)
+    _add_route(folder, outline or mission)
     if track is not None and len(track):
         mode, heights_m = _track_heights(track)
         line = np.column_stack([track.lat_deg, track.lon_deg, heights_m])
@@ -78,6 +80,9 @@ def _add_mission(folder: Xml.Element, mission: Mission) -> None:
         _add_data(pin, seq, item, speeds.get(seq))
         mode, height_m = _height(item, mission.home)
         _add_point(pin, mode, item.lat_deg, item.lon_deg, height_m)
+
+
+def _add_route(folder: Xml.Element, mission: Mission) -> None:
     line, above_sea = route_line(mission)
     if len(line) > 1:
         mode = "absolute" if above_sea else "relativeToGround"
