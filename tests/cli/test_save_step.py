@@ -5,14 +5,18 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flight_replay.cli.flight_step import FlightResult
+from flight_replay.cli.main import main
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
 from flight_replay.cli.save_step import save_flown, save_mission
+from flight_replay.logs.flights import select
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
+from flight_replay.logs.track import Armed
 from tests.helpers.made_replays import made_following, made_replay
 
 
@@ -27,7 +31,7 @@ def result(request: pytest.FixtureRequest) -> ReplayResult:
 def saved(folder: Path, result: ReplayResult, *names: str) -> Options:
     """The options of such a replay, whose missions are saved."""
     options = parse_options([text for name in names for text in ("--save", str(folder / name))])
-    save_mission(options, result.route, result.log)
+    save_mission(options, result.route, result.log, result.log.track)
     return options
 
 
@@ -35,7 +39,7 @@ def test_after_the_flight_kml_has_what_was_flown(tmp_path: Path, result: ReplayR
     """At the first waypoint its clock is the recording's at the first fix; other files stay as they were."""
     options = saved(tmp_path, result, "a.kml", "a.gpx", "a.csv")
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    assert save_flown(options, result) == []
+    assert save_flown(options, result, result.log.track) == []
     after = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert [name for name in before if after[name] != before[name]] == ["a.kml"]
     page = after["a.kml"].decode()
@@ -49,11 +53,42 @@ def test_after_the_flight_kml_has_what_was_flown(tmp_path: Path, result: ReplayR
     assert begun == pytest.approx(1_700_000_000.0 + late_s, abs=0.001)
 
 
+def test_what_was_flown_waits_where_the_recording_was_on_the_ground(
+    tmp_path: Path, result: ReplayResult
+) -> None:
+    """The replay goes on from flight to flight; beside the recording it stands still in between."""
+    recorded, flight = result.log.track, result.flight
+    assert flight is not None and flight.outcome.first_waypoint_s is not None
+    armed = np.full(len(recorded), Armed.YES, np.int8)
+    armed[[0, 1, 200, 201]] = Armed.NO
+    late_s = np.where(np.arange(len(recorded)) > 200, 600.0, 0.0)
+    track = replace(recorded, armed=armed, time_s=recorded.time_s + late_s)
+    made = replace(result, log=replace(result.log, track=track))
+    options = saved(tmp_path, made, "a.kml")
+    assert save_flown(options, made, track) == []
+    flown = (tmp_path / "a.kml").read_text(encoding="utf-8").rpartition("<name>Flown by flight-replay</name>")
+    whens = re.findall("<when>(.*)Z</when>", flown[2])
+    times_s = np.array([datetime.fromisoformat(when + "+00:00").timestamp() for when in whens])
+    own_s = flight.record.flown.time_s - flight.outcome.first_waypoint_s
+    apart_s = times_s - 1_700_000_000.0 - own_s
+    assert apart_s[0] == pytest.approx(track.time_s[2] - track.time_s[0], abs=0.002)
+    assert apart_s[-1] == pytest.approx(apart_s[0] + 600.0, abs=2.0)
+
+
+def test_all_that_was_recorded_is_saved(tmp_path: Path) -> None:
+    """A route covers a part of it; a replay of the file is one of all that was selected."""
+    path = tmp_path / "a.csv"
+    argv = ["--tlog", str(sample_log()), "--from", "20", "--dry-run", "-q", "--save", str(path)]
+    assert main(argv) == 0
+    recorded = select(read_log(sample_log()).track, from_s=20.0)
+    assert len(read_log(path).track) == len(recorded) > 2000
+
+
 def test_a_plan_that_was_not_flown_stays_as_it_is(tmp_path: Path, result: ReplayResult) -> None:
     """Nothing is written twice."""
     options = saved(tmp_path, result, "a.kml")
     (tmp_path / "a.kml").unlink()
-    assert save_flown(options, replace(result, flight=None)) == []
+    assert save_flown(options, replace(result, flight=None), result.log.track) == []
     assert not (tmp_path / "a.kml").exists()
 
 
@@ -64,6 +99,6 @@ def test_a_file_that_cannot_be_written_after_the_flight_is_told(tmp_path: Path, 
     options = saved(tmp_path, result, "gone/a.kml", "b.kml")
     (folder / "a.kml").unlink()
     folder.rmdir()
-    (problem,) = save_flown(options, result)
+    (problem,) = save_flown(options, result, result.log.track)
     assert "a.kml" in problem
     assert "Flown by" in (tmp_path / "b.kml").read_text(encoding="utf-8")

@@ -117,7 +117,7 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
         def plan(limits: VehicleLimits) -> Route:
             """The route for a vehicle, saved, and on the live map until the results are written."""
             route = planner.route(limits)
-            save_step.save_mission(options, route, recording)
+            save_step.save_mission(options, route, recording, track)
             relay.target = stack.enter_context(with_live_map(options, route, console, relay.target))
             return route
 
@@ -125,7 +125,7 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
         result = ReplayResult(recording, flights, route, flight)
         output_step.print_result(options, result, console, arguments)
         problems = [] if flight is None else [flight.record.problem]
-        problems += save_step.save_flown(options, result)
+        problems += save_step.save_flown(options, result, track)
         problems += output_step.save_charts(options, result, event_log.entries, arguments)
     return "; ".join(filter(None, problems)) or None
 
