@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from flight_replay.events import Event
+from flight_replay.events import (
+    Climbing,
+    Event,
+    Notice,
+    ReturnCommanded,
+    TargetAltitudeReached,
+    VehicleState,
+)
 from flight_replay.supervisor import FollowPlan, Plan, fly
 from flight_replay.supervisor.vehicle_interface import Vehicle
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
@@ -159,3 +166,45 @@ def test_a_request_that_fails_is_sent_again(fault: type[BaseException]) -> None:
     with pytest.raises(fault):
         fly(vehicle, clock, Plan(mission=route(POINTS), duration_s=5.0))
     assert vehicle.mode == "RTL"
+
+
+@pytest.mark.parametrize("way", PLANS)
+@pytest.mark.parametrize("since", [Climbing, TargetAltitudeReached, VehicleState, ReturnCommanded])
+@pytest.mark.parametrize("fault", [OSError, KeyboardInterrupt, SystemExit, GeneratorExit])
+def test_a_listener_that_raises_for_ever_does_not_hold_rtl_back(
+    fault: type[BaseException], since: type[Event], way: str
+) -> None:
+    """From the first event of a kind on: in the climb, above, armed or being armed, and on the way home."""
+    vehicle = FakeVehicle(FakeClock(), points=POINTS)
+    raises = False
+
+    def listen(event: Event) -> None:
+        nonlocal raises
+        raises = raises or (isinstance(event, since) and "arm" in vehicle.requested)
+        if raises:
+            raise fault("injected")
+
+    with nullcontext() if issubclass(fault, Exception) else pytest.raises(fault):
+        fly(vehicle, vehicle.clock, PLANS[way], listen)
+    assert_sent_home(vehicle, since)
+    assert raises
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt, SystemExit])
+def test_a_listener_that_raises_when_an_error_is_told_does_not_hold_rtl_back(
+    fault: type[BaseException],
+) -> None:
+    """As Ctrl-C does that comes then: the vehicle is on its way home before it ends the program."""
+    clock = FakeClock()
+    vehicle = FakeVehicle(clock, points=POINTS, refuse_mode=frozenset({"AUTO"}))
+    told: list[Event] = []
+
+    def listen(event: Event) -> None:
+        told.append(event)
+        if isinstance(event, Notice):
+            raise fault("injected")
+
+    with pytest.raises(fault):
+        fly(vehicle, clock, MISSION, listen)
+    assert vehicle.requested[-2:] == ["AUTO", "RTL"]
+    assert told[-1] == ReturnCommanded(True)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from flight_replay.events import Listener, Notice, VehicleState, combine_listeners, ignore
+from flight_replay.events import Event, Listener, Notice, VehicleState, combine_listeners, ignore
 from flight_replay.exceptions import VehicleError
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
@@ -73,42 +73,63 @@ def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
     except BaseException as error:
         ended = error.ended if isinstance(error, FlightEnded) else ""
         if ended not in _TAKEN_OVER and monitor.may_be_armed:
-            if isinstance(error, FlightEnded | VehicleError):
-                monitor.emit(Notice(str(error), warning=True))
-            _rtl_unless_left(monitor)
+            _rtl_despite_errors(monitor, error)
         if isinstance(error, FlightEnded):
             raise VehicleError(error.problem) from error
         raise
 
 
-def _rtl_unless_left(monitor: VehicleMonitor) -> None:
-    """Command RTL, but not of a vehicle that was in RTL when a pilot or a failsafe chose another mode."""
-    if monitor.rtl_confirmed and monitor.mode != "RTL":
-        monitor.emit(Notice(flight_ended.not_rtl(monitor.mode), warning=True))
-    else:
-        _rtl_despite_errors(monitor)
+class _Undisturbed:
+    """A listener that raises nothing, not even to end the program; ``raised`` is what it would have first."""
+
+    def __init__(self, listener: Listener) -> None:
+        self._listener = listener
+        self.raised: BaseException | None = None
+
+    def __call__(self, event: Event) -> None:
+        """Pass an event on."""
+        try:
+            self._listener(event)
+        except BaseException as error:
+            self.raised = error if self.raised is None else self.raised
 
 
-def _rtl_despite_errors(monitor: VehicleMonitor) -> None:
-    """Command RTL; an exception on the way, Ctrl-C included, starts the command again, not the next step.
+def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
+    """Command RTL after an error, which is told first if it is one of the flight.
 
-    ``FlightEnded`` does end it: somebody else took over, or the link is gone.
+    An exception on the way, Ctrl-C included, starts the command again, not the next step; what the
+    listener raises waits until RTL is confirmed. ``FlightEnded`` does end it: somebody else took over,
+    or the link is gone.
     """
     interrupt: BaseException | None = None
     began_wall_s: float | None = None
+    monitor.emit = listener = _Undisturbed(monitor.emit)
+    told = not isinstance(error, FlightEnded | VehicleError)
     for _ in range(_RTL_ATTEMPTS):
         try:
+            if not told:
+                told = True
+                monitor.emit(Notice(str(error), warning=True))
             began_wall_s = monitor.wall_s if began_wall_s is None else began_wall_s
-            command_rtl(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - began_wall_s))
+            _rtl_unless_left(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - began_wall_s))
             break
         except FlightEnded:
             break
         except Exception:
             _log.exception("RTL is commanded again after an error")
-        except BaseException as error:
-            interrupt = error
+        except BaseException as stop:
+            interrupt = stop
+    interrupt = interrupt or listener.raised
     if interrupt is not None:
         raise interrupt
+
+
+def _rtl_unless_left(monitor: VehicleMonitor, limit_wall_s: float) -> None:
+    """Command RTL, but not of a vehicle that was in RTL when a pilot or a failsafe chose another mode."""
+    if monitor.rtl_confirmed and monitor.mode != "RTL":
+        monitor.emit(Notice(flight_ended.not_rtl(monitor.mode), warning=True))
+    else:
+        command_rtl(monitor, limit_wall_s)
 
 
 def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan) -> FlightRecord:
