@@ -156,19 +156,6 @@ def test_the_time_of_disarming_is_the_next_vehicle_time() -> None:
     assert modes.disarmed_at_s is None
 
 
-def test_the_duration_starts_with_the_first_unexpected_heartbeat() -> None:
-    """It is 0 while none is, and starts anew after an expected one."""
-    unexpected = UnexpectedHeartbeats()
-    assert unexpected.duration_s(50.0) == 0.0
-    unexpected.heartbeat(True, 100.0)
-    unexpected.heartbeat(True, 101.0)
-    assert unexpected.duration_s(101.5) == 1.5
-    unexpected.heartbeat(False, 102.0)
-    assert unexpected.duration_s(103.0) == 0.0
-    unexpected.heartbeat(True, 104.0)
-    assert unexpected.duration_s(105.0) == 1.0
-
-
 def test_a_new_unexpected_heartbeat_starts_without_a_clock() -> None:
     """The clock has to advance again after each first one."""
     unexpected = UnexpectedHeartbeats()

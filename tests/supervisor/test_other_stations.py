@@ -9,9 +9,10 @@ import pytest
 
 from flight_replay import events
 from flight_replay.exceptions import VehicleError
+from flight_replay.supervisor import fly
 from flight_replay.supervisor.vehicle_interface import Heartbeat, Rebooted, Report, Request, RequestLost
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
-from tests.helpers.supervised import fake_flight
+from tests.helpers.supervised import FakeFlight, fake_flight, fake_following
 
 
 def test_an_armed_vehicle_is_left_alone() -> None:
@@ -379,3 +380,97 @@ def test_a_failsafe_may_choose_a_pilots_mode(text: str, ended: str, words: str) 
     assert words in (record.problem or "")
     assert ("take control" in (record.problem or "")) is (ended == "failsafe")
     assert "RTL" not in vehicle.requested
+
+
+@pytest.mark.parametrize(("modes", "text"), [(("RTL",), ""), (("RTL", "LAND"), "RTL became LAND: ")])
+def test_ctrl_c_on_a_failsafes_way_home_commands_nothing(modes: tuple[str, ...], text: str) -> None:
+    """With --land, after the program has said that it sends no more commands."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def failsafe(mode: str) -> None:
+        vehicle.send_text(f"Battery Failsafe: changed to {mode} Mode")
+        vehicle.mode = mode
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    for number, mode in enumerate(modes):
+        vehicle.schedule.append((30.0 + 3.0 * number, lambda mode=mode: failsafe(mode)))  # type: ignore[misc]
+    vehicle.schedule.append((38.0, interrupt))
+    flight = fake_flight(vehicle, land=True)
+    with pytest.raises(KeyboardInterrupt):
+        flight.fly()
+    assert (vehicle.requested[-1], vehicle.mode) == ("AUTO", modes[-1])
+    told = [notice.text for notice in flight.of(events.Notice)]
+    assert told[-1].startswith(f"no RTL is commanded: somebody else chose the mode, which is {modes[-1]};")
+    assert any(each.startswith(text) for each in told)
+    assert flight.of(events.ReturnCommanded) == []
+
+
+def test_a_listener_that_ends_the_program_does_not_overrule_a_pilot() -> None:
+    """As Ctrl-C does that comes while it is told that the pilot took over."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    vehicle.schedule.append((30.0, lambda: setattr(vehicle, "mode", "LOITER")))
+
+    def listen(event: events.Event) -> None:
+        if isinstance(event, events.Notice):
+            vehicle.silent = True
+            raise KeyboardInterrupt
+
+    flight = fake_flight(vehicle)
+    with pytest.raises(KeyboardInterrupt):
+        fly(vehicle, vehicle.clock, flight.plan, listen)
+    assert (vehicle.requested[-1], vehicle.mode) == ("AUTO", "LOITER")
+
+
+def one_heartbeat_then_silence(vehicle: FakeVehicle, when_s: float) -> None:
+    """A pilot takes over, which one heartbeat tells; from then on the vehicle hears, and is not heard."""
+
+    def take() -> None:
+        vehicle.mode = "LOITER"
+        vehicle.queue.append(Heartbeat("LOITER", True))
+
+    vehicle.schedule += [(when_s, take), (when_s + 0.15, lambda: setattr(vehicle, "silent", True))]
+
+
+@pytest.mark.parametrize("fake", [fake_flight, fake_following])
+def test_a_pilot_whom_one_heartbeat_shows_before_the_link_is_lost_keeps_control(
+    fake: Callable[..., FakeFlight],
+) -> None:
+    """Nothing that was heard contradicts it, and the problem names the mode."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    one_heartbeat_then_silence(vehicle, 40.0)
+    flight = fake(vehicle)
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("link lost", False)
+    assert "last heartbeat showed LOITER, which somebody else chose" in (record.problem or "")
+    assert "RTL" not in vehicle.requested
+    assert flight.of(events.ReturnCommanded) == []
+
+
+def test_a_pilot_whom_one_heartbeat_shows_in_the_climb_keeps_control() -> None:
+    """Before AUTO it is an error."""
+    vehicle = FakeVehicle(FakeClock())
+    one_heartbeat_then_silence(vehicle, 10.5)
+    with pytest.raises(VehicleError, match="last heartbeat showed LOITER"):
+        fake_flight(vehicle).fly()
+    assert "RTL" not in vehicle.requested
+
+
+@pytest.mark.parametrize("mode", ["LOITER", "AUTO"])
+def test_ctrl_c_in_a_silence_leaves_the_pilot_in_control_until_a_heartbeat_tells(mode: str) -> None:
+    """The one that showed the pilot's mode may have been an old one: then RTL is requested."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    one_heartbeat_then_silence(vehicle, 30.0)
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    def heard_again() -> None:
+        assert "RTL" not in vehicle.requested
+        vehicle.mode, vehicle.silent = mode, False
+
+    vehicle.schedule += [(36.0, interrupt), (42.0, heard_again)]
+    with pytest.raises(KeyboardInterrupt):
+        fake_flight(vehicle).fly()
+    assert vehicle.mode == ("LOITER" if mode == "LOITER" else "RTL")

@@ -12,11 +12,19 @@ class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AU
         self.problem = problem
 
 
-def link_lost(silence: str) -> FlightEnded:
-    """No data came from the vehicle until the deadline; ``silence`` says for how long."""
+def link_lost(silence: str, chosen_mode: str | None = None) -> FlightEnded:
+    """No data came from the vehicle until the deadline; ``silence`` says for how long.
+
+    ``chosen_mode`` is that of the last heartbeat if somebody else chose it.
+    """
+    now = "its own failsafe takes over"
+    if chosen_mode:
+        now = (
+            f"its last heartbeat showed {chosen_mode}, which somebody else chose, "
+            "and flight-replay sends no more commands"
+        )
     return FlightEnded(
-        "link lost",
-        f"link to the vehicle lost: {silence}; its own failsafe takes over: watch it, and check the link",
+        "link lost", f"link to the vehicle lost: {silence}; {now}: watch it, and check the link"
     )
 
 
@@ -44,6 +52,14 @@ def not_rtl(mode: str | None) -> str:
     return (
         f"RTL became {mode}: the pilot, another ground station or a failsafe changed it; "
         "flight-replay sends no more commands: watch the vehicle until it has landed"
+    )
+
+
+def left_alone(mode: str | None) -> str:
+    """Told instead of RTL, after an error or Ctrl-C, when somebody else has the vehicle."""
+    return (
+        f"no RTL is commanded: somebody else chose the mode, which is {mode}; "
+        "watch the vehicle until it has landed"
     )
 
 

@@ -25,7 +25,7 @@ _log = logging.getLogger(__name__)
 
 _RTL_ATTEMPTS = 10
 _TAKEN_OVER = frozenset({"pilot", "failsafe"})
-"""``FlightRecord.ended`` where a pilot or failsafe has control: no more commands are sent."""
+"""``FlightRecord.ended`` where a pilot or failsafe has control."""
 _NO_RTL = frozenset({"link lost", "reboot", "disarmed"})
 """Where nobody wonders that RTL is not confirmed."""
 _FALLEN = frozenset({"reboot", "disarmed"})
@@ -43,10 +43,10 @@ def fly(
 
     Once arming was requested, every way out (an error, Ctrl-C, a ``SystemExit`` raised on SIGTERM)
     commands RTL first and emits whether the vehicle confirmed it; only a pilot or a failsafe that
-    changed the mode is not overruled, nor one that changed it after RTL was confirmed. The caller emits
-    ``Finished``, after closing the vehicle. A flight that reached AUTO, or the recording's begin,
-    returns its record even if it ended early: see ``FlightRecord.problem``. ``confirm_arming`` is
-    called before each request to arm.
+    changed the mode is not overruled, nor one that changed it after RTL was confirmed, nor one whose
+    mode was the last heard before the link was lost. The caller emits ``Finished``, after closing the
+    vehicle. A flight that reached AUTO, or the recording's begin, returns its record even if it ended
+    early: see ``FlightRecord.problem``. ``confirm_arming`` is called before each request to arm.
 
     Raises:
         PhaseTimeoutError: A phase before that timed out; the message has the vehicle's own reason.
@@ -71,8 +71,8 @@ def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
     try:
         yield
     except BaseException as error:
-        ended = error.ended if isinstance(error, FlightEnded) else ""
-        if ended not in _TAKEN_OVER and monitor.may_be_armed:
+        is_left = isinstance(error, FlightEnded) and monitor.taken_over
+        if monitor.may_be_armed and not is_left:
             _rtl_despite_errors(monitor, error)
         if isinstance(error, FlightEnded):
             raise VehicleError(error.problem) from error
@@ -125,8 +125,10 @@ def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
 
 
 def _rtl_unless_left(monitor: VehicleMonitor, limit_wall_s: float) -> None:
-    """Command RTL, but not of a vehicle that was in RTL when a pilot or a failsafe chose another mode."""
-    if monitor.rtl_confirmed and monitor.mode != "RTL":
+    """Command RTL, but not of a vehicle that a pilot or a failsafe has taken over, from RTL too."""
+    if monitor.taken_over:
+        monitor.emit(Notice(flight_ended.left_alone(monitor.mode), warning=True))
+    elif monitor.rtl_confirmed and monitor.mode != "RTL":
         monitor.emit(Notice(flight_ended.not_rtl(monitor.mode), warning=True))
     else:
         command_rtl(monitor, limit_wall_s)
@@ -143,8 +145,8 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
         monitor.emit(Notice(problem, warning=True))
     problem = _both(problem, "; ".join(monitor.progress.jumps) or None)
     end_s, flown = monitor.time_s, tuple(monitor.flown)
-    confirmed = monitor.mode == "RTL"
-    if ended not in _TAKEN_OVER:
+    confirmed = monitor.mode == "RTL" and ended in _TAKEN_OVER
+    if not monitor.taken_over:
         confirmed, rtl_problem = _return(monitor)
         if ended == "off course" and monitor.armed is False:
             # It fell before a heartbeat told why.
@@ -183,7 +185,7 @@ def _return(monitor: VehicleMonitor) -> tuple[bool, str | None]:
     try:
         confirmed = monitor.may_be_armed and command_rtl(monitor, monitor.deadlines.give_up_wall_s)
     except FlightEnded as end:
-        if end.ended in _TAKEN_OVER:
+        if monitor.taken_over:
             return False, end.problem
         confirmed = False
     if confirmed:

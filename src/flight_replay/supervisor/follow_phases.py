@@ -139,6 +139,7 @@ def _wait_for_verdict(monitor: VehicleMonitor) -> None:
     mode, deadline = monitor.mode, Deadline(monitor, monitor.deadlines.mode_s)
     while monitor.unexpected_mode and not deadline.passed:
         monitor.step()
+    monitor.taken_over = True
     raise flight_ended.pilot(mode)
 
 

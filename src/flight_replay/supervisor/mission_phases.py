@@ -26,7 +26,6 @@ _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
 _ASTRAY_M, _LOST_M = 10.0, 400.0
 """So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
-_DOUBT_WALL_S = 2.0  # An unexpected mode that no heartbeat repeats for so long does not hold RTL back.
 _AT_REST_S = 1.5  # ArduCopter's land detector waits 1 s, and the motors spin down, before it disarms.
 _SANK_M = 1.5  # The pressure, and so the height, changes when motors stop; a fall is longer.
 _DESCENT_M_S = 2.5  # RTL and LAND descend more slowly by default.
@@ -135,7 +134,7 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     try:
         while not monitor.modes.changed and monitor.wall_s - began_wall_s < limit_wall_s:
             retry_s = _RETRY_S if monitor.requests.accepted(Request.MODE) else 0.0
-            if not _mode_in_doubt(monitor) and retry.due(retry_s):
+            if not monitor.mode_in_doubt and retry.due(retry_s):
                 monitor.vehicle.request_mode("RTL")
             monitor.step()
     except FlightEnded:
@@ -144,11 +143,6 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     monitor.rtl_confirmed = monitor.modes.changed
     monitor.emit(ReturnCommanded(monitor.rtl_confirmed))
     return monitor.rtl_confirmed
-
-
-def _mode_in_doubt(monitor: VehicleMonitor) -> bool:
-    """Whether a heartbeat showed an unexpected mode just now, and the next one may confirm it."""
-    return monitor.unexpected_mode and monitor.modes.unexpected.duration_s(monitor.wall_s) < _DOUBT_WALL_S
 
 
 def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
@@ -164,7 +158,7 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     before, began_m = monitor.state, monitor.from_home_m
     while not monitor.certainly_disarmed:
         if monitor.mode == "LAND" and not told:
-            told = True
+            told = monitor.taken_over = True
             monitor.emit(Notice(flight_ended.not_rtl("LAND"), warning=True))
         if monitor.from_home_m > began_m + _LOST_M:
             raise _driven_away(monitor)

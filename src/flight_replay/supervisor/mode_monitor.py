@@ -45,10 +45,6 @@ class UnexpectedHeartbeats:
         """What was unexpected is expected from now on."""
         self.count = 0
 
-    def duration_s(self, wall_s: float) -> float:
-        """How long they have lasted, in wall-clock time."""
-        return wall_s - self._since_wall_s if self.count else 0.0
-
     def reboot_excluded(self, wall_s: float) -> bool:
         """Whether a reboot cannot be their cause."""
         return self._clock_advanced or wall_s - self._since_wall_s > _NO_CLOCK_WALL_S

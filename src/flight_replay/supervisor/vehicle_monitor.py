@@ -40,6 +40,7 @@ _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
 _NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
 _NO_POSITION_WALL_S = 5.0  # A fast simulator sends ten in no time, and a link asks for positions anew.
+_DOUBT_S = 2.0  # An unexpected mode that no heartbeat repeats for so long does not hold RTL back.
 _REASON_VALID_S = 10.0  # An older status text (vehicle time) does not explain a new mode.
 
 ConfirmArming = Callable[[Callable[[], VehicleState]], bool]
@@ -78,12 +79,15 @@ class VehicleMonitor:
         self._home: VehicleState | None = None
         self.link_up_s = 0.0
         """Seconds of vehicle time that passed while the link was up: the time that deadlines count."""
+        self._unexpected_s = 0.0
         self.auto_start_s: float | None = None
         self._recording = False
         self.requests = RequestTracker()
         self.arm_requested = self.was_armed = False
         self.rtl_confirmed = False
         """Whether the vehicle has confirmed an RTL that was commanded: any mode since is somebody else's."""
+        self.taken_over = False
+        """Whether somebody else has the vehicle, or had it when last heard: nothing more is commanded."""
         self.reason = ""
         self._failsafe_text, self._failsafe_s = "", 0.0
 
@@ -137,6 +141,14 @@ class VehicleMonitor:
     def unexpected_mode(self) -> bool:
         """Whether the latest heartbeat shows a mode that is not expected."""
         return self.modes.unexpected.count > 0
+
+    @property
+    def mode_in_doubt(self) -> bool:
+        """Whether that was just now, and the next heartbeat may confirm it.
+
+        Time without data does not count: nothing was heard that would contradict it.
+        """
+        return self.unexpected_mode and self.link_up_s - self._unexpected_s < _DOUBT_S
 
     @property
     def caught_up(self) -> bool:
@@ -193,7 +205,8 @@ class VehicleMonitor:
         if self._backlog:
             self._process_next()
         if not self._backlog and self._link.check(self.emit):
-            raise flight_ended.link_lost(self.silence)
+            self.taken_over = self.taken_over or self.unexpected_mode
+            raise flight_ended.link_lost(self.silence, self.mode if self.unexpected_mode else None)
 
     def catch_up(self) -> None:
         """Process all reports that have arrived.
@@ -216,6 +229,7 @@ class VehicleMonitor:
         self._process(self._backlog.popleft())
         reason = self._failsafe_text if self.time_s - self._failsafe_s <= _REASON_VALID_S else ""
         if self.modes.taken_over(self.wall_s, explained=bool(reason)):
+            self.taken_over = True
             if self.modes.is_failsafe or self._is_named(reason):
                 raise flight_ended.failsafe(self.mode, reason)
             raise flight_ended.pilot(self.mode)
@@ -238,6 +252,8 @@ class VehicleMonitor:
         self.armed_state = self.state if heartbeat.armed else self.armed_state
         self.was_armed = self.was_armed or (self.arm_requested and heartbeat.armed)
         self.modes.heartbeat(heartbeat.mode, heartbeat.armed, self.wall_s)
+        if self.modes.unexpected.count == 1:
+            self._unexpected_s = self.link_up_s
         self.requests.heartbeat()
         if heartbeat.mode == "AUTO":
             self._auto_entered()
