@@ -16,8 +16,9 @@ def pytest_configure() -> None:
     """Signals work: in the background of a shell or under nohup, tests and programs would ignore them."""
     settings.load_profile("repeatable")
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    if hasattr(signal, "SIGHUP"):
-        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    for name in ("SIGHUP", "SIGQUIT", "SIGTSTP", "SIGTTOU"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
 
 
 @pytest.fixture

@@ -14,9 +14,11 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 
 INTERRUPTED_STATUS = 130
-"""Exit status after Ctrl-C, SIGTERM, or a terminal that was closed."""
+"""Exit status after any of the signals below, such as Ctrl-C, SIGTERM, or a terminal that was closed."""
 TERMINATION_SIGNALS = tuple(
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")
+    if hasattr(signal, name)
 )
 """The signals that ask a program to end, as far as this system has them."""
 _STDERR = 2
@@ -46,7 +48,7 @@ def exit_at_once(message: str) -> None:
 
 @contextmanager
 def as_keyboard_interrupt(*, exits: bool = True) -> Iterator[None]:
-    """Raise KeyboardInterrupt on SIGTERM and SIGHUP too, so that they return the vehicle as Ctrl-C does.
+    """Raise KeyboardInterrupt on all termination signals, so that they return the vehicle as Ctrl-C does.
 
     Further signals are ignored for some seconds: they must not keep RTL from being commanded. A signal
     that was ignored before (``nohup``) still is. Outside the main thread, signals are as they were.
@@ -74,6 +76,30 @@ def as_keyboard_interrupt(*, exits: bool = True) -> Iterator[None]:
         if not exits or math.isinf(interrupts.interrupted_s):
             for number, handler in before.items():
                 signal.signal(number, handler)
+
+
+@contextmanager
+def not_stopped() -> Iterator[None]:
+    """While a vehicle is flown, let Ctrl-Z do what Ctrl-C does: a program that is stopped cannot watch it.
+
+    Nor does output to a terminal that is another program's by now (SIGTTOU) stop it; only before the
+    vehicle is armed is something read there. A signal that was ignored before still is.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    wanted = {"SIGTSTP": signal.getsignal(signal.SIGINT), "SIGTTOU": signal.SIG_IGN}
+    numbers = {getattr(signal, name): handler for name, handler in wanted.items() if hasattr(signal, name)}
+    before = {
+        number: signal.signal(number, handler)
+        for number, handler in numbers.items()
+        if signal.getsignal(number) is not signal.SIG_IGN
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 class _Interrupts:

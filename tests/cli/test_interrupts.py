@@ -142,9 +142,11 @@ def test_an_ignored_signal_stays_ignored(scratch: Path) -> None:
     assert "Completed..." in output
 
 
-def test_sigterm_commands_rtl(scratch: Path) -> None:
-    """As Ctrl-C does."""
-    status, output = interrupted(["--sim", "builtin"], "Starting mission", scratch, signal.SIGTERM)
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGQUIT", "SIGTSTP"])
+def test_other_signals_command_rtl(name: str, scratch: Path) -> None:
+    """What other keys of a terminal send does what Ctrl-C does, and so does SIGTERM."""
+    number = getattr(signal, name)
+    status, output = interrupted(["--sim", "builtin"], "Starting mission", scratch, number)
     assert status == 130
     assert "The vehicle confirmed RTL" in output
 
@@ -170,7 +172,7 @@ def shadowed(folder: Path, module: str, code: str, *options: str) -> subprocess.
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
 @pytest.mark.parametrize("module", ["argparse", "numpy"])
 def test_a_signal_during_the_imports_is_one_line(tmp_path: Path, module: str, number: str) -> None:
     """Status 130, and no traceback of what was being imported."""
@@ -194,7 +196,7 @@ def test_a_signal_during_the_imports_ends_at_once_whatever_stderr_does(tmp_path:
             process.kill()
 
 
-@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
 def test_a_signal_while_the_interpreter_exits_changes_nothing(tmp_path: Path, number: str) -> None:
     """All is done by then, and stays a success."""
     code = f"""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flight_replay import supervisor
+from flight_replay import signals, supervisor
 from flight_replay.cli import vehicle_step
 from flight_replay.cli.consent import ArmingConsent
 from flight_replay.cli.kept_parameters import tell_of_changed_parameters
@@ -89,7 +89,7 @@ def _flown(
     confirm: ArmingConsent | None,
 ) -> FlightRecord:
     """The record of the flight, even if a parameter cannot be put back after it."""
-    with ExitStack() as changed:
+    with signals.not_stopped(), ExitStack() as changed:
         route.prepare(connected, connection, changed, listener)
         record = supervisor.fly(connected, WallClock(), route.plan(connected.identity), listener, confirm)
         try:

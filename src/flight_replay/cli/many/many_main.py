@@ -125,7 +125,7 @@ def _replay_all(options: ManyOptions, files: Sequence[LogFile], store: ResultSto
 
 
 def _interrupt_on_termination() -> None:
-    """Raise KeyboardInterrupt on SIGTERM and SIGHUP too; what is ignored (``nohup``) still is."""
+    """Raise KeyboardInterrupt on all termination signals; what is ignored (``nohup``) still is."""
 
     def interrupt(_signal: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
