@@ -10,12 +10,14 @@ import pytest
 from flight_replay import events
 from flight_replay.events import DistanceToWaypoint, Phase, VehicleState, Waiting
 from flight_replay.mission.items import Mission, change_speed, waypoint
-from flight_replay.supervisor import Deadlines, Plan
+from flight_replay.supervisor import Deadlines, FlightRecord, Plan
 from flight_replay.supervisor.mission_phases import distance_to_item_m
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
     MissionCurrent,
+    MissionItemReached,
     Rebooted,
+    Report,
     Request,
     RequestAck,
 )
@@ -71,6 +73,52 @@ def test_a_vehicle_that_is_driven_away_is_sent_home() -> None:
     assert flight.wall_s < 400.0
     waits = [event.reason for event in flight.of(Waiting) if event.phase is Phase.RETURN]
     assert waits[-1].endswith(" m above home, 523 m away")
+
+
+def flown_without_the_last_report(vehicle: FakeVehicle, mission: Mission) -> FlightRecord:
+    """The whole of a mission, on firmware that does not tell that it is complete; one packet is lost."""
+    reports = vehicle.reports
+
+    def received(timeout_s: float) -> list[Report]:
+        return [
+            MissionCurrent(report.seq) if isinstance(report, MissionCurrent) else report
+            for report in reports(timeout_s)
+            if report != MissionItemReached(vehicle.points)
+        ]
+
+    vehicle.reports = received  # type: ignore[method-assign]
+    flight = fake_flight(vehicle, duration_s=None)
+    flight.fly_instead(mission)
+    return flight.fly()
+
+
+@pytest.mark.parametrize("hold_s", [0.0, 40.0])
+def test_a_mission_is_complete_though_the_report_of_its_last_item_is_lost(hold_s: float) -> None:
+    """The vehicle rests at the last waypoint, for longer than it has to hold there."""
+    items = (*route(4).items, waypoint(47.0 + 9e-5 * 5, 8.0, 30.0, hold_s=hold_s))
+    record = flown_without_the_last_report(FakeVehicle(FakeClock(), points=5), Mission(items))
+    assert (record.ended, record.problem, record.waypoints_reached) == ("mission complete", None, 5)
+    assert record.auto_s == pytest.approx(20.0 + hold_s + 10.0, abs=2.0)
+
+
+@pytest.mark.parametrize(
+    ("rests_at_s", "alt_m"),
+    [(7.9, 30.0), (18.0, 30.0), (20.0, 40.0)],
+    ids=["where the last waypoint is, flying to another", "5 m before it", "10 m below it"],
+)
+def test_a_rest_elsewhere_does_not_complete_a_mission(rests_at_s: float, alt_m: float) -> None:
+    """The vehicle stops so many seconds after AUTO began; the last waypoint may be where another is."""
+    vehicle = FakeVehicle(FakeClock(), points=5)
+    move = vehicle._move
+
+    def stop(step_s: float) -> None:
+        move(step_s)
+        vehicle.auto_s = min(vehicle.auto_s, rests_at_s)
+
+    vehicle._move = stop  # type: ignore[method-assign]
+    last = waypoint(47.0 + 9e-5 * (2 if rests_at_s < 10.0 else 5), 8.0, alt_m)
+    record = flown_without_the_last_report(vehicle, Mission((*route(4).items, last)))
+    assert (record.ended, record.rtl_confirmed) == ("no progress", True)
 
 
 def test_a_new_item_is_progress_even_without_a_position() -> None:

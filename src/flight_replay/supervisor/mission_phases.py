@@ -25,6 +25,7 @@ from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
 _ASTRAY_M, _LOST_M = 10.0, 400.0
 """So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
+_THERE_M, _LONG_REST_S = 3.0, 10.0  # A waypoint is reached within 2 m, by default.
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _AT_REST_S = 1.5  # ArduCopter's land detector waits 1 s, and the motors spin down, before it disarms.
 _SANK_M = 1.5  # The pressure, and so the height, changes when motors stop; a fall is longer.
@@ -44,8 +45,9 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
     """
     progress = ProgressTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + _longest_wait_s(plan))
-    total, way = None, _Way()
+    total, way, rest = None, _Way(), _RestAtTheEnd(monitor, plan)
     while True:
+        rest.check()
         ended = _planned_end(monitor, plan, start_s)
         if ended and not monitor.unexpected_mode:
             return ended
@@ -94,6 +96,35 @@ class _Way:
         if ahead_m > self._nearest_m + _ASTRAY_M:
             return f"the vehicle is driven away from item {self._seq}, {ahead_m:.0f} m by now; check the wind"
         return f"the vehicle stopped on its way to item {self._seq}; find out why"
+
+
+class _RestAtTheEnd:
+    """The vehicle's rest at the last waypoint, which it flies to: a long one tells that it reached it.
+
+    Its one report of that may be lost, and not all firmware tells of missions that are complete.
+    """
+
+    def __init__(self, monitor: VehicleMonitor, plan: Plan) -> None:
+        self._monitor, self._plan = monitor, plan
+        self._last = plan.mission.waypoints[-1][1]
+        self._began: tuple[float, VehicleState] | None = None
+
+    def check(self) -> None:
+        """The last waypoint is reached if the rest has lasted longer than the hold there."""
+        now, up_s = self._monitor.state, self._monitor.link_up_s
+        if now is None or not self._is_there(now):
+            self._began = None
+            return
+        if self._began is None or _moved_m(now, self._began[1]) > _MIN_MOVE_M:
+            self._began = up_s, now
+        if up_s - self._began[0] > self._last.hold_s + _LONG_REST_S:
+            self._monitor.item_reached(self._plan.last_seq)
+
+    def _is_there(self, now: VehicleState) -> bool:
+        last = self._last
+        ahead_m = float(distance_m(now.lat_deg, now.lon_deg, last.lat_deg, last.lon_deg))
+        is_at_it = ahead_m < _THERE_M and abs(now.alt_m - last.alt_m) < _THERE_M
+        return is_at_it and self._monitor.mission.seq == self._plan.last_seq
 
 
 def _planned_end(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str | None:

@@ -317,8 +317,8 @@ class VehicleMonitor:
 
     @_process.register
     def _(self, item: MissionItemReached) -> None:
-        if not self._held_back(item) and self.state is not None:
-            self._note_reached(self.progress.reached_item(item.seq, self.state))
+        if not self._held_back(item):
+            self.item_reached(item.seq)
 
     @_process.register
     def _(self, prearm: PrearmStatus) -> None:
@@ -327,6 +327,11 @@ class VehicleMonitor:
     @_process.register
     def _(self, rebooted: Rebooted) -> None:
         raise flight_ended.rebooted()
+
+    def item_reached(self, seq: int) -> None:
+        """The vehicle told that it reached an item, or is seen to have."""
+        if self.state is not None:
+            self._note_reached(self.progress.reached_item(seq, self.state))
 
     def _note_reached(self, seqs: list[int]) -> None:
         for jump in self.progress.jumps[self._jumps_told :]:
