@@ -40,9 +40,9 @@ def test_heartbeats_in_a_row_show_who_chose_the_mode(
     assert monitor(*heartbeats).taken_over(110.0, explained=explained) is taken
 
 
-@pytest.mark.parametrize("mode", ["RTL", "SMART_RTL", "LAND", "BRAKE", "AUTO_RTL"])
+@pytest.mark.parametrize("mode", ["RTL", "SMART_RTL", "LAND", "BRAKE", "AUTO_RTL", "AVOID_ADSB"])
 def test_modes_that_a_failsafe_enters(mode: str) -> None:
-    """ArduCopter's failsafe actions."""
+    """ArduCopter's failsafe actions, and where it keeps away from another aircraft."""
     assert monitor((mode, True)).is_failsafe
 
 

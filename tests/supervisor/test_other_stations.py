@@ -92,13 +92,35 @@ def test_a_failsafe_keeps_control(mode: str, home: bool) -> None:
     assert flight.vehicle.requested[-1] == "AUTO"
 
 
-def test_rtl_without_a_reason_is_reported_as_such() -> None:
-    """RTL that was not requested and not explained: a failsafe tells why, but that may be lost."""
+@pytest.mark.parametrize("mode", ["RTL", "LAND", "BRAKE", "SMART_RTL"])
+def test_rtl_without_a_reason_is_reported_as_such(mode: str) -> None:
+    """The pilot may have chosen it; a failsafe tells why, but that may be lost."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
-    flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", "RTL")))
-    assert "RTL by the vehicle or another ground station, and no reason was given" in (
-        flight.fly().problem or ""
+    flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", mode)))
+    record = flight.fly()
+    assert (record.ended, record.problem) == (
+        "failsafe",
+        f"the mode was changed to {mode} by the pilot, a failsafe or another ground station, and no reason "
+        "was given; flight-replay sends no more commands: watch the vehicle",
     )
+
+
+def test_keeping_away_from_another_aircraft_is_the_vehicles_own_choice() -> None:
+    """Whatever failsafe texts there are, it is neither the pilot's nor a failsafe's."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def avoid() -> None:
+        vehicle.send_text("Radio Failsafe - Continuing Auto")
+        vehicle.mode = "AVOID_ADSB"
+
+    vehicle.schedule.append((30.0, avoid))
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, record.problem) == (
+        "failsafe",
+        "the vehicle changed to AVOID_ADSB by itself, to keep away from another aircraft; "
+        "flight-replay sends no more commands: watch the vehicle, it may fly on by itself",
+    )
+    assert "RTL" not in vehicle.requested
 
 
 class Stalled(FakeVehicle):

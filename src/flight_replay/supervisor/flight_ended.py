@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+_NOW = {
+    "ALT_HOLD": "take control, the vehicle drifts",
+    "AVOID_ADSB": "watch the vehicle, it may fly on by itself",
+}
+"""What a person has to do where the vehicle chose a mode."""
+
 
 class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AUTO
     """The flight cannot go on as planned: ``ended`` and ``problem`` as in ``FlightRecord``."""
@@ -40,10 +46,12 @@ def pilot(mode: str | None) -> FlightEnded:
 def failsafe(mode: str | None, reason: str) -> FlightEnded:
     """The mode is one of a failsafe; ``reason`` is the vehicle's status text, or empty."""
     what = f"the vehicle changed to {mode} by itself: {reason}"
-    if not reason:
-        who = "the vehicle or another ground station"
+    if mode == "AVOID_ADSB":
+        what = "the vehicle changed to AVOID_ADSB by itself, to keep away from another aircraft"
+    elif not reason:
+        who = "the pilot, a failsafe or another ground station"
         what = f"the mode was changed to {mode} by {who}, and no reason was given"
-    now = "take control, the vehicle drifts" if mode == "ALT_HOLD" else "watch the vehicle"
+    now = _NOW.get(mode or "", "watch the vehicle")
     return FlightEnded("failsafe", f"{what}; flight-replay sends no more commands: {now}")
 
 

@@ -14,8 +14,16 @@ _REBOOT_WALL_S = 1.5  # Reports older than this may be from before a reboot.
 _NO_CLOCK_WALL_S = 6.0  # A vehicle that sends heartbeats but no clock for so long will not send one.
 _FAILSAFE_MODES = frozenset(
     mode.name
-    for mode in (CopterMode.RTL, CopterMode.SMART_RTL, CopterMode.LAND, CopterMode.BRAKE, CopterMode.AUTO_RTL)
+    for mode in (
+        CopterMode.RTL,
+        CopterMode.SMART_RTL,
+        CopterMode.LAND,
+        CopterMode.BRAKE,
+        CopterMode.AUTO_RTL,
+        CopterMode.AVOID_ADSB,
+    )
 )
+"""The modes that the vehicle enters by itself; a pilot may choose all but the last, too."""
 
 
 class UnexpectedHeartbeats:
