@@ -20,6 +20,7 @@ import pytest
 from flight_replay import vehicle
 from flight_replay.flight_modes import CopterMode
 from flight_replay.simulator.server import launch
+from flight_replay.supervisor.vehicle_interface import Heartbeat
 from flight_replay.vehicle.following import TARGET_TIMEOUT_S
 from tests.helpers.fault_link import FOREVER_S, FaultLink, fault_link
 from tests.helpers.fault_runs import START
@@ -113,9 +114,19 @@ def test_a_signal_returns_the_vehicle_and_puts_its_parameter_back(
         assert target_timeout_s(run.link) == 3.0
 
 
+def land(link: FaultLink) -> None:
+    """Land and disarm the vehicle, in haste."""
+    with vehicle.connect(link.connection) as connected:
+        connected.set_speedup(20.0)
+        connected.request_mode("LAND")
+        heartbeats: list[object] = []
+        while Heartbeat("LAND", False) not in heartbeats:
+            heartbeats += connected.reports(1.0)
+
+
 @pytest.mark.slow
 def test_a_program_that_is_killed_leaves_a_file_that_the_next_one_tells_of(tmp_path: Path) -> None:
-    """Nothing can put the parameter back then; the command that does is shown."""
+    """Nothing can put the parameter back then; the command that does, once it has landed, is shown."""
     with program(tmp_path) as run:
         run.wait_for(FOLLOWS)
         run.process.kill()
@@ -130,7 +141,11 @@ def test_a_program_that_is_killed_leaves_a_file_that_the_next_one_tells_of(tmp_p
         )
         told = re.search(rf"GUID_TIMEOUT {TARGET_TIMEOUT_S:g} instead of 3.*run: python (.*)", again.stderr)
         assert told is not None
-        subprocess.run([sys.executable, *shlex.split(told[1])], cwd=tmp_path, check=True)
+        restore = [sys.executable, *shlex.split(told[1])]
+        assert subprocess.run(restore, cwd=tmp_path, check=False).returncode == 1
+        assert target_timeout_s(run.link) == TARGET_TIMEOUT_S
+        land(run.link)
+        subprocess.run(restore, cwd=tmp_path, check=True)
         assert target_timeout_s(run.link) == 3.0
 
 

@@ -19,6 +19,7 @@ from flight_replay.mission.items import Home, Mission, change_speed, waypoint
 from flight_replay.simulator.autopilot.faults import COPTER_3_3, Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
+from flight_replay.supervisor.vehicle_interface import Heartbeat
 
 NOW = datetime(2026, 11, 20, 23, 5, 7)
 BEFORE = Mission(
@@ -158,6 +159,31 @@ def test_parameters_are_put_back(tmp_path: Path, capsys: pytest.CaptureFixture[s
         with vehicle.connect(running.connection, speedup=10.0) as connected:
             assert connected.parameters(["GUID_TIMEOUT"]) == {"GUID_TIMEOUT": 3.0}
     assert f"Restored GUID_TIMEOUT from {path}" in capsys.readouterr().out
+
+
+def test_nothing_is_restored_on_an_armed_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It would fly off at once: a mission and parameters are left as they are, and the exit status is 1."""
+    path = save_mission_on_board(VehicleWithMission(BEFORE), tmp_path, NOW)
+    parameters = tmp_path / "before.parm"
+    parameters.write_text("WPNAV_SPEED 600\n")
+    start, stays_armed = Start(47.0, 8.0, 400.0), {"DISARM_DELAY": 0.0}
+    with launch.run(start, speedup=10.0, parameters=stays_armed) as running:
+        with vehicle.connect(running.connection, speedup=10.0) as connected:
+            while Heartbeat("GUIDED", True) not in connected.reports(1.0):
+                connected.request_mode("GUIDED")
+                connected.request_arm()
+        assert restore.main([str(path), running.connection]) == 1
+        assert restore.main([str(parameters), running.connection]) == 1
+        with vehicle.connect(running.connection, speedup=10.0) as connected:
+            assert not connected.mission_on_board().items
+            assert connected.parameters(["WPNAV_SPEED"]) == {"WPNAV_SPEED": 1000.0}
+    output = capsys.readouterr()
+    assert not output.out
+    assert output.err.splitlines() == [
+        f"flight-replay: error: the vehicle is armed, in GUIDED: {unchanged}; "
+        "land and disarm it, then run this again"
+        for unchanged in ("its mission is not replaced", "its parameters are not changed")
+    ]
 
 
 def test_parameters_that_are_not_confirmed_are_not_told_as_restored(

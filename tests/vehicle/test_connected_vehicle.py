@@ -15,10 +15,11 @@ import pytest
 from flight_replay.events import Event, Notice, Phase, PhaseStarted, Progress, Waiting
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mavlink import dialect
+from flight_replay.mission.items import Mission
 from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Firmware, old_copter
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
-from flight_replay.supervisor.vehicle_interface import Heartbeat
+from flight_replay.supervisor.vehicle_interface import Heartbeat, Report
 from flight_replay.vehicle import ConnectedVehicle, connect
 from flight_replay.vehicle import connected_vehicle as module
 from tests.helpers.fault_link import fault_link
@@ -137,6 +138,45 @@ def test_connecting_is_quick() -> None:
     done = [e.done for e in events if isinstance(e, Progress)]
     assert done[-1] == len(ROUTE.items)
     assert done == sorted(done)
+
+
+def wait_armed(vehicle: ConnectedVehicle) -> None:
+    """Arm it, as soon as its pre-arm checks pass."""
+    heard: list[Report] = []
+    while Heartbeat("GUIDED", True) not in heard:
+        vehicle.request_mode("GUIDED")
+        vehicle.request_arm()
+        heard += vehicle.reports(1.0)
+
+
+def test_an_armed_vehicle_is_not_changed() -> None:
+    """Neither its mission nor its parameters; it may be flying by them."""
+    with (
+        launch.run(START, speedup=20.0, parameters={"DISARM_DELAY": 0.0}) as running,
+        connect(running.connection, speedup=20.0, limit_s=60.0) as vehicle,
+    ):
+        vehicle.upload(ROUTE)
+        wait_armed(vehicle)
+        armed = "the vehicle is armed, in GUIDED: its {}; land and disarm it, then run this again"
+        with pytest.raises(VehicleError, match=armed.format("mission is not replaced")):
+            vehicle.upload(Mission(ROUTE.items[:3]))
+        with pytest.raises(VehicleError, match=armed.format("parameters are not changed")):
+            vehicle.set_known_parameters({"WPNAV_SPEED": 200.0})
+        with pytest.raises(VehicleError, match=armed.format("parameters are not changed")):
+            vehicle.parameters_set({"WPNAV_SPEED": 200.0})
+        assert vehicle.parameters(["WPNAV_SPEED"]) == {"WPNAV_SPEED": 1000.0}
+        assert vehicle.mission_verified()
+
+
+def test_a_vehicle_that_does_not_tell_whether_it_is_armed_is_not_changed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without a heartbeat nobody knows."""
+    monkeypatch.setattr(module, "_NO_DATA_S", 0.1)
+    monkeypatch.setattr(module, "_HEARTBEAT_AGE_S", -1.0)
+    with copter() as vehicle, pytest.raises(VehicleError, match="lost: no heartbeat for 0 s; check the link"):
+        vehicle.link.close()
+        vehicle.upload(ROUTE)
 
 
 def test_an_old_copter_is_identified_by_its_capabilities() -> None:

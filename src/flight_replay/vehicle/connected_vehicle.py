@@ -33,7 +33,7 @@ from flight_replay.vehicle.link.signing import Signing, is_readable_by_others, r
 from flight_replay.vehicle.link.vehicle_link import DroneKitLink
 from flight_replay.vehicle.protocol.commands import CommandSender
 from flight_replay.vehicle.protocol.mission_download import FENCE, MissionDownloader
-from flight_replay.vehicle.protocol.mission_storage import MissionStorage
+from flight_replay.vehicle.protocol.mission_storage import NOT_REPLACED, MissionStorage
 from flight_replay.vehicle.protocol.motion_targets import MotionTargets
 from flight_replay.vehicle.protocol.parameters import (
     limits_as_parameters,
@@ -49,6 +49,9 @@ from flight_replay.vehicle.protocol.telemetry import Telemetry
 CONNECT_LIMIT_S = 30.0
 _PROGRESS_S = 1.0
 _NO_DATA_S = 30.0  # As long as a flight waits for a lost link.
+_HEARTBEAT_AGE_S = 2.0  # An older one does not tell whether the vehicle is armed now.
+_ARMED = "the vehicle is armed, in {}: {}; land and disarm it, then run this again"
+_PARAMETERS_UNCHANGED = "its parameters are not changed"
 _SPEEDUP = "SIM_SPEEDUP"
 _POLYGONS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
@@ -90,7 +93,9 @@ class ConnectedVehicle:
         self._measured_s = float("-inf")
         self._targets = MotionTargets(self._vehicle_link, self.identity.version_numbers)
         link.add_receiver(self._targets.receive)
-        self._storage = MissionStorage(self._vehicle_link, as_int=self.identity.takes_item_int)
+        self._storage = MissionStorage(
+            self._vehicle_link, as_int=self.identity.takes_item_int, refuse_armed=self._refuse_armed
+        )
         self._listener = listener
         self._arm_requested = self._told_of_another = False
         self._check_is_only_one()
@@ -168,13 +173,28 @@ class ConnectedVehicle:
             self._commands.measure_round_trip()
         return self._vehicle_link.round_trip.from_freshest_s
 
+    def _refuse_armed(self, consequence: str, max_age_s: float = math.inf, timeout_s: float = 0.0) -> None:
+        """Refuse to change an armed vehicle, which may fly off at once by what is changed.
+
+        Raises:
+            VehicleError: It is armed, with what that means, or no heartbeat tells whether it is.
+        """
+        heartbeat = self._telemetry.heartbeat(max_age_s, timeout_s)
+        if heartbeat is None:
+            raise VehicleError(
+                f"link to the vehicle lost: no heartbeat for {timeout_s:.0f} s; check the link"
+            )
+        if heartbeat.armed:
+            raise VehicleError(_ARMED.format(heartbeat.mode, consequence))
+
     def upload(self, mission: Mission, listener: Listener = ignore) -> None:
         """Upload a mission, download it and compare.
 
         Raises:
             MissionError: The vehicle refuses it.
-            VehicleError: The link fails, or the mission on board differs from the one sent.
+            VehicleError: It is armed, the link fails, or the mission on board differs from the one sent.
         """
+        self._refuse_armed(NOT_REPLACED, _HEARTBEAT_AGE_S, _NO_DATA_S)
         total = len(mission.items)
         listener(PhaseStarted(Phase.UPLOAD, str(len(mission.waypoints))))
         with self._upload_speedup():
@@ -259,7 +279,12 @@ class ConnectedVehicle:
         """Set parameters, in the vehicle's own units, for as long as the context lasts.
 
         ``restored`` is called once the vehicle has confirmed the values of before.
+
+        Raises:
+            VehicleError: The vehicle is armed.
         """
+        if wanted:
+            self._refuse_armed(_PARAMETERS_UNCHANGED, _HEARTBEAT_AGE_S, _NO_DATA_S)
         return parameters_set(self._vehicle_link, wanted, restored)
 
     def set_speedup(self, speedup: float | None) -> None:
@@ -283,7 +308,11 @@ class ConnectedVehicle:
 
         Returns:
             Why not, for each that it did not confirm.
+
+        Raises:
+            VehicleError: The vehicle is armed.
         """
+        self._refuse_armed(_PARAMETERS_UNCHANGED, _HEARTBEAT_AGE_S, _NO_DATA_S)
         return set_parameters(self._vehicle_link, wanted, list(self.identity.parameters)[:1])
 
     def limits_as_parameters(self, limits: Mapping[str, float]) -> dict[str, float]:

@@ -318,6 +318,61 @@ def test_a_link_that_became_slow_is_measured_again(as_int: bool) -> None:
     assert len(link.sent) < 700
 
 
+class Armed:
+    """Refuses a vehicle that is armed by what was done to its mission."""
+
+    def __init__(self, *, armed: bool = True) -> None:
+        self.armed = armed
+
+    def refuse(self, consequence: str) -> None:
+        if self.armed:
+            raise VehicleError(consequence)
+
+
+def kinds_sent(link: VirtualLink) -> set[str]:
+    """The types of the messages sent."""
+    return {message.get_type() for message in link.sent}
+
+
+def test_the_mission_of_an_armed_vehicle_is_not_replaced() -> None:
+    """It may be flying it: nothing is sent."""
+    link = VirtualLink()
+    storage = MissionStorage(link, as_int=True, refuse_armed=Armed().refuse)
+    with pytest.raises(VehicleError, match="its mission is not replaced"):
+        storage.upload(route(3), lambda done: None)
+    assert not link.sent
+
+
+def test_a_vehicle_that_is_armed_during_the_upload_is_not_sent_off() -> None:
+    """Its mission is completed, since it cannot have the old one back, but its place in it is not changed."""
+    link, pilot = VirtualLink(), Armed(armed=False)
+
+    def arm(done: int) -> None:
+        pilot.armed = True
+
+    storage = MissionStorage(link, as_int=True, refuse_armed=pilot.refuse)
+    with pytest.raises(
+        VehicleError, match="its mission was replaced meanwhile, but not set to its beginning"
+    ):
+        storage.upload(route(3), arm)
+    assert len(link.autopilot.store.items) == 4
+    assert "MISSION_SET_CURRENT" not in kinds_sent(link)
+
+
+def test_a_count_is_not_repeated_once_the_vehicle_is_armed() -> None:
+    """The first one may have arrived; another would drop the mission that it flies."""
+    link, pilot = VirtualLink(LinkConditions(loss=1.0)), Armed(armed=False)
+
+    def refuse(consequence: str) -> None:
+        pilot.refuse(consequence)
+        pilot.armed = True
+
+    storage = MissionStorage(link, as_int=True, refuse_armed=refuse)
+    with pytest.raises(VehicleError, match="its mission may be incomplete"):
+        storage.upload(route(3), lambda done: None)
+    assert [m.get_type() for m in link.sent if m.get_type() != "TIMESYNC"] == ["MISSION_COUNT"]
+
+
 def test_a_mission_that_mavlink_cannot_count_is_refused() -> None:
     """MISSION_COUNT has 16 bits."""
     link = VirtualLink()

@@ -64,6 +64,17 @@ def test_heartbeats_have_mode_and_armed() -> None:
     assert news_of(heartbeat(4), heartbeat(99, 0)) == [Heartbeat("GUIDED", True), Heartbeat("mode 99", False)]
 
 
+def test_the_last_heartbeat_is_kept() -> None:
+    """It tells whether the vehicle is armed, whoever takes the reports; an old one tells nothing."""
+    heard = telemetry()
+    assert heard.heartbeat(60.0) is None
+    heard.receive(heartbeat(4, 0))
+    heard.receive(heartbeat(3, 128))
+    heard.reports(0.0)
+    assert heard.heartbeat(60.0) == Heartbeat("AUTO", True)
+    assert heard.heartbeat(-1.0) is None
+
+
 def test_messages_of_others_are_ignored() -> None:
     """A gimbal with the vehicle's system id, and another vehicle."""
     assert news_of(heartbeat(3, system=1, component=154), heartbeat(5, system=2)) == []

@@ -14,13 +14,28 @@ from flight_replay.vehicle.protocol.mission_upload import MissionUploader, Uploa
 
 _ATTEMPTS = 3
 _UNKNOWN_HOME = Home(0.0, 0.0, 0.0)
+NOT_REPLACED = "its mission is not replaced"
+_INCOMPLETE = "its mission may be incomplete"
+_REPLACED = "its mission was replaced meanwhile, but not set to its beginning"
 
 
 class MissionStorage:
-    """The vehicle's mission storage; home, its item 0, is not among the items of a ``Mission``."""
+    """The vehicle's mission storage; home, its item 0, is not among the items of a ``Mission``.
 
-    def __init__(self, link: VehicleLink, *, as_int: bool, limits: UploadLimits | None = None) -> None:
+    ``refuse_armed`` is called before what may send an armed vehicle off at once, with what has become of its
+    mission by then, and raises if it is armed.
+    """
+
+    def __init__(
+        self,
+        link: VehicleLink,
+        *,
+        as_int: bool,
+        limits: UploadLimits | None = None,
+        refuse_armed: Callable[[str], None] = lambda consequence: None,
+    ) -> None:
         self._link, self._as_int, self._limits = link, as_int, limits
+        self._refuse_armed, self._consequence = refuse_armed, NOT_REPLACED
         self._uploaded: tuple[MissionItem, ...] | None = None
 
     def download(self, while_waiting: Callable[[], None] = lambda: None) -> Mission:
@@ -40,13 +55,19 @@ class MissionStorage:
 
         Raises:
             MissionError: The vehicle refuses it.
-            VehicleError: The link fails, or the mission on board differs from the one sent.
+            VehicleError: It is armed, the link fails, or the mission on board differs from the one sent.
         """
         items = (home_item(mission.home or _UNKNOWN_HOME), *mission.items)
-        self._uploaded = None
+        self._uploaded, self._consequence = None, NOT_REPLACED
         unlike: str | None = None
         for _ in range(_ATTEMPTS):
-            uploader = MissionUploader(self._link, items, as_int=self._as_int, limits=self._limits)
+            uploader = MissionUploader(
+                self._link,
+                items,
+                as_int=self._as_int,
+                limits=self._limits,
+                before_count=self._before_count,
+            )
             uploader.run(lambda taken: progress(max(0, min(taken, len(items)) - 1)))
             unlike = _first_difference(mission.items, self.download().items, as_int=self._as_int)
             if unlike is None:
@@ -65,8 +86,14 @@ class MissionStorage:
             _first_difference(self._uploaded, self.download(while_waiting).items, as_int=self._as_int) is None
         )
 
+    def _before_count(self) -> None:
+        """Refuse an armed vehicle: the first count drops its old mission, a later one part of the new one."""
+        self._refuse_armed(self._consequence)
+        self._consequence = _INCOMPLETE
+
     def _restart_mission(self) -> None:
         """Set the current item to the first one, wherever a mission before this one was left."""
+        self._refuse_armed(_REPLACED)
         link = self._link
         link.send(dialect.MAVLink_mission_set_current_message(link.system, link.component, 0))
 

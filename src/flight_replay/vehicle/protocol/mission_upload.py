@@ -36,6 +36,9 @@ class UploadLimits:
 class MissionUploader:
     """One upload of a mission; ``items`` starts with home, item 0.
 
+    ``before_count`` is called before each MISSION_COUNT, with which the vehicle drops the mission that it
+    has; an exception that it raises ends the upload.
+
     Raises:
         MissionError: There are more items than MISSION_COUNT can count.
     """
@@ -47,6 +50,7 @@ class MissionUploader:
         *,
         as_int: bool,
         limits: UploadLimits | None = None,
+        before_count: Callable[[], None] = lambda: None,
     ) -> None:
         if len(items) > _MAX_COUNT:
             raise MissionError(
@@ -54,7 +58,7 @@ class MissionUploader:
                 "choose fewer with --max-points"
             )
         self._link, self._round_trip, self._items, self._as_int = link, link.round_trip, items, as_int
-        self._limits = limits or UploadLimits()
+        self._limits, self._before_count = limits or UploadLimits(), before_count
         self._errors = 0
         self._refusal = ""
         self._highest = -1  # The highest item requested in any attempt: only a higher one is progress.
@@ -101,6 +105,7 @@ class MissionUploader:
                     progress_s = now_s()
 
     def _send_count(self) -> None:
+        self._before_count()
         link = self._link
         link.send(dialect.MAVLink_mission_count_message(link.system, link.component, len(self._items)))
         self._last_sent_s = link.now_s()

@@ -51,6 +51,7 @@ class Telemetry:
         self._reports: deque[Report] = deque(maxlen=_QUEUED_REPORTS)
         self._changed = threading.Condition()
         self._mode, self._armed = "", False
+        self._last_heartbeat: tuple[Heartbeat, float] | None = None  # With its wall-clock time.
         self._newest_s = self._timed_wall_s = self._position_s = float("-inf")
         self._old_times, self._old_wall_s = 0, 0.0
         self._frames: deque[tuple[bytes, float]] = deque(maxlen=_DUPLICATE_FRAMES)  # With wall-clock times.
@@ -101,6 +102,17 @@ class Telemetry:
             self._reports.clear()
         return reports
 
+    def heartbeat(self, max_age_s: float, timeout_s: float = 0.0) -> Heartbeat | None:
+        """The last heartbeat, or the next if that is older; None if none comes within the timeout."""
+
+        def last() -> Heartbeat | None:
+            if self._last_heartbeat is None or time.monotonic() - self._last_heartbeat[1] > max_age_s:
+                return None
+            return self._last_heartbeat[0]
+
+        with self._changed:
+            return self._changed.wait_for(last, timeout_s)
+
     def _reboot(self, message: Message) -> Report | None:
         """``Rebooted`` if the vehicle's clock, which many messages contain, has restarted."""
         time_ms = getattr(message, "time_boot_ms", None)
@@ -122,7 +134,9 @@ class Telemetry:
     def _heartbeat(self, message: Message) -> Report:
         self._mode = mode_name(message.custom_mode)
         self._armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
-        return Heartbeat(self._mode, self._armed)
+        heartbeat = Heartbeat(self._mode, self._armed)
+        self._last_heartbeat = heartbeat, time.monotonic()
+        return heartbeat
 
     def _position(self, message: Message) -> Report | None:
         time_s = message.time_boot_ms / 1e3
