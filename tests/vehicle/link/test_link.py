@@ -55,6 +55,13 @@ class Vehicle:
             messages += self.parser.parse_buffer(data) or []
         return messages
 
+    def version_of_ping(self) -> int:
+        """The first byte, which tells the version, of the PING that comes."""
+        while True:
+            for message in self.heard(1):
+                if message.get_type() == "PING":
+                    return int(message.get_msgbuf()[0])
+
     def close(self) -> None:
         if self.client:
             self.client.close()
@@ -78,6 +85,7 @@ def linked(vehicle: Vehicle, **options: Any) -> Link:
 
 
 BEAT = dialect.MAVLink_heartbeat_message(2, 3, 0, 0, 3, 3)
+PING = dialect.MAVLink_ping_message(1, 2, 1, 1)
 
 
 def test_heartbeats_are_sent_often_enough(vehicle: Vehicle) -> None:
@@ -91,9 +99,10 @@ def test_heartbeats_are_sent_often_enough(vehicle: Vehicle) -> None:
     link.close()
 
 
-def test_mavlink_1_is_sent_until_mavlink_2_is_received(vehicle: Vehicle) -> None:
+def test_mavlink_1_is_sent_until_the_vehicle_sends_mavlink_2(vehicle: Vehicle) -> None:
     """ArduCopter 3.3 understands nothing else."""
     link = linked(vehicle)
+    link.follow(1, 1)
     heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
     link.add_receiver(heard.put)
     vehicle.heard(1)
@@ -105,6 +114,40 @@ def test_mavlink_1_is_sent_until_mavlink_2_is_received(vehicle: Vehicle) -> None
     heard.get(timeout=60)
     link.send(BEAT)
     assert vehicle.heard(1)[0].get_msgbuf()[0] == 0xFD
+    link.close()
+
+
+@pytest.mark.parametrize("followed", [False, True], ids=["before it is followed", "in flight"])
+def test_mavlink_2_of_another_station_does_not_count(vehicle: Vehicle, followed: bool) -> None:
+    """A vehicle that understands MAVLink 1 only would hear no command any more, RTL included."""
+    link = linked(vehicle)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    vehicle.heard(1)
+    if followed:
+        link.follow(1, 1)
+    for system, component in ((250, 190), (1, 191), (2, 1)):
+        vehicle.mav.srcSystem, vehicle.mav.srcComponent = system, component
+        vehicle.send(BEAT)
+        heard.get(timeout=60)
+    link.follow(1, 1)
+    link.send(PING)
+    assert vehicle.version_of_ping() == 0xFE
+    assert not link.vehicle_sends_mavlink2
+    link.close()
+
+
+def test_mavlink_2_is_sent_at_once_to_a_vehicle_that_was_heard_in_it(vehicle: Vehicle) -> None:
+    """Before it was followed."""
+    link = linked(vehicle)
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    vehicle.heard(1)
+    vehicle.send(BEAT)
+    heard.get(timeout=60)
+    link.follow(1, 1)
+    link.send(PING)
+    assert vehicle.version_of_ping() == 0xFD
     link.close()
 
 

@@ -69,7 +69,7 @@ class Link:
         self._broken = False
         self._received_s = time.monotonic()
         self._heartbeat_s = float("-inf")
-        self._mavlink1 = True
+        self._heard_mavlink2: set[tuple[int, int]] = set()
         self._thread = threading.Thread(target=self._run, name="flight-replay link", daemon=True)
         self.speedup = speedup
 
@@ -96,15 +96,20 @@ class Link:
         self._vehicle = (system, component)
 
     @property
+    def vehicle_sends_mavlink2(self) -> bool:
+        """Whether the vehicle that is followed was heard in MAVLink 2; others on the link do not count."""
+        return self._vehicle in self._heard_mavlink2
+
+    @property
     def both_senders(self) -> tuple[str, str] | None:
         """The address of the vehicle and of another with the same ids; None unless both are heard."""
         vehicle, rival = self._sender.address, self._sender.rival
         return None if rival is None else (_as_text(vehicle), _as_text(rival))
 
     def send(self, message: Message) -> None:
-        """Send, as MAVLink 1 until MAVLink 2 was received; on a broken link the message is lost."""
+        """Send, as MAVLink 1 until the vehicle sends MAVLink 2; on a broken link the message is lost."""
         with self._lock:
-            frame = message.pack(self._mav, force_mavlink1=self._mavlink1)
+            frame = message.pack(self._mav, force_mavlink1=not self.vehicle_sends_mavlink2)
             self._mav.seq = (self._mav.seq + 1) % 256
             self._write(self._signing.sign(frame) if self._signing else frame)
 
@@ -201,8 +206,9 @@ class Link:
         if not self._accepts(message, frame) or not self._is_of_one_vehicle(message, frame):
             return
         self._record(frame)
-        if frame[0] == dialect.PROTOCOL_MARKER_V2:
-            self._mavlink1 = False
+        source = (message.get_srcSystem(), message.get_srcComponent())
+        if frame[0] == dialect.PROTOCOL_MARKER_V2 and self._vehicle in (None, source):
+            self._heard_mavlink2.add(source)
         for receiver in self._receivers:
             try:
                 receiver(message)
