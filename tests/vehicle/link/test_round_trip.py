@@ -36,6 +36,27 @@ def test_an_estimate_counts_only_before_the_first_measurement() -> None:
     assert round_trip.median_s == 0.3
 
 
+def test_an_answer_counts_once_and_only_to_an_own_ping() -> None:
+    """Another station's stamps are of another clock: nanoseconds since 1970, from mavros."""
+    round_trip = RoundTrip()
+    round_trip.pinged(5_000_000_000)
+    round_trip.answered(1_795_879_994_000_000_000, 5.1)
+    assert round_trip.median_s == 0.7
+    round_trip.answered(5_000_000_000, 5.2)
+    round_trip.answered(5_000_000_000, 9.0)
+    round_trip.answered(5_000_000_000, 9.1)
+    assert round_trip.median_s == pytest.approx(0.2)
+
+
+def test_old_pings_are_forgotten() -> None:
+    """A vehicle that never answers costs no memory."""
+    round_trip = RoundTrip()
+    for stamp_ns in range(1000):
+        round_trip.pinged(stamp_ns)
+    round_trip.answered(1, 5.0)
+    assert round_trip.median_s == 0.7
+
+
 @pytest.mark.parametrize(("round_trip_s", "retry_s"), [(0.2, 0.3), (0.01, 0.04), (10.0, 3.0)])
 def test_a_request_is_repeated_after_one_and_a_half_round_trips(round_trip_s: float, retry_s: float) -> None:
     """No sooner than 0.04 s, no later than 3 s."""

@@ -8,13 +8,16 @@ request that was sent more than once is not measured, because its answer may be 
 from __future__ import annotations
 
 from collections import deque
+from contextlib import suppress
 from statistics import median
 
+NS_PER_S = 1e9
 _INITIAL_S = 0.7  # Before the first measurement: about the round trip of a slow radio.
 _MIN_RETRY_S = 0.04
 _MAX_RETRY_S = 3.0
 _RETRY_FACTOR = 1.5
 _KEPT = 9
+_KEPT_PINGS = 256  # More than are ever on their way.
 _LOSSES_PER_BACKOFF = 4  # After so many losses in a row the wait doubles: the link may have become slower.
 _MIN_WINDOW = 2  # One message ahead shows whether a message or its answer was lost.
 _MAX_WINDOW = 24
@@ -27,6 +30,7 @@ class RoundTrip:
     def __init__(self) -> None:
         self._times_s: deque[float] = deque(maxlen=_KEPT)
         self._losses = 0
+        self._pings_ns: deque[int] = deque(maxlen=_KEPT_PINGS)
 
     @property
     def median_s(self) -> float:
@@ -59,6 +63,16 @@ class RoundTrip:
         """A request that was sent once was answered after ``seconds``."""
         self._losses = 0
         self._times_s.append(seconds)
+
+    def pinged(self, stamp_ns: int) -> None:
+        """A ping with this stamp was sent, which the answer repeats."""
+        self._pings_ns.append(stamp_ns)
+
+    def answered(self, stamp_ns: int, now_s: float) -> None:
+        """A ping was answered; counts once, and only if it was ours: other stations send some, too."""
+        with suppress(ValueError):
+            self._pings_ns.remove(stamp_ns)
+            self.measured(now_s - stamp_ns / NS_PER_S)
 
     def lost(self) -> None:
         """A request was not answered in time."""
