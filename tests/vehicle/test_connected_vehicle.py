@@ -275,6 +275,55 @@ def test_the_speedup_of_a_running_simulator_is_kept(
         assert vehicle.link.speedup == pace
 
 
+FENCE = {"FENCE_ENABLE": 1.0, "FENCE_TYPE": 7.0}
+V1_ONLY = Firmware(mavlink1=True)
+WITHOUT_FENCE = Firmware(version=(4, 0, 7), capabilities=1 | 2 | 4 | 8 | 8192)
+
+
+def fence_notices(firmware: Firmware, **parameters: float) -> list[str]:
+    """Connect, and read the fence, which has no areas: what was said of it."""
+    events: list[Event] = []
+    own = FENCE | parameters
+    with (
+        launch.run(START, speedup=20.0, faults=Faults(firmware=firmware), parameters=own) as running,
+        connect(running.connection, speedup=20.0, listener=events.append, limit_s=60.0) as vehicle,
+    ):
+        assert vehicle.fence_areas() == ()
+    return [event.text for event in events if isinstance(event, Notice)]
+
+
+@pytest.mark.parametrize("protocol", [1.0, 2.0], ids=["once it hears MAVLink 2", "at once"])
+def test_a_fence_is_read_over_mavlink_2(protocol: float) -> None:
+    """Ports of older firmware begin with MAVLink 1, and go on with MAVLink 2 when they hear it."""
+    assert fence_notices(Firmware(), SERIAL0_PROTOCOL=protocol, FENCE_TOTAL=6.0) == []
+
+
+@pytest.mark.parametrize(
+    ("firmware", "parameters", "warning"),
+    [
+        (V1_ONLY, {"FENCE_TOTAL": 0.0}, "not checked against circles of the vehicle's fence"),
+        (V1_ONLY, {"FENCE_TYPE": 3.0, "FENCE_TOTAL": 6.0}, ""),
+        (V1_ONLY, {"FENCE_ENABLE": 0.0, "FENCE_TOTAL": 6.0}, ""),
+        (WITHOUT_FENCE, {"FENCE_TOTAL": 6.0}, "not checked against the polygon of the vehicle's fence"),
+        (WITHOUT_FENCE, {"FENCE_TOTAL": 0.0}, ""),
+    ],
+    ids=["perhaps circles", "no areas", "off", "not told", "no polygon"],
+)
+def test_a_fence_that_cannot_be_read_is_told(
+    firmware: Firmware, parameters: dict[str, float], warning: str
+) -> None:
+    """The vehicle can be flown; only where its fence may have areas there is a warning."""
+    told = fence_notices(firmware, **parameters)
+    assert len(told) == bool(warning)
+    assert all(warning in text for text in told)
+
+
+def test_polygons_that_need_mavlink_2_are_an_error() -> None:
+    """It names what to set; the link is not at fault."""
+    with pytest.raises(VehicleError, match=r"only be read over MAVLink 2, .*; set SERIALn_PROTOCOL"):
+        fence_notices(V1_ONLY, FENCE_TOTAL=6.0)
+
+
 def test_a_plane_is_not_a_multicopter() -> None:
     """Its name says fixed wing."""
     with copter(Faults(firmware=Firmware(vehicle_type=1, name="ArduPlane"))) as vehicle:

@@ -21,7 +21,7 @@ from flight_replay.events import (
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
-from flight_replay.mission.fence import FenceArea, active_fence_types, areas_from_items
+from flight_replay.mission.fence import FenceArea
 from flight_replay.mission.items import Mission
 from flight_replay.supervisor.vehicle_interface import Report, Target
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
@@ -32,7 +32,6 @@ from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.signing import Signing, is_readable_by_others, read_key
 from flight_replay.vehicle.link.vehicle_link import DroneKitLink
 from flight_replay.vehicle.protocol.commands import CommandSender
-from flight_replay.vehicle.protocol.mission_download import FENCE, MissionDownloader
 from flight_replay.vehicle.protocol.mission_storage import NOT_REPLACED, MissionStorage
 from flight_replay.vehicle.protocol.motion_targets import MotionTargets
 from flight_replay.vehicle.protocol.parameters import (
@@ -45,6 +44,7 @@ from flight_replay.vehicle.protocol.parameters import (
 )
 from flight_replay.vehicle.protocol.stream_requests import StreamRequests
 from flight_replay.vehicle.protocol.telemetry import Telemetry
+from flight_replay.vehicle.stored_fence import stored_fence_areas
 
 CONNECT_LIMIT_S = 30.0
 _PROGRESS_S = 1.0
@@ -53,7 +53,6 @@ _HEARTBEAT_AGE_S = 2.0  # An older one does not tell whether the vehicle is arme
 _ARMED = "the vehicle is armed, in {}: {}; land and disarm it, then run this again"
 _PARAMETERS_UNCHANGED = "its parameters are not changed"
 _SPEEDUP = "SIM_SPEEDUP"
-_POLYGONS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _UPLOAD_SPEEDUP = 4.0
 _ROUND_TRIP_EVERY_S = 0.5
 _KEY_WANTED = "the vehicle signs its messages and may ignore unsigned ones; give its key with --signing-key"
@@ -229,16 +228,12 @@ class ConnectedVehicle:
         return self._storage.download()
 
     def fence_areas(self) -> tuple[FenceArea, ...]:
-        """The polygons and circles of the vehicle's fence, if they are enabled.
+        """The polygons and circles of the vehicle's fence, if they are enabled; warns if they cannot be read.
 
         Raises:
-            VehicleError: The vehicle does not send them, or they are invalid.
+            VehicleError: The vehicle does not send them, they are invalid, or need MAVLink 2.
         """
-        if not active_fence_types(self.identity.parameters) & _POLYGONS:
-            return ()
-        if not self.identity.takes_item_int:
-            return ()  # Firmware that old stores its fence in another way, and no circles.
-        return areas_from_items(MissionDownloader(self._vehicle_link, as_int=True, mission_type=FENCE).run())
+        return stored_fence_areas(self.link, self._vehicle_link, self.identity, self._listener)
 
     def wait_position(self, limit_s: float, listener: Listener = ignore) -> VehicleState:
         """The vehicle's next position, waiting up to ``limit_s`` of wall-clock time.

@@ -24,9 +24,9 @@ _REQUEST_CAPABILITIES = 520  # MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, which 3.3
 _SIMULATOR_PARAMETERS = ("SIM_SPEEDUP", "SIM_WIND_SPD")
 FENCE_PARAMETERS = (
     "FENCE_ENABLE", "FENCE_AUTOENABLE", "FENCE_TYPE",
-    "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "FENCE_MARGIN",
+    "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "FENCE_MARGIN", "FENCE_TOTAL",
 )  # fmt: skip
-"""Metres; 3.3 has no FENCE_ALT_MIN, and FENCE_AUTOENABLE exists since 4.6."""
+"""Metres; 3.3 has no FENCE_ALT_MIN and FENCE_TOTAL, and FENCE_AUTOENABLE exists since 4.6."""
 RTL_END_PARAMETERS = ("RTL_ALT_FINAL", "RTL_ALT_FINAL_M")
 """Where RTL ends, 0 on the ground: cm, or in 4.7 metres."""
 _RTL_LOITER, _USUAL_RTL_LOITER_MS = "RTL_LOIT_TIME", 5000.0
@@ -37,7 +37,8 @@ _CHECKED_PARAMETERS = (*FENCE_PARAMETERS, *RTL_END_PARAMETERS, _RTL_LOITER)
 class Identity:
     """A vehicle: ``vehicle_type`` is a MAV_TYPE, ``autopilot`` a MAV_AUTOPILOT, ``version`` "4.6.0" or "".
 
-    ``builtin`` is this program's own copter, whose version is that of the firmware that it flies as.
+    ``serves_fence`` is whether it tells its fence by the mission protocol. ``builtin`` is this program's own
+    copter, whose version is that of the firmware that it flies as.
     """
 
     system: int
@@ -46,6 +47,7 @@ class Identity:
     version: str
     takes_item_int: bool
     simulated: bool
+    serves_fence: bool = False
     builtin: bool = False
     parameters: Mapping[str, float] = field(default_factory=dict)
 
@@ -129,6 +131,7 @@ def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
         version=_version(version.flight_sw_version) if version else "",
         takes_item_int=bool(capabilities & dialect.MAV_PROTOCOL_CAPABILITY_MISSION_INT),
         simulated=any(name in parameters for name in _SIMULATOR_PARAMETERS),
+        serves_fence=bool(capabilities & dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE),
         builtin=version is not None and bytes(version.flight_custom_version) == _BUILTIN,
         parameters={name: parameters[name] for name in _CHECKED_PARAMETERS if name in parameters},
     )

@@ -99,12 +99,12 @@ def test_ping_timesync_and_files_are_answered() -> None:
 
 
 def test_the_version_tells_what_it_can_do() -> None:
-    """AUTOPILOT_VERSION by both ways of asking: 4.6.0, with MISSION_INT, COMMAND_INT and MAVLINK2."""
+    """AUTOPILOT_VERSION by both ways of asking: 4.6.0, with the capabilities that it has."""
     _, station = sim()
     assert station.command(520, 1) == 0
     version = station.last("AUTOPILOT_VERSION")
     assert version.flight_sw_version >> 8 == 0x040600
-    for name in ("MISSION_INT", "COMMAND_INT", "MAVLINK2"):
+    for name in ("MISSION_INT", "COMMAND_INT", "MAVLINK2", "MISSION_FENCE"):
         assert version.capabilities & getattr(dialect, f"MAV_PROTOCOL_CAPABILITY_{name}")
     station.clear()
     station.send(dialect.MAVLink_autopilot_version_request_message(1, 1))

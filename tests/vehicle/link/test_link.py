@@ -137,6 +137,19 @@ def test_mavlink_2_of_another_station_does_not_count(vehicle: Vehicle, followed:
     link.close()
 
 
+def test_mavlink_2_can_be_offered(vehicle: Vehicle) -> None:
+    """A port that begins with MAVLink 1 may go on with MAVLink 2 once it hears some; until then we do not."""
+    link = linked(vehicle)
+    link.follow(1, 1)
+    link.offer_mavlink2()
+    versions: list[int] = []
+    while 0xFD not in versions:
+        versions += [message.get_msgbuf()[0] for message in vehicle.heard(1)]
+    link.send(PING)
+    assert vehicle.version_of_ping() == 0xFE
+    link.close()
+
+
 def test_mavlink_2_is_sent_at_once_to_a_vehicle_that_was_heard_in_it(vehicle: Vehicle) -> None:
     """Before it was followed."""
     link = linked(vehicle)

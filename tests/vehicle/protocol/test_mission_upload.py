@@ -17,6 +17,7 @@ from flight_replay.simulator.autopilot.faults import Faults, MissionFaults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.vehicle_link import is_for_us
+from flight_replay.vehicle.protocol.mission_download import FENCE, MISSION, MissionDownloader
 from flight_replay.vehicle.protocol.mission_items import difference, item_message
 from flight_replay.vehicle.protocol.mission_storage import MissionStorage
 from flight_replay.vehicle.protocol.mission_upload import UploadLimits
@@ -316,6 +317,14 @@ def test_a_link_that_became_slow_is_measured_again(as_int: bool) -> None:
     upload(link, route(100), as_int=as_int)
     assert link.now_s() < 25
     assert len(link.sent) < 700
+
+
+@pytest.mark.parametrize(("kind", "name"), [(MISSION, "mission"), (FENCE, "fence")])
+def test_a_download_that_fails_says_of_what(kind: int, name: str) -> None:
+    """A fence is no mission."""
+    link = VirtualLink(LinkConditions(loss=1.0))
+    with pytest.raises(VehicleError, match=f"cannot download the {name} in 12 s: no answer; check the link"):
+        MissionDownloader(link, as_int=True, mission_type=kind).run()
 
 
 class Armed:

@@ -58,8 +58,8 @@ SECOND_COPTER = OtherHeartbeat(
 
 
 # MAV_PROTOCOL_CAPABILITY: MISSION_FLOAT, PARAM_FLOAT, MISSION_INT, COMMAND_INT,
-# SET_POSITION_TARGET_LOCAL_NED and _GLOBAL_INT, MAVLINK2. ArduCopter has more (files, fences).
-_CAPABILITIES = 1 | 2 | 4 | 8 | 128 | 256 | 8192
+# SET_POSITION_TARGET_LOCAL_NED and _GLOBAL_INT, MAVLINK2, MISSION_FENCE. ArduCopter has more (files, say).
+_CAPABILITIES = 1 | 2 | 4 | 8 | 128 | 256 | 8192 | 16384
 
 
 @dataclass(frozen=True, slots=True)

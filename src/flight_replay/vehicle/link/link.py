@@ -108,8 +108,15 @@ class Link:
 
     def send(self, message: Message) -> None:
         """Send, as MAVLink 1 until the vehicle sends MAVLink 2; on a broken link the message is lost."""
+        self._send(message, mavlink1=not self.vehicle_sends_mavlink2)
+
+    def offer_mavlink2(self) -> None:
+        """Send a heartbeat as MAVLink 2; a vehicle that understands it may send MAVLink 2 from then on."""
+        self._send(_heartbeat(), mavlink1=False)
+
+    def _send(self, message: Message, *, mavlink1: bool) -> None:
         with self._lock:
-            frame = message.pack(self._mav, force_mavlink1=not self.vehicle_sends_mavlink2)
+            frame = message.pack(self._mav, force_mavlink1=mavlink1)
             self._mav.seq = (self._mav.seq + 1) % 256
             self._write(self._signing.sign(frame) if self._signing else frame)
 
@@ -171,11 +178,7 @@ class Link:
         self._receive(min(_READ_S, interval_s))
 
     def _send_heartbeat(self) -> None:
-        self.send(
-            dialect.MAVLink_heartbeat_message(
-                dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, dialect.MAV_STATE_ACTIVE, 3
-            )
-        )
+        self.send(_heartbeat())
 
     def _reopen(self) -> bool:
         try:
@@ -243,6 +246,13 @@ class Link:
             return False
         message.get_msgbuf()[:] = without_signature(frame)
         return True
+
+
+def _heartbeat() -> Message:
+    """Ours, of a ground station."""
+    return dialect.MAVLink_heartbeat_message(
+        dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, dialect.MAV_STATE_ACTIVE, 3
+    )
 
 
 def _as_text(address: Any) -> str:

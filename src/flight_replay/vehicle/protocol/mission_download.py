@@ -34,6 +34,7 @@ class MissionDownloader:
         while_waiting: Callable[[], None] = lambda: None,
     ) -> None:
         self._type, self._while_waiting = mission_type, while_waiting
+        self._list = "fence" if mission_type == FENCE else "mission"
         self._link, self._round_trip, self._as_int = link, link.round_trip, as_int
         self._items: dict[int, MissionItem] = {}
         self._requested_s: dict[int, float] = {}
@@ -75,7 +76,9 @@ class MissionDownloader:
                     inbox.get(_BUSY_S)
             self._round_trip.lost()
             timesync.ping(link)
-        raise VehicleError(f"cannot download the mission in {_NO_PROGRESS_S:.0f} s: {reason}; check the link")
+        raise VehicleError(
+            f"cannot download the {self._list} in {_NO_PROGRESS_S:.0f} s: {reason}; check the link"
+        )
 
     def _next(self, inbox: Inbox, until_s: float) -> Message | None:
         """The next message, calling ``while_waiting`` until it comes; None if none comes by then."""
@@ -92,7 +95,7 @@ class MissionDownloader:
             if self._link.now_s() - progress_s > _NO_PROGRESS_S:
                 missing = self._first_missing(count, 1)[0]
                 raise VehicleError(
-                    f"cannot download mission item {missing}: no answer in {_NO_PROGRESS_S:.0f} s; "
+                    f"cannot download {self._list} item {missing}: no answer in {_NO_PROGRESS_S:.0f} s; "
                     "check the link"
                 )
             self._request_missing(count)
