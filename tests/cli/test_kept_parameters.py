@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 
@@ -96,6 +96,17 @@ def test_what_is_not_put_back_is_told_with_the_command(tmp_path: Path) -> None:
     assert again.endswith(f"restore {path.name}")
     connected.values.update(read_parameter_file(path))
     assert told_by_the_next_run(connected, tmp_path) == []
+
+
+def test_nothing_is_kept_for_a_vehicle_that_is_not_changed(tmp_path: Path) -> None:
+    """It was armed meanwhile: neither a file nor a warning of parameters that were never set."""
+
+    class Armed(FakeConnected):
+        def parameters_set(self, *_: object) -> NoReturn:
+            raise VehicleError("the vehicle is armed")
+
+    assert flown(Armed(), tmp_path, pytest.fail) == []
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_nothing_is_kept_where_nothing_changes(tmp_path: Path) -> None:

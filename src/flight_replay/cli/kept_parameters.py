@@ -44,7 +44,7 @@ def kept_parameters(
         listener: gets a notice of that.
 
     Raises:
-        VehicleError: The vehicle has no such parameter, or does not accept or restore a value.
+        VehicleError: The vehicle is armed, has no such parameter, or does not accept or restore a value.
         FlightReplayError: The file cannot be written.
     """
     before = connected.parameters(wanted)
@@ -52,17 +52,17 @@ def kept_parameters(
     if not changed:
         yield
         return
-    path = unused_path(folder / f"{_NAME}{datetime.now():%Y%m%d-%H%M%S}{SUFFIXES[0]}")
-    write_atomically(path, parameter_text({name: before[name] for name in changed if name in before}))
-    restored = False
+    path, restored = unused_path(folder / f"{_NAME}{datetime.now():%Y%m%d-%H%M%S}{SUFFIXES[0]}"), False
 
     def put_back() -> None:
         nonlocal restored
         restored = True
         _discard(path)
 
+    change = connected.parameters_set(changed, put_back)  # Refuses an armed vehicle: no file of it.
+    write_atomically(path, parameter_text({name: before[name] for name in changed if name in before}))
     try:
-        with connected.parameters_set(changed, put_back):
+        with change:
             yield
     finally:
         if not restored:
