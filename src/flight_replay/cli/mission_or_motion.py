@@ -93,7 +93,11 @@ class AsMission:
         path = save_mission_on_board(connected, Path.cwd(), datetime.now())
         if path is not None:
             command = restore_commands(self._options, connection)(path)
-            listener(Notice(f"Saved the mission on board to {path}. To restore it, run: {command}"))
+            listener(
+                Notice(
+                    f"Saved the mission on board to {path}. To restore it after the flight, run: {command}"
+                )
+            )
 
     def plan(self, identity: Identity) -> Plan:
         """The mission, for so long."""

@@ -77,8 +77,8 @@ def _appended(positions: Positions, clock_ms: Integers) -> Indices:
     counted_us = np.diff(clock_ms) * 1000
     missing_us = stamps.steps_us(positions.stamp_us[:-1], positions.stamp_us[1:]) - counted_us
     before = np.flatnonzero((np.abs(missing_us) > _APPENDED_US) & (counted_us >= 0))
-    lat_deg, lon_deg = positions.lat_e7 / 1e7, positions.lon_e7 / 1e7
-    apart_m = distance_m(lat_deg[before], lon_deg[before], lat_deg[before + 1], lon_deg[before + 1])
+    here, there = ((positions.lat_e7[at] / 1e7, positions.lon_e7[at] / 1e7) for at in (before, before + 1))
+    apart_m = distance_m(*here, *there)
     return np.asarray(before[apart_m > _NEAR_M + FASTEST_M_S * counted_us[before] / 1e6] + 1)
 
 
