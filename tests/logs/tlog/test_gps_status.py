@@ -48,6 +48,12 @@ class Flight:
         return read_log(path)
 
 
+def test_a_vehicle_without_a_receiver_knows_its_place_by_other_means(tmp_path: Path) -> None:
+    """It reports type 0 throughout; one that had a receiver is not believed while that is gone."""
+    assert len(Flight().gps(0).along(5).gps(0).along(4).read(tmp_path).track) == 9
+    assert len(Flight().gps(0).along(5).gps(1).along(4).gps(3).along(2).read(tmp_path).track) == 2
+
+
 @pytest.mark.parametrize("fix_type", [0, 1, 2])
 def test_positions_without_a_3d_fix_are_rejected(tmp_path: Path, fix_type: int) -> None:
     """What the vehicle sends between a receiver's status "no fix" and the next good one does not count."""
@@ -82,7 +88,7 @@ def test_a_late_record_does_not_make_the_last_status_hold_for_longer(tmp_path: P
 
 def test_each_vehicle_has_its_own_receiver(tmp_path: Path) -> None:
     """The fix of a vehicle is not that of others, whose ids are lower or higher."""
-    first, second, third = Flight(1).gps(3).along(30), Flight(2).gps(0).along(90), Flight(3).along(50)
+    first, second, third = Flight(1).gps(3).along(30), Flight(2).gps(1).along(90), Flight(3).along(50)
     log = Flight(1)
     log.log.data += LogWriter(system=4).gps(0).data + third.log.data + second.log.data + first.log.data
     read = log.read(tmp_path)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flight_replay.geometry.arrays import Flags, Indices
 from flight_replay.logs.column_buffer import ColumnBuffer
 
+FIX_3D = 3  # GPS_FIX_TYPE_3D_FIX
 AnyMessage = TypeVar("AnyMessage", bound="MessageColumns")
 
 
@@ -73,9 +74,17 @@ class Heartbeats(MessageColumns):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GpsStatus(MessageColumns):
-    """GPS_RAW_INT or GPS2_RAW: whether the first or second receiver had a 3D fix or better."""
+    """GPS_RAW_INT or GPS2_RAW: the fix of the first or second receiver.
 
-    has_3d_fix: Flags
+    ``fix`` is 0 where there is no receiver, 1 without a 3D fix, and 3 with one or better.
+    """
+
+    fix: NDArray[np.uint8]
+
+    @property
+    def has_3d_fix(self) -> Flags:
+        """Whether the receiver had a 3D fix or better (n,)."""
+        return np.asarray(self.fix == FIX_3D)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

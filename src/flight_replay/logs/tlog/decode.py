@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Bytes
-from flight_replay.logs.tlog.columns import GpsStatus, Heartbeats, Positions
+from flight_replay.logs.tlog.columns import FIX_3D, GpsStatus, Heartbeats, Positions
 from flight_replay.logs.tlog.frames import STAMP_LENGTH, Candidates
 from flight_replay.logs.tlog.message_table import MAVLINK1_STX
 
 _ARMED_FLAG = 128  # MAV_MODE_FLAG_SAFETY_ARMED
 FIX_TYPE_AT, SECOND_FIX_TYPE_AT = 28, 32  # in the payloads of GPS_RAW_INT and GPS2_RAW
-_FIX_TYPE_3D = 3  # GPS_FIX_TYPE_3D_FIX
 _PAYLOAD_AT = STAMP_LENGTH + 6, STAMP_LENGTH + 10  # in a row, for MAVLink 1 and 2
 
 
@@ -54,7 +53,9 @@ def decode_gps_status(frames: Candidates, fix_type_at: int = FIX_TYPE_AT) -> Gps
     GPS2_RAW has four bytes more before the type of the fix.
     """
     fields = PayloadFields(frames.rows)
-    return GpsStatus(frames.start, fields.vehicle, fields.payload_byte(fix_type_at) >= _FIX_TYPE_3D)
+    fix_type = fields.payload_byte(fix_type_at)
+    fix = np.where(fix_type >= FIX_3D, np.uint8(FIX_3D), (fix_type > 0).view(np.uint8))
+    return GpsStatus(frames.start, fields.vehicle, fix)
 
 
 class PayloadFields:

@@ -14,7 +14,8 @@ _LAST_STATUS_HOLDS_S = 10.0  # some logs tell of the receiver just once, before 
 def lacks_3d_fix(positions: Positions, gps: GpsStatus, gps2: GpsStatus, time_s: Floats) -> Flags:
     """Whether no receiver of the vehicle had a 3D fix at a position, by the last status of each, shape (n,).
 
-    Where the first one says nothing, it is taken to have one.
+    Where the first one says nothing, it is taken to have one. A vehicle that never had a receiver knows its
+    place by other means, such as cameras.
 
     Args:
         positions: Positions, one vehicle's after the other's.
@@ -25,7 +26,8 @@ def lacks_3d_fix(positions: Positions, gps: GpsStatus, gps2: GpsStatus, time_s: 
     lacks = _last_is(~gps.has_3d_fix, positions, gps, time_s)
     if len(gps2):
         lacks &= ~_last_is(gps2.has_3d_fix, positions, gps2, time_s)
-    return lacks
+    have_one = np.concatenate([gps.vehicle[gps.fix > 0], gps2.vehicle[gps2.fix > 0]])
+    return lacks & np.isin(positions.vehicle, have_one)
 
 
 def _last_is(wanted: Flags, positions: Positions, gps: GpsStatus, time_s: Floats) -> Flags:

@@ -35,10 +35,10 @@ def read_records(block: Block, enter: int) -> tuple[Records, int]:
     status |= heartbeats.mode.astype(np.int32) << 1 | heartbeats.armed
     heartbeats = heartbeats.select(_run_ends(block.heartbeats, HEARTBEAT, heartbeats.vehicle, status, walk))
     gps = decode_gps_status(block.gps)
-    gps = gps.select(_run_ends(block.gps, GPS_RAW_INT, gps.vehicle, gps.has_3d_fix, walk))
+    gps = gps.select(_run_ends(block.gps, GPS_RAW_INT, gps.vehicle, gps.fix, walk))
     candidates, gps2 = second_receivers(block, walk.enter, gps)
     if len(gps2):
-        gps2 = gps2.select(_run_ends(candidates, GPS2_RAW, gps2.vehicle, gps2.has_3d_fix, walk))
+        gps2 = gps2.select(_run_ends(candidates, GPS2_RAW, gps2.vehicle, gps2.fix, walk))
     reports = arming_reports(block, walk, heartbeats)
     records = Records(
         replace(positions, offset=positions.offset + block.offset),
