@@ -19,7 +19,7 @@ from flight_replay.mission.items import Home, Mission, change_speed, waypoint
 from flight_replay.simulator.autopilot.faults import COPTER_3_3, Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
-from flight_replay.supervisor.vehicle_interface import Heartbeat
+from tests.helpers.armed import wait_armed
 
 NOW = datetime(2026, 11, 20, 23, 5, 7)
 BEFORE = Mission(
@@ -169,9 +169,7 @@ def test_nothing_is_restored_on_an_armed_vehicle(tmp_path: Path, capsys: pytest.
     start, stays_armed = Start(47.0, 8.0, 400.0), {"DISARM_DELAY": 0.0}
     with launch.run(start, speedup=10.0, parameters=stays_armed) as running:
         with vehicle.connect(running.connection, speedup=10.0) as connected:
-            while Heartbeat("GUIDED", True) not in connected.reports(1.0):
-                connected.request_mode("GUIDED")
-                connected.request_arm()
+            wait_armed(connected)
         assert restore.main([str(path), running.connection]) == 1
         assert restore.main([str(parameters), running.connection]) == 1
         with vehicle.connect(running.connection, speedup=10.0) as connected:

@@ -19,9 +19,10 @@ from flight_replay.mission.items import Mission
 from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Firmware, old_copter
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
-from flight_replay.supervisor.vehicle_interface import Heartbeat, Report
+from flight_replay.supervisor.vehicle_interface import Heartbeat
 from flight_replay.vehicle import ConnectedVehicle, connect
 from flight_replay.vehicle import connected_vehicle as module
+from tests.helpers.armed import wait_armed
 from tests.helpers.fault_link import fault_link
 from tests.helpers.fault_runs import ROUTE
 from tests.helpers.machine import free_udp_port
@@ -138,15 +139,6 @@ def test_connecting_is_quick() -> None:
     done = [e.done for e in events if isinstance(e, Progress)]
     assert done[-1] == len(ROUTE.items)
     assert done == sorted(done)
-
-
-def wait_armed(vehicle: ConnectedVehicle) -> None:
-    """Arm it, as soon as its pre-arm checks pass."""
-    heard: list[Report] = []
-    while Heartbeat("GUIDED", True) not in heard:
-        vehicle.request_mode("GUIDED")
-        vehicle.request_arm()
-        heard += vehicle.reports(1.0)
 
 
 def test_an_armed_vehicle_is_not_changed() -> None:
