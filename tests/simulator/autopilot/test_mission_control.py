@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import pytest
+
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from tests.helpers.sim_station import (
@@ -98,6 +100,43 @@ def test_a_station_chooses_the_current_item() -> None:
     station.run(1)
     assert autopilot.mission.seq == 3
     assert station.command(224, 9) == DENIED
+
+
+def test_what_is_done_on_the_way_to_a_chosen_item_is_done() -> None:
+    """DO items before the first waypoint are run where a station set the mission to its beginning."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([act(178, 1, 2.0), act(115, 90), *SQUARE])
+    station.send(dialect.MAVLink_mission_set_current_message(1, 1, 0))
+    assert autopilot.mission.seq == 3
+    station.clear()
+    station.mode(AUTO)
+    station.run(8)
+    assert [text for text in station.texts if text.startswith("Mission: ")] == [
+        "Mission: 1 ChangeSpeed",
+        "Mission: 2 CondYaw",
+        "Mission: 3 WP",
+    ]
+    assert math.degrees(autopilot.flight.attitude_rad[2]) == pytest.approx(90, abs=3)
+    assert math.hypot(*autopilot.flight.velocity_m_s) == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_mission_goes_on_with_the_do_item_that_was_running() -> None:
+    """A delay that was not over when AUTO was left begins anew, with the leg on which it ran."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([item_at(5, 0), act(112, 5), act(178, 1, 1.0), item_at(200, 0)])
+    station.mode(AUTO)
+    assert station.run(60, lambda: autopilot.mission.seq == 4)
+    station.run(2)
+    station.mode(LOITER)
+    station.clear()
+    station.mode(AUTO)
+    station.run(4)
+    assert "Mission: 2 CondDelay" in station.texts
+    assert math.hypot(*autopilot.flight.velocity_m_s) > 3.0
+    station.run(14)
+    assert math.hypot(*autopilot.flight.velocity_m_s) == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_running_mission_is_not_cleared() -> None:

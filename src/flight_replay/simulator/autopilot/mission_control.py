@@ -44,7 +44,7 @@ class MissionControl:
         self._changes = 0
         self._items: list[LocalItem] = []
         self._order = ItemOrder(self._items)
-        self._start_seq = self._next_seq = FIRST_SEQ
+        self._start_seq = self._next_seq = self._resume_seq = FIRST_SEQ
 
     @property
     def state(self) -> int:
@@ -78,7 +78,7 @@ class MissionControl:
     def _first(self) -> int:
         """The item to start or resume at: MIS_RESTART 1 starts at the first."""
         restarts = self._autopilot.parameters["MIS_RESTART"] == 1 or self._state == _COMPLETE
-        return FIRST_SEQ if restarts or self.seq == 0 else self.seq
+        return FIRST_SEQ if restarts or self.seq == 0 else self._resume_seq
 
     def wait_to_start(self) -> None:
         """AUTO was entered: start at the next step."""
@@ -90,7 +90,9 @@ class MissionControl:
         self._takeoff_allowed = True
 
     def stop(self) -> None:
-        """AUTO was left: stop the mission."""
+        """AUTO was left: stop the mission, which goes on with the DO item that runs, if one does."""
+        if self._run is not None and self._run.do_seq is not None:
+            self._resume_seq = self._run.do_seq
         self._waiting, self._run = False, None
         if self._state == _ACTIVE:
             self._state = _NOT_STARTED
@@ -119,7 +121,8 @@ class MissionControl:
         if self._state == _ACTIVE:
             self._start_at(max(seq, FIRST_SEQ))
             return True
-        self.seq = target
+        # What is done on the way to that item is not left out (AP_Mission::set_current_cmd, resume).
+        self.seq, self._resume_seq = target, max(seq, FIRST_SEQ)
         if self._state == _COMPLETE:
             self._state = _NOT_STARTED
         return True
@@ -199,7 +202,8 @@ class MissionControl:
         for each in [*passed, item] if item else passed:
             self._autopilot.say(Severity.INFO, f"Mission: {each.seq} {name_of(each.command)}")
         if item:
-            self.seq, self._next_seq = item.seq, item.seq + 1
+            self.seq = self._resume_seq = item.seq
+            self._next_seq = item.seq + 1
             if item.command == Command.DELAY:
                 self._autopilot.say(Severity.INFO, f"Delaying {item.params[0]:.0f} sec")
         return item is not None

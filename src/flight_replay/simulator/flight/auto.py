@@ -72,6 +72,11 @@ class MissionRun(SubMode):
         return None if self._item is None else self._item.seq
 
     @property
+    def do_seq(self) -> int | None:
+        """Sequence number of the DO or CONDITION item that runs, if one does."""
+        return self._do.seq
+
+    @property
     def loitering(self) -> bool:
         """Whether the vehicle loiters at an item that never ends."""
         return self._is_endless and self._flight.navigation.reached

@@ -40,6 +40,11 @@ class DoCommands(SnapshotPart):
         """Whether there are items of a group that are not done."""
         return bool(self._items)
 
+    @property
+    def seq(self) -> int | None:
+        """Sequence number of the item that runs, if one does."""
+        return self._items[0].seq if self._items else None
+
     def finished(self, time_s: float) -> Iterator[int]:
         """Sequence numbers of items that are done; starts those after them."""
         while self._items and self._is_done(self._items[0], time_s):
