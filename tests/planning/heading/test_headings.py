@@ -39,6 +39,7 @@ def test_the_vehicle_is_turned_as_recorded(timed: bool) -> None:
     assert len(turned.mission.waypoints) == len(route.mission.waypoints)
     assert [int(seq) for seq in np.unique(turned.path.seq)] == [seq for seq, _ in turned.mission.waypoints]
     assert "turn the vehicle as recorded" in turned.notes[-1]
+    assert ("at equal places, not at equal times" in turned.notes[-1]) != timed
 
 
 def test_legs_that_are_flown_as_recorded_have_no_item() -> None:

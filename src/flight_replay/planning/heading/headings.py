@@ -51,7 +51,8 @@ def with_recorded_headings(route: Route, limits: Limits, takeoff_m: float, *, ti
         return _with_note(route, f"No heading is planned, the vehicle turns its own way. {error}")
     added = len(mission.items) - len(route.mission.items)
     turned = replace(route, mission=mission, path=planned_path(mission, route.frame))
-    return _with_note(turned, f"{added} items on top of the waypoints turn the vehicle as recorded.")
+    where = "" if timed else " at equal places, not at equal times"
+    return _with_note(turned, f"{added} items on top of the waypoints turn the vehicle as recorded{where}.")
 
 
 def _turned(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Mission:
