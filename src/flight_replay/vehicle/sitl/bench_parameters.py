@@ -1,7 +1,9 @@
-"""Parameters without which a bare ArduCopter SITL binary cannot be armed: it boots uncalibrated.
+"""Parameters that a bare ArduCopter SITL binary lacks: it boots uncalibrated, so that it cannot be armed.
 
 The values match the simulated sensors: SIM_MAG1_OFS is (5, 13, -18), the accelerometers have no
-error (any offset other than zero counts as calibrated), and the simulated RC input is 1000 to 2000.
+error (any offset other than zero counts as calibrated), and the simulated RC input is 1000 to 2000. The
+yaw gains are those that ArduPilot's own scripts give the simulated frame: with the compiled ones it turns
+0.1 to 0.2 s later, and the model of ArduCopter is one with these.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ def bench_parameters() -> Iterator[tuple[str, float]]:
     yield "FRAME_TYPE", 0
     yield "FRAME", 0
     yield "BATT_MONITOR", 4
+    yield "ATC_RAT_YAW_P", 0.3
+    yield "ATC_RAT_YAW_I", 0.02
     yield "MOT_THST_HOVER", 0.39
     yield "MOT_BAT_VOLT_MIN", 9.6
     yield "MOT_BAT_VOLT_MAX", 12.8
