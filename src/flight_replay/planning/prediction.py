@@ -9,6 +9,7 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Command
+from flight_replay.planning.dives import dive_note
 from flight_replay.planning.duration import LONGEST_SIMULATED_M
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
@@ -44,12 +45,13 @@ def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
     except MissionError:
         return route
     begin_s, end_s = flight.auto_s
+    warnings = (_ERROR if flight.has_error else "", dive_note(flown, limits))
     return replace(
         route,
         predicted=flight_errors(route.wanted, flown, last_s=last_s),
         predicted_flight=flown,
         predicted_duration_s=end_s - begin_s,
-        notes=(*route.notes, _ERROR) if flight.has_error else route.notes,
+        notes=(*route.notes, *filter(None, warnings)),
     )
 
 
