@@ -1,5 +1,7 @@
 """doubts.py: recordings that look like no multicopter's flight are told, or refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -72,3 +74,17 @@ def test_waypoints_at_one_place_of_a_recording_that_moves_are_of_an_option() -> 
     here = waypoint(47.4, 8.5, 30.0)
     with pytest.raises(MissionError, match=r"moves within .* within 1 m of each other; change --spacing"):
         check_moves(Mission((here, here), None), flown_east(5.0), "--spacing")
+
+
+def test_a_flight_straight_up_is_to_be_flown_at_its_heights() -> None:
+    """It moves, so that another log is no help; a height before home is set is no climb."""
+    here, track = waypoint(47.4, 8.5, 30.0), flown_east(0.0)
+    mission = Mission((here, here), None)
+    up_m = np.linspace(0.0, 40.0, len(track))
+    with pytest.raises(MissionError, match=r"moves up and down, by 40 m, .* with --altitude recorded"):
+        check_moves(mission, replace(track, alt_m=up_m, amsl_m=up_m + 488.0), "--spacing")
+    parked_m = np.append(488.0, np.zeros(len(track) - 1))
+    with pytest.raises(MissionError, match="the recording does not move"):
+        check_moves(mission, replace(track, alt_m=parked_m, amsl_m=np.full(len(track), 488.0)), "--spacing")
+    with pytest.raises(MissionError, match="the recording does not move"):
+        check_moves(mission, replace(track, alt_m=np.full(len(track), np.nan)), "--spacing")

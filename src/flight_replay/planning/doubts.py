@@ -14,10 +14,13 @@ from flight_replay.logs.flights import Flight
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
+from flight_replay.planning.altitude import plausible_altitudes_m
 
 _STILL_M = 1.0
 """Waypoints closer together than this ask for no motion; positions of a receiver at rest wander by more."""
 _PARKED_M = 10.0
+_CLIMBS_M = 5.0
+"""Heights differ by more than this where the vehicle climbed; barometers drift by less."""
 _CRUISE_M_S = 15.0
 """Above the cruising speed of multicopters, though not of the fastest; aeroplanes cruise faster."""
 
@@ -70,6 +73,19 @@ def check_moves(mission: Mission, track: Track, chosen_by: str) -> None:
     extent_m = float(np.ptp(track.north_east_m(), axis=0).max())
     if extent_m >= _PARKED_M:
         raise MissionError(f"the recording moves within {extent_m:.0f} m, but {close}; change {chosen_by}")
+    climb_m = _climb_m(track)
+    if climb_m > _CLIMBS_M:
+        raise MissionError(
+            f"the recording moves up and down, by {climb_m:.0f} m, but {close}; fly its heights, with "
+            "--altitude recorded and a --floor below them"
+        )
     raise MissionError(
         f"the recording does not move: {close}; choose another log, or another flight of it with --flight"
     )
+
+
+def _climb_m(track: Track) -> float:
+    """How far the highest fix of a track is above the lowest; 0 where no height is known."""
+    if not np.isfinite(track.alt_m).any():
+        return 0.0
+    return float(np.ptp(plausible_altitudes_m(track, floor_m=-np.inf)))
