@@ -13,7 +13,7 @@ _MAX_POINTS = 32_000
 _MAX_BAUD = 10_000_000
 _MIN_SPEEDUP, _MAX_SPEEDUP = 0.01, 1_000
 _MAX_HEIGHT_M = 80_000  # ArduPilot stores centimetres in 24 bits (AP_Mission).
-_MIN_SPEED_M_S, _MAX_SPEED_M_S = 0.1, 300
+_MIN_SPEED_M_S, _MAX_SPEED_M_S = 0.2, 300  # ArduCopter ignores less, and keeps its own speed (AC_WPNav).
 _MIN_PACE, _MAX_PACE = 0.1, 10
 _MAX_DURATION_S = 1_000_000  # 11 days.
 
