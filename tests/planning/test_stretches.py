@@ -6,10 +6,10 @@ from flight_replay.planning.stretches import worst_stretches
 
 
 def test_the_worst_three_stretches_are_told_in_order() -> None:
-    """Each with its largest distance, and with when it begins and ends, at the flight's ends too."""
+    """Each with its largest distance, and with when it begins and ends, or its one second."""
     off_m = np.array([2.0, 0, 1.0, 0, 0, 3.25, 4.0, 0, 5.0])
     told = worst_stretches(off_m > 0, off_m, np.arange(9.0), 1)
-    assert told == "2.0 m from 0 to 0 s, 4.0 m from 5 to 6 s, 5.0 m from 8 to 8 s"
+    assert told == "2.0 m at 0 s, 4.0 m from 5 to 6 s, 5.0 m at 8 s"
 
 
 def test_metres_are_rounded_as_asked_for() -> None:

@@ -10,7 +10,7 @@ _MOST_STRETCHES = 3
 
 
 def worst_stretches(off: Flags, off_m: Floats, time_s: Floats, digits: int) -> str:
-    """The stretches in which fixes are off farthest, in order, such as "7 m from 12 to 15 s".
+    """The stretches in which fixes are off farthest, in order, such as "7 m from 12 to 15 s, 6 m at 20 s".
 
     Args:
         off: which of the fixes are off (n,).
@@ -24,4 +24,10 @@ def worst_stretches(off: Flags, off_m: Floats, time_s: Floats, digits: int) -> s
         for begin, end in zip(edges[::2], edges[1::2], strict=True)
     ]
     worst = sorted(sorted(stretches, reverse=True)[:_MOST_STRETCHES], key=lambda stretch: stretch[1])
-    return ", ".join(f"{most:.{digits}f} m from {begin:.0f} to {end:.0f} s" for most, begin, end in worst)
+    return ", ".join(f"{most:.{digits}f} m {_when(begin, end)}" for most, begin, end in worst)
+
+
+def _when(begin_s: float, end_s: float) -> str:
+    """From when to when, in whole seconds."""
+    begin, end = f"{begin_s:.0f}", f"{end_s:.0f}"
+    return f"at {begin} s" if begin == end else f"from {begin} to {end} s"

@@ -48,6 +48,18 @@ def test_legs_that_are_flown_as_recorded_have_no_item() -> None:
     assert sum(item.command == Command.CONDITION_YAW for item in turned.mission.items) <= 1
 
 
+@pytest.mark.parametrize(
+    ("added", "words"),
+    [(0, "No item that turns the vehicle"), (1, "1 item on top of the waypoints turns"), (2, "2 items on")],
+)
+def test_how_many_items_were_added_is_told(added: int, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """None at all, too."""
+    route = route_with(0.0)
+    more = (*route.mission.items, *[change_speed(4.0)] * added)
+    monkeypatch.setattr(headings, "_turned", lambda *_, **__: replace(route.mission, items=more))
+    assert words in with_recorded_headings(route, Limits(), 30.0, timed=True).notes[-1]
+
+
 def test_a_log_without_heading_is_flown_the_vehicles_way() -> None:
     """A note says so."""
     route = route_with(np.nan)

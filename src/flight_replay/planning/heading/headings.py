@@ -51,8 +51,7 @@ def with_recorded_headings(route: Route, limits: Limits, takeoff_m: float, *, ti
         return _with_note(route, f"No heading is planned, the vehicle turns its own way. {error}")
     added = len(mission.items) - len(route.mission.items)
     turned = replace(route, mission=mission, path=planned_path(mission, route.frame))
-    where = "" if timed else " at equal places, not at equal times"
-    return _with_note(turned, f"{added} items on top of the waypoints turn the vehicle as recorded{where}.")
+    return _with_note(turned, _added_note(added, timed=timed))
 
 
 def _turned(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Mission:
@@ -113,6 +112,15 @@ def _merged(
                 (lat_deg,), (lon_deg,) = frame.to_degrees(np.array([leg.roi_m]))
                 yield face(float(lat_deg), float(lon_deg), item.alt_m, item.frame)
         yield item
+
+
+def _added_note(added: int, *, timed: bool) -> str:
+    """A sentence on how many items were added, and when the vehicle is turned as recorded."""
+    if not added:
+        return "No item that turns the vehicle would bring its heading nearer to the recorded one."
+    items_turn = ("item", "turns") if added == 1 else ("items", "turn")
+    where = "" if timed else " at equal places, not at equal times"
+    return "{} {} on top of the waypoints {} the vehicle as recorded{}.".format(added, *items_turn, where)
 
 
 def _with_note(route: Route, note: str) -> Route:
