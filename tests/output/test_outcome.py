@@ -101,6 +101,15 @@ def test_a_short_flight_is_compared_up_to_its_last_waypoint() -> None:
     assert coverage.fly_all == ("--duration all",)
 
 
+def test_a_climb_on_the_spot_is_flown_as_far_as_it_was_flown() -> None:
+    """Over the ground all of it is at the first waypoint; in space a third of it was reached."""
+    track = straight_track(0.0, 61, np.linspace(5.0, 35.0, 61).tolist())
+    route = spaced_route(track, altitude_m="recorded")
+    coverage = compare_flight(route, flight(route, 4)).coverage
+    assert coverage.recorded_s == pytest.approx(20.0, abs=2.0)
+    assert coverage.fly_all == ("--duration all",)
+
+
 def test_a_route_that_covers_a_part_needs_another_route() -> None:
     """Ten waypoints of 51: flying all of them is not flying all of the recording."""
     route = spaced_route(straight_track(), max_points=10)

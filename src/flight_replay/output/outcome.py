@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.flight_errors import FlightErrors, flight_errors
 from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.polyline import lengths_along_m
 from flight_replay.logs.track import Track
-from flight_replay.mission.path import Path
 from flight_replay.planning.route import Route, movement_of
 
 if TYPE_CHECKING:
@@ -168,13 +168,18 @@ def _coverage(route: Route, fixes: int) -> Coverage:
 
 
 def _fixes_reached(route: Route, record: FlightRecord) -> tuple[int, int]:
-    """How many of the fixes lie before the last waypoint that was reached, and a little beyond it."""
+    """How many of the fixes lie before the last waypoint that was reached, and a little beyond it.
+
+    In space, as a climb on the spot has no length over the ground.
+    """
     reached = {seq for seq, _ in record.reached}
     last_seq = max((seq for seq, _ in route.mission.waypoints if seq in reached), default=0)
     if last_seq == route.mission.waypoints[-1][0]:
         return len(route.wanted), len(route.wanted)
-    along_m = match_in_order(route.wanted.north_east_m, route.path.north_east_m).along_m
-    end_m = _length_to_item_m(route.path, last_seq)
+    path_m = np.column_stack([route.path.north_east_m, route.path.up_m])
+    fixes_m = np.column_stack([route.wanted.north_east_m, route.planned_up_m])
+    along_m = match_in_order(fixes_m, path_m).along_m
+    end_m = _length_to_item_m(path_m, route.path.seq, last_seq)
     if end_m < 0:
         return 0, 0
     return _count_up_to(along_m, end_m + _TOLERANCE_M), _count_up_to(along_m, end_m + _BEYOND_M)
@@ -184,8 +189,7 @@ def _count_up_to(along_m: Floats, end_m: float) -> int:
     return int(np.searchsorted(along_m, end_m, side="right"))
 
 
-def _length_to_item_m(path: Path, seq: int) -> float:
-    """Length of the path up to item ``seq``, metres; -1 before the first item."""
-    steps_m = np.linalg.norm(np.diff(path.north_east_m, axis=0), axis=1)
-    passed = np.flatnonzero(path.seq <= seq)
-    return float(steps_m[: passed[-1]].sum()) if len(passed) else -1.0
+def _length_to_item_m(path_m: Floats, seqs: Indices, seq: int) -> float:
+    """Length of a path (m, 3) up to item ``seq``, metres; -1 before the first item of its points (m,)."""
+    passed = np.flatnonzero(seqs <= seq)
+    return float(lengths_along_m(path_m)[passed[-1]]) if len(passed) else -1.0
