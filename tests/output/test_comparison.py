@@ -60,6 +60,16 @@ def test_a_copy_beside_is_beside_at_every_time() -> None:
     assert error_m.mean() == pytest.approx(0.5, abs=0.02)
 
 
+def test_a_replay_that_creeps_off_is_not_early_for_all_that_follows() -> None:
+    """Fitted missions do where a recording hovers: 2.4 m in 5 s, and wait there for the recording."""
+    first = loops(2)
+    early, creep_m = slice(0, 24), np.clip(0.5 * (first.time_s[:24] - 1.0), 0.0, 2.4)
+    lat_deg = first.lat_deg.copy()
+    lat_deg[early] = np.maximum(lat_deg[early], 47.0 + creep_m / 111_200.0)
+    creeping = replace(first, lat_deg=lat_deg, time_s=first.time_s + 5.0)
+    assert compare_tracks(first, creeping).errors.position_m.error.mean() < 0.1
+
+
 WIDER_M = np.where(np.arange(360) < 240, 0.3, 0.8)
 """Beside three circles by so much, the last one by more."""
 

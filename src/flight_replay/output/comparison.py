@@ -25,6 +25,11 @@ _END_M = 1.0
 """Beyond this distance from its ends a track covers another one; within, both may hover."""
 _PASSING_S = 2.0
 """So far may the moment be off at which a fix is passed: at walking pace, by a metre or two beside it."""
+_NEAR_M = 3.0
+"""While a flight is so near to a fix, as one that creeps off, any moment may be that at which it passes."""
+_NEAR_STEP_S, _MOST_STEPS = 0.5, 1000
+_MUCH_NEARER = 0.5
+"""Such a moment counts if it makes the mean distance less than this share: then both keep one time."""
 _ELSEWHERE_M = 100.0
 """Tracks that never come closer than this are not of one motion."""
 
@@ -97,14 +102,36 @@ def _errors(recorded: Movement, flown: Movement, passed_s: Floats) -> FlightErro
 
 
 def _late_s(recorded: Movement, flown: Movement) -> float:
-    """How late a flight is by the clock of a recording, within ``_PASSING_S``: the mean distance is least."""
+    """How late a flight is by the clock of a recording whose first fix it passes: the mean distance is least.
+
+    Within ``_PASSING_S``, or for as long as the flight is near that fix where that is much nearer.
+    """
 
     def mean_m(late_s: float) -> float:
         off_m = recorded.north_east_m - flown.places_at(recorded.time_s + late_s)
         return float(np.hypot(off_m[:, 0], off_m[:, 1]).mean())
 
-    bounds = (-_PASSING_S, _PASSING_S)
-    return float(minimize_scalar(mean_m, bounds=bounds, method="bounded", options={"xatol": 1e-4}).x)
+    def least_s(first_s: float, last_s: float) -> float:
+        bounds = (first_s, last_s)
+        return float(minimize_scalar(mean_m, bounds=bounds, method="bounded", options={"xatol": 1e-4}).x)
+
+    first_s, last_s = _passing_s(recorded, flown)
+    steps = min(int(np.ceil((last_s - first_s) / _NEAR_STEP_S)), _MOST_STEPS)
+    tried_s, step_s = np.linspace(first_s, last_s, steps + 1, retstep=True)
+    best_s = float(tried_s[np.argmin([mean_m(late_s) for late_s in tried_s.tolist()])])
+    narrow_s = least_s(-_PASSING_S, _PASSING_S)
+    wide_s = least_s(best_s - float(step_s), best_s + float(step_s))
+    return wide_s if mean_m(wide_s) < _MUCH_NEARER * mean_m(narrow_s) else narrow_s
+
+
+def _passing_s(recorded: Movement, flown: Movement) -> tuple[float, float]:
+    """From when to when a flight may pass a recording's first fix, which it does at about 0 of its clock."""
+    off_m = np.hypot(*(flown.north_east_m - recorded.north_east_m[0]).T)
+    far_s = flown.time_s[off_m > _NEAR_M]
+    before_s, after_s = far_s[far_s < 0.0], far_s[far_s >= 0.0]
+    begin_s = before_s[-1] if len(before_s) else flown.time_s[0]
+    end_s = after_s[0] if len(after_s) else flown.time_s[-1]
+    return float(min(begin_s, 0.0)) - _PASSING_S, float(max(end_s, 0.0)) + _PASSING_S
 
 
 def _searched(recorded: Movement, flown: Movement, wanted_s: Floats) -> Movement:
