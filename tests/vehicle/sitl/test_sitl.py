@@ -259,6 +259,19 @@ def test_a_simulator_that_ended_explains_an_error(tmp_path: Path) -> None:
         raise RuntimeError("no heartbeat")
 
 
+def test_a_simulator_that_ended_in_a_flight_is_told(tmp_path: Path) -> None:
+    """The flight up to there is kept; a link that is lost is not all that is said of it."""
+    body = "print('Waiting for connection', flush=True); time.sleep(0.1); print('stack smashed'); sys.exit(8)"
+    said: list[Event] = []
+    with process.run(SitlBinary(stand_in(tmp_path, body)), START, listener=said.append) as running:
+        running.process.wait(60)
+    (notice,) = said
+    assert isinstance(notice, Notice)
+    assert notice.warning
+    assert "simulator ended before the flight did" in notice.text
+    assert "status 8; its last output: Waiting for connection / stack smashed" in notice.text
+
+
 # Where it is found
 
 

@@ -39,7 +39,7 @@ def simulator(
         if kind == "sitl" or path is not None:
             binary = _binary(path, listener)
             listener(Notice(_STARTING_SITL))
-            running = stack.enter_context(process.run(binary, start, speedup=speedup))
+            running = stack.enter_context(process.run(binary, start, speedup=speedup, listener=listener))
             yield running.connection
             return
         if kind == "auto" and (connection := _start_auto(stack, start, speedup, listener)) is not None:
@@ -65,7 +65,7 @@ def _start_auto(stack: ExitStack, start: Start, speedup: float, listener: Listen
         return None
     listener(Notice(_STARTING_SITL))
     try:
-        return stack.enter_context(process.run(binary, start, speedup=speedup)).connection
+        return stack.enter_context(process.run(binary, start, speedup=speedup, listener=listener)).connection
     except SimulatorError as error:
         if binary.named:
             raise

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from flight_replay.events import Listener, Notice, ignore
 from flight_replay.exceptions import SimulatorError
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.vehicle.sitl.bench_parameters import bench_text
@@ -45,17 +46,24 @@ class SitlProcess:
 
 
 @contextlib.contextmanager
-def run(binary: SitlBinary, start: Start, *, speedup: float = 1.0) -> Iterator[SitlProcess]:
+def run(
+    binary: SitlBinary, start: Start, *, speedup: float = 1.0, listener: Listener = ignore
+) -> Iterator[SitlProcess]:
     """Run ``binary`` for as long as the context lasts, with a copter at ``start``.
 
+    A flight that was measured is none to lose: if the binary ended in it, ``listener`` is told.
+
     Raises:
-        SimulatorError: It does not start, or ended while the context lasted; with its last output.
+        SimulatorError: It does not start, or ended and the context with an error; with its last output.
     """
     options = _options(binary.path)
     with WatchedFolder() as folder:
         _prepare(binary, options, folder, start)
         with _started(binary, options, folder, start, speedup) as running:
             yield running
+            if running.process.poll() is not None:
+                why = _ended(binary.path, running.process, running.log)
+                listener(Notice(f"the simulator ended before the flight did: {why}", warning=True))
 
 
 def _options(path: Path) -> str:
