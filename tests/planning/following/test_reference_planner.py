@@ -112,6 +112,18 @@ def test_jumps_take_the_time_that_they_need() -> None:
     assert [(bridge.time_s, bridge.distance_m) for bridge in bridges] == [(2.0, 100.0)]
 
 
+@pytest.mark.parametrize("pace", [0.1, 0.5, 1.0, 2.0])
+def test_a_jump_is_one_at_any_pace(pace: float) -> None:
+    """Over a glitch of 30 m a vehicle that follows slowly would rush, and come late."""
+    recorded_s = 50.0 + np.arange(0.0, 10.0, 0.2)
+    along_m = 2.0 * (recorded_s - 50.0) + np.where(recorded_s > 55.0, 30.0, 0.0)
+    places_m = np.column_stack([along_m, 0.0 * along_m])
+    times_s, bridges = times_with_bridges(recorded_s, places_m, 10.0, pace)
+    assert [bridge.distance_m for bridge in bridges] == pytest.approx([30.4])
+    assert times_s[0] == 0.0
+    assert times_s[-1] == pytest.approx(9.6 / pace + 5.0 + 3.04)
+
+
 @pytest.mark.parametrize("jump_m", [0.0, 200.0])
 def test_a_fast_flight_does_not_jump(jump_m: float) -> None:
     """At 30 m/s, braking at the end; a jump in it is still one."""

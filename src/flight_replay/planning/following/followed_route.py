@@ -20,6 +20,7 @@ from flight_replay.planning.altitude import FLOOR_M, home_of
 from flight_replay.planning.drag import Drag, DragModel, sitl_drag
 from flight_replay.planning.flown_part import flown_fixes, flown_part
 from flight_replay.planning.following.controller_lag import acceleration_lag, drag_lag
+from flight_replay.planning.following.follow_notes import follow_notes
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
 from flight_replay.planning.route import Route
@@ -29,7 +30,6 @@ from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 OUTLINE_STEP_S = 1.0
 """The most time between two places of a route's outline."""
 _PATH_STEP_S = 0.1
-_WORTH_TELLING_M = 1.0
 _FARTHEST_M = 20.0
 """So far beside the recording there may be what the recorded vehicle flew around."""
 
@@ -67,7 +67,6 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
     floor_m = min(options.floor_m, float(heights_m.min()))
     reference = _reference(motion, limits, options, floor_m, home_of(recorded).alt_amsl_m or 0.0)
     wanted = _wanted(motion.time_s, recorded, commanded.alt_m)
-    planned_m = reference.positions_m(motion.time_s)
     path = _path(reference, recorded, float(motion.time_s[-1]))
     planned_error = path_errors(wanted, path.north_east_m)
     _check_beside(planned_error.path_to_recorded, options.pace)
@@ -77,14 +76,17 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         covered=recorded,
         recorded=recorded,
         wanted=wanted,
-        planned_up_m=planned_m[:, 2],
+        planned_up_m=reference.positions_m(motion.time_s)[:, 2],
         recording=recorded,
         path=path,
         planned_error=planned_error,
         predicted_duration_s=float(motion.time_s[-1]) - reference.begin_s,
         reference=reference,
         pace=options.pace,
-        notes=(*notes, *_notes(options, bridges, motion.time_s, planned_m - motion.position_m)),
+        notes=(
+            *notes,
+            *follow_notes(motion, reference, bridges, approach_m_s=options.approach_m_s, pace=options.pace),
+        ),
     )
 
 
@@ -151,8 +153,7 @@ def _motion(recorded: Track, pace: float, speed_m_s: float) -> tuple[RecordedMot
     """The recorded motion on the clock that it is followed by, and the jumps that need more time."""
     frame = FlatFrame(float(recorded.lat_deg[0]), float(recorded.lon_deg[0]))
     places_m = frame.to_metres(recorded.lat_deg, recorded.lon_deg)
-    since_s = (recorded.time_s - recorded.time_s[0]) / pace
-    times_s, bridges = times_with_bridges(since_s, places_m, speed_m_s)
+    times_s, bridges = times_with_bridges(recorded.time_s, places_m, speed_m_s, pace)
     position_m = np.column_stack([places_m, recorded.alt_m])
     return RecordedMotion(frame, times_s, position_m, recorded.heading_deg), bridges
 
@@ -179,24 +180,3 @@ def _outline(reference: ReferenceMotion, track: Track) -> Mission:
         for lat, lon, up in zip(lat_deg, lon_deg, places_m[:, 2], strict=True)
     )
     return Mission(items, home_of(track))
-
-
-def _notes(
-    options: FollowOptions, bridges: tuple[Bridge, ...], times_s: Floats, apart_m: Floats
-) -> tuple[str, ...]:
-    """What a person should know before it flies; ``apart_m`` (n, 3) is from the fixes to the reference."""
-    off_m = np.linalg.norm(apart_m, axis=1)
-    notes = [f"The way to the first fix is flown at {options.approach_m_s:g} m/s."]
-    notes += [
-        f"At {bridge.time_s:.0f} s the recording jumps by {bridge.distance_m:.0f} m; "
-        f"the vehicle flies there in {bridge.seconds:.0f} s."
-        for bridge in bridges
-    ]
-    worst = int(np.argmax(off_m))
-    if off_m[worst] > _WORTH_TELLING_M:
-        share = 100.0 * float(np.mean(off_m > _WORTH_TELLING_M))
-        notes.append(
-            f"The vehicle's limits do not let it follow {share:.1f} % of the fixes within "
-            f"{_WORTH_TELLING_M:.0f} m; the worst is {off_m[worst]:.1f} m off, at {times_s[worst]:.0f} s."
-        )
-    return tuple(notes)

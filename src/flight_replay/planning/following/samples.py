@@ -32,21 +32,22 @@ class Bridge:
 
 
 def times_with_bridges(
-    times_s: Floats, places_m: Floats, speed_m_s: float
+    recorded_s: Floats, places_m: Floats, speed_m_s: float, pace: float = 1.0
 ) -> tuple[Floats, tuple[Bridge, ...]]:
-    """The fixes' times (n,), later behind each jump by the time that the vehicle needs to fly it.
+    """Times (n,) from 0 on to be at the fixes, later behind each jump by the time that the vehicle needs.
 
     Args:
-        times_s: of the fixes (n,).
+        recorded_s: when the fixes were recorded (n,): at another pace jumps are the same.
         places_m: of the fixes (n, 2).
         speed_m_s: at which jumps are flown.
+        pace: how many times as fast as recorded the rest is followed.
     """
     steps_m = segment_lengths_m(places_m)
-    steps_s = np.diff(times_s)
+    steps_s = np.diff(recorded_s)
     jumps = (steps_m > _JUMP_M) & (steps_m > _jump_speeds_m_s(steps_m, steps_s) * steps_s)
     needed_s = steps_m / speed_m_s + _START_AND_STOP_S
-    longer_s = np.where(jumps, np.maximum(needed_s, steps_s), steps_s)
-    times = times_s[0] + np.concatenate([[0.0], np.cumsum(longer_s)])
+    longer_s = np.where(jumps, np.maximum(needed_s, steps_s / pace), steps_s / pace)
+    times = np.concatenate([[0.0], np.cumsum(longer_s)])
     bridges = tuple(
         Bridge(float(times[i]), float(steps_m[i]), float(longer_s[i])) for i in np.flatnonzero(jumps)
     )

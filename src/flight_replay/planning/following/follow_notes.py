@@ -1,0 +1,95 @@
+"""What a person should know of a motion before it is followed: jumps, gaps, and what is not followed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.polyline import segment_lengths_m
+from flight_replay.geometry.reference_motion import ReferenceMotion
+from flight_replay.planning.following.reference_planner import RecordedMotion
+from flight_replay.planning.following.samples import Bridge
+
+_WORTH_TELLING_M, _WORTH_TELLING_DEG = 1.0, 30.0
+_GAP_S, _MOST_GAPS = 5.0, 3
+"""Recorded time: shorter gaps are hardly worth telling; of others the longest are told."""
+
+
+def follow_notes(
+    motion: RecordedMotion,
+    reference: ReferenceMotion,
+    bridges: tuple[Bridge, ...],
+    *,
+    approach_m_s: float,
+    pace: float,
+) -> tuple[str, ...]:
+    """Sentences for people.
+
+    Args:
+        motion: what is to be followed.
+        reference: what is.
+        bridges: the ways of it that were not recorded as flown.
+        approach_m_s: the speed of the way to the first fix.
+        pace: how many times as fast as recorded the motion is.
+    """
+    notes = (
+        f"The way to the first fix is flown at {approach_m_s:g} m/s.",
+        *(_jump_note(bridge) for bridge in bridges),
+        _gaps_note(motion, bridges, pace),
+        _positions_note(motion, reference),
+        _headings_note(motion, reference),
+    )
+    return tuple(filter(None, notes))
+
+
+def _jump_note(bridge: Bridge) -> str:
+    return (
+        f"At {bridge.time_s:.0f} s the recording jumps by {bridge.distance_m:.0f} m; "
+        f"the vehicle flies there in {bridge.seconds:.0f} s."
+    )
+
+
+def _gaps_note(motion: RecordedMotion, bridges: tuple[Bridge, ...], pace: float) -> str:
+    """Where nothing was recorded for long, though the vehicle flew; jumps are told by themselves."""
+    steps_s, steps_m = np.diff(motion.time_s), segment_lengths_m(motion.position_m[:, :2])
+    jumps = np.isin(motion.time_s[:-1], [bridge.time_s for bridge in bridges])
+    gaps = np.flatnonzero((steps_s * pace > _GAP_S) & ~jumps)
+    if not len(gaps):
+        return ""
+    longest = np.sort(gaps[np.argsort(-steps_s[gaps], kind="stable")][:_MOST_GAPS])
+    told = [f"{steps_s[i]:.0f} s from {motion.time_s[i]:.0f} s on ({steps_m[i]:.0f} m)" for i in longest]
+    if len(gaps) > len(longest):
+        told.append(f"{len(gaps) - len(longest)} times more")
+    return f"The vehicle flies straight on where nothing is recorded: {', '.join(told)}."
+
+
+def _positions_note(motion: RecordedMotion, reference: ReferenceMotion) -> str:
+    off_m = np.linalg.norm(reference.positions_m(motion.time_s) - motion.position_m, axis=1)
+    share, worst = _share_and_worst(off_m, _WORTH_TELLING_M)
+    if not share:
+        return ""
+    return (
+        f"The vehicle's limits do not let it follow {share:.1f} % of the fixes within "
+        f"{_WORTH_TELLING_M:.0f} m; the worst is {off_m[worst]:.1f} m off, at {motion.time_s[worst]:.0f} s."
+    )
+
+
+def _headings_note(motion: RecordedMotion, reference: ReferenceMotion) -> str:
+    known = np.isfinite(motion.heading_deg)
+    headings = reference.headings_deg(motion.time_s[known])
+    if headings is None:
+        return ""
+    off_deg = np.abs((headings[0] - motion.heading_deg[known] + 180.0) % 360.0 - 180.0)
+    share, worst = _share_and_worst(off_deg, _WORTH_TELLING_DEG)
+    if not share:
+        return ""
+    return (
+        f"The vehicle does not turn as fast as recorded: {share:.1f} % of the headings are more than "
+        f"{_WORTH_TELLING_DEG:.0f} degrees off, the worst {off_deg[worst]:.0f} degrees, "
+        f"at {motion.time_s[known][worst]:.0f} s."
+    )
+
+
+def _share_and_worst(off: Floats, allowed: float) -> tuple[float, int]:
+    """How many percent are farther off than allowed, and which one is farthest off."""
+    return 100.0 * float(np.mean(off > allowed)), int(np.argmax(off))
