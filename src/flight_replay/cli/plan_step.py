@@ -195,7 +195,8 @@ def _followed_route(options: Options, track: Track, vehicle: VehicleLimits) -> R
         drag=vehicle.drag,
     )
     heights_m = altitudes_m(track, options.altitude_m, options.floor_m, options.raise_m)
-    route = with_prediction(followed_route(track, heights_m, limits, follow), limits)
+    route = followed_route(track, heights_m, limits, follow)
+    route = with_prediction(route, limits, options.max_error_m)
     heights = _heights(options, route, limits)
     return replace(route, heights=heights, notes=(*route.notes, *heights.notes))
 

@@ -17,7 +17,7 @@ from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import FollowPlan
-from flight_replay.supervisor.follower import LONGEST_GAP_S, TARGET_S, Follower, MotionTarget
+from flight_replay.supervisor.follower import LONGEST_GAP_S, OFF_COURSE, TARGET_S, Follower, MotionTarget
 from flight_replay.supervisor.speedup_keeper import SpeedupKeeper
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_clock import VehicleClock
@@ -30,7 +30,6 @@ _AT_START_M, _AT_REST_M_S = 0.5, 0.2
 _RETRY_S = 1.0
 _STEP_WALL_S, _MIN_STEP_WALL_S = 0.05, 0.001
 _BEYOND_S = 0.3  # The vehicle's last position is a little behind the last target.
-_OFF_COURSE = 3.0  # So many times the error that the reference waits for ends the flight.
 _LONGEST_ROUND_TRIP_S = 1.0
 _NOT_BACK = "the vehicle does not get back to the recording; check its fence, wind, limits and load"
 
@@ -114,7 +113,7 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
 
 def _check_still_following(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> None:
     _check_still_ours(monitor)
-    if follower.apart_m > _OFF_COURSE * plan.max_error_m:
+    if follower.apart_m > OFF_COURSE * plan.max_error_m:
         raise FlightEnded(
             "off course",
             f"the vehicle was {follower.apart_m:.1f} m from where it was to be; "

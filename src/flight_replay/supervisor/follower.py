@@ -21,6 +21,8 @@ from flight_replay.supervisor.motion.pace import Pace
 
 TARGET_S = 0.1
 """Vehicle time between targets: ten a second follow as closely as fifty."""
+OFF_COURSE = 3.0
+"""So many times the error that the reference waits for ends the flight."""
 _CLOCK_CHANGE_PER_S = 0.3  # A clock that starts or stops faster throws the vehicle off by itself.
 _SPEED_UP_M_S2, _SLOW_DOWN_M_S2 = 0.6, 2.5  # Drag helps to slow down.
 _REJOIN_M_S, _REJOIN_M_S2 = 2.0, 1.0

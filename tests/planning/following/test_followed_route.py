@@ -53,6 +53,25 @@ def test_what_cannot_be_followed_is_said() -> None:
     assert any("limits do not let it follow" in note for note in route.notes)
 
 
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        (Limits(), None),
+        (Limits(lean_rate_rad_s=0.1), "the motion: it is predicted "),
+        (Limits(guided_options=32.0), "the motion: GUID_OPTIONS 32 leaves corrections out"),
+        (Limits(guided_options=16.0), "the motion: GUID_OPTIONS 16 leaves corrections out"),
+    ],
+    ids=["default", "slow to lean", "without corrections of the velocity", "without any of the position"],
+)
+def test_what_the_model_does_not_follow_is_said(limits: Limits, said: str | None) -> None:
+    """Though the reference is within the vehicle's limits."""
+    track = _track(speed_m_s=6.0)
+    route = with_prediction(followed_route(track, track.alt_m, limits, FollowOptions()), limits, 3.0)
+    notes = [note for note in route.notes if note.startswith("The vehicle's settings do not let it keep to ")]
+    assert len(notes) == (said is not None)
+    assert all(said in note and note.endswith("9 m end the flight (--max-error).") for note in notes if said)
+
+
 def test_a_way_far_beside_the_recording_is_not_flown() -> None:
     """A vehicle that is much too slow would cut bends, over what the recorded one flew around."""
     track = _track(speed_m_s=30.0)

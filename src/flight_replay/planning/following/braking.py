@@ -29,8 +29,7 @@ def braking_within(tuning: Tuning, limits: Limits) -> Tuning:
     control.cpp). What it pulls with at its distance makes up for its braking and for its lower velocity.
     """
     gain_per_s = limits.correction_jerk_m_s3 / limits.wp_accel_m_s2 if limits.wp_accel_m_s2 > 0 else 0.0
-    not_pulled = gain_per_s <= 0.0 or bool(int(limits.guided_options) & _NOT_PULLED)
-    if tuning.braking_m_s2 == 0.0 or not_pulled:
+    if tuning.braking_m_s2 == 0.0 or gain_per_s <= 0.0 or is_not_pulled(limits):
         return replace(tuning, braking_m_s2=0.0, braking_ahead_m=0.0, braking_slower_m_s=0.0)
     ahead_m_per_m_s2 = (1 + _SLOWER_SHARE) * 2 / gain_per_s**2
     braking_m_s2 = min(_SHARE * limits.wp_accel_m_s2, _FARTHEST_AHEAD_M / ahead_m_per_m_s2)
@@ -40,3 +39,8 @@ def braking_within(tuning: Tuning, limits: Limits) -> Tuning:
         braking_ahead_m=braking_m_s2 * ahead_m_per_m_s2,
         braking_slower_m_s=_SLOWER_SHARE * braking_m_s2 / gain_per_s,
     )
+
+
+def is_not_pulled(limits: Limits) -> bool:
+    """Whether the vehicle's options leave out the corrections that pull it to targets."""
+    return bool(int(limits.guided_options) & _NOT_PULLED)
