@@ -17,3 +17,8 @@ def test_metres_are_rounded_as_asked_for() -> None:
     off_m, times_s = np.array([0, 2.25, 1.0]), np.array([0, 10.0, 20.0])
     assert worst_stretches(off_m > 0, off_m, times_s, 0) == "2 m from 10 to 20 s"
     assert worst_stretches(off_m > 9, off_m, times_s, 0) == ""
+
+
+def test_stretches_that_are_told_alike_are_told_once() -> None:
+    off_m, times_s = np.array([0.51, 0.0, 0.52, 0.0, 0.7]), np.array([115.0, 115.2, 115.4, 115.6, 120.0])
+    assert worst_stretches(off_m > 0, off_m, times_s, 1) == "0.5 m at 115 s, 0.7 m at 120 s"

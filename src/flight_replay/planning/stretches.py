@@ -24,7 +24,8 @@ def worst_stretches(off: Flags, off_m: Floats, time_s: Floats, digits: int) -> s
         for begin, end in zip(edges[::2], edges[1::2], strict=True)
     ]
     worst = sorted(sorted(stretches, reverse=True)[:_MOST_STRETCHES], key=lambda stretch: stretch[1])
-    return ", ".join(f"{most:.{digits}f} m {_when(begin, end)}" for most, begin, end in worst)
+    told = (f"{most:.{digits}f} m {_when(begin, end)}" for most, begin, end in worst)
+    return ", ".join(dict.fromkeys(told))  # Two within a second may look alike.
 
 
 def _when(begin_s: float, end_s: float) -> str:

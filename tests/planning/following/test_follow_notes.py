@@ -61,7 +61,9 @@ def test_fixes_are_not_farther_apart_when_they_are_followed_slowly(pace: float, 
 
 def test_a_jump_is_no_gap() -> None:
     notes = _notes(_with_gaps(20.0), bridges=(Bridge(5.0, 40.0, 20.0),))
-    assert notes == ("At 5 s the recording jumps by 40 m; the vehicle flies there in 20 s.",)
+    assert notes == (
+        "At 5 s the recording jumps by 40 m; the vehicle flies there in 20 s, down to 20 m above home.",
+    )
 
 
 def test_a_vehicle_that_turns_more_slowly_is_said() -> None:

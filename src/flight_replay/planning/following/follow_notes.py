@@ -34,7 +34,7 @@ def follow_notes(
     """
     notes = (
         f"The way to the first fix is flown at {approach_m_s:g} m/s.",
-        *(_jump_note(bridge) for bridge in bridges),
+        *(_jump_note(motion, bridge) for bridge in bridges),
         _gaps_note(motion, bridges, pace),
         _positions_note(motion, reference),
         _headings_note(motion, reference),
@@ -42,10 +42,13 @@ def follow_notes(
     return tuple(filter(None, notes))
 
 
-def _jump_note(bridge: Bridge) -> str:
+def _jump_note(motion: RecordedMotion, bridge: Bridge) -> str:
+    """How low the way is counts: what is there was not flown over."""
+    begin = int(np.searchsorted(motion.time_s, bridge.time_s))
+    low_m = motion.position_m[begin : begin + 2, 2].min()
     return (
         f"At {bridge.time_s:.0f} s the recording jumps by {bridge.distance_m:.0f} m; "
-        f"the vehicle flies there in {bridge.seconds:.0f} s."
+        f"the vehicle flies there in {bridge.seconds:.0f} s, down to {low_m:.0f} m above home."
     )
 
 
