@@ -42,7 +42,6 @@ class CommandSender:
         self._pending: Request | None = None
         self._pings: frozenset[int] = frozenset()
         self._pinged_s = 0.0
-        self._measuring_ns = 0
 
     def set_mode(self, mode: int) -> None:
         """Command a flight mode by its number."""
@@ -71,12 +70,12 @@ class CommandSender:
 
     def measure_round_trip(self) -> None:
         """Measure the link's round trip again."""
-        self._measuring_ns = timesync.ping(self._link)
+        timesync.ping(self._link)
 
     def on_timesync(self, message: Message) -> RequestLost | None:
         """A TIMESYNC reply: the command sent before it was not acked."""
-        if message.tc1 != 0 and message.ts1 == self._measuring_ns:
-            timesync.measure(self._link, message)
+        # Of any of our pings, not the last alone: on a slow link the next one is sent before the reply comes.
+        timesync.measure(self._link, message)
         request = self._pending
         if request is None or message.tc1 == 0 or message.ts1 not in self._pings:
             return None
