@@ -39,16 +39,21 @@ def test_auto_from_the_ground_needs_a_takeoff_item() -> None:
     assert station.texts[-1] == "Mode change to AUTO failed: init failed"
 
 
-def test_auto_in_the_air_needs_a_mission() -> None:
-    """Without items, AUTO is refused in flight."""
+def test_auto_needs_a_mission() -> None:
+    """Armed and without items, AUTO is refused on the ground and in flight; no take-off is asked for."""
     autopilot, station = sim()
+    station.run(READY_S)
+    station.mode(GUIDED)
+    station.command(ARM, 1)
+    assert station.mode(AUTO) == FAILED
+    assert "Auto: Missing Takeoff Cmd" not in station.texts
     station.fly()
     assert station.mode(AUTO) == FAILED
     assert autopilot.mode == CopterMode.GUIDED
 
 
 def test_a_whole_mission_from_takeoff_to_landing() -> None:
-    """AUTO begins on the ground, MISSION_START lifts off; RTL lands and disarms, and it begins anew."""
+    """AUTO begins on the ground, MISSION_START lifts off; RTL lands and disarms, and that completes it."""
     autopilot, station = sim(AUTO_OPTIONS=1)
     station.run(READY_S)
     station.upload([takeoff(15), item_at(30, 0), act(20)])
@@ -64,7 +69,34 @@ def test_a_whole_mission_from_takeoff_to_landing() -> None:
     assert math.dist(autopilot.flight.position_m, (0, 0, 0)) < 0.5
     assert station.texts.count("Mission: 1 Takeoff") == 1
     station.run(1)
-    assert station.texts.count("Mission: 1 Takeoff") == 2
+    assert station.texts.count("Mission: 1 Takeoff") == 1
+    assert (autopilot.mission.state, autopilot.mission.seq) == (dialect.MISSION_STATE_COMPLETE, 0)
+
+
+def test_a_mission_that_ends_with_a_landing_begins_anew() -> None:
+    """Disarming ends LAND before the mission knows that it is done, and AUTO is still on."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([item_at(10, 0), act(21)])
+    station.mode(AUTO)
+    assert station.run(200, lambda: not autopilot.armed)
+    station.run(1)
+    assert station.texts.count("Mission: 1 WP") == 2
+    assert (autopilot.mission.state, autopilot.mission.seq) == (dialect.MISSION_STATE_ACTIVE, 1)
+
+
+def test_a_complete_mission_is_started_again() -> None:
+    """MISSION_START flies it from its first item, in AUTO and from GUIDED, as often as it comes."""
+    autopilot, station = sim()
+    station.fly()
+    station.upload([act(178, 1, 5, -1), item_at(10, 0), item_at(20, 0)])
+    for times, mode in enumerate((AUTO, AUTO, GUIDED), 1):
+        station.mode(mode)
+        assert station.command(MISSION_START) == ACCEPTED
+        station.run(0.1)
+        assert station.run(60, lambda: autopilot.mission.state == dialect.MISSION_STATE_COMPLETE)
+        station.run(3)
+        assert station.reached() == [1, 2, 3] * times
 
 
 def test_a_mission_goes_on_where_it_was_left() -> None:

@@ -60,11 +60,13 @@ class MissionControl:
             return False
         if not autopilot.armed:
             return True
+        if len(autopilot.store) <= FIRST_SEQ:
+            return False
         needs_takeoff = autopilot.flight.landed and autopilot.faults.firmware.auto_needs_takeoff
         if needs_takeoff and not autopilot.store.starts_with_takeoff(self._first()):
             autopilot.say(Severity.CRITICAL, "Auto: Missing Takeoff Cmd")
             return False
-        return len(autopilot.store) > 1
+        return True
 
     def _can_be_simulated(self, items: Sequence[LocalItem]) -> bool:
         """Whether every item is simulated; reports those that are not."""
@@ -85,9 +87,11 @@ class MissionControl:
         self._waiting = True
         self._takeoff_allowed = bool(int(self._autopilot.parameters["AUTO_OPTIONS"]) & _ALLOWS_TAKEOFF)
 
-    def allow_takeoff(self) -> None:
-        """MISSION_START: the mission may leave the ground."""
+    def start(self) -> None:
+        """MISSION_START in AUTO: the mission may leave the ground, and begins anew if it is complete."""
         self._takeoff_allowed = True
+        if self._state == _COMPLETE and not self._waiting:
+            self._start_at(FIRST_SEQ)
 
     def stop(self) -> None:
         """AUTO was left: stop the mission, which goes on with the DO item that runs, if one does."""
@@ -170,14 +174,16 @@ class MissionControl:
             return
         reached = [seq for seq, _ in run.reached[self._reported :]]
         self._reported = len(run.reached)
+        has_next = True
         for seq in reached:
             item = self._items[seq - FIRST_SEQ]
             if item.command in REPORTED_AS_REACHED:
                 autopilot.say(Severity.INFO, f"Reached command #{seq}")
             if item.is_navigation:
-                self._announce_next()
+                has_next = self._announce_next()
         self._report(reached)
-        if run.completed and not self._completed:
+        # The run ends with the landing of an RTL item, before it asks for the item after it.
+        if (run.completed or (run.done and not has_next)) and not self._completed:
             self._completed = True
             self._state = _COMPLETE
             if autopilot.flight.landed:

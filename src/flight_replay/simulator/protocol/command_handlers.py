@@ -74,10 +74,10 @@ def takeoff(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
 
 
 def mission_start(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
-    """Enter AUTO, and allow the mission to take off."""
+    """Enter AUTO, and start the mission."""
     if not autopilot.request_mode(CopterMode.AUTO):
         return FAILED
-    autopilot.mission.allow_takeoff()
+    autopilot.mission.start()
     return ACCEPTED
 
 
