@@ -48,7 +48,7 @@ class Arming:
         self._idle_since_s = autopilot.time_s
         autopilot.say(Severity.INFO, "Arming motors")
         autopilot.flight.arm()
-        if autopilot.home is not None:
+        if autopilot.home is not None and not autopilot.home_is_locked:
             autopilot.set_home(autopilot.flight.position_m)
         autopilot.trigger("armed")
 

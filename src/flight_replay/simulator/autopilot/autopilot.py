@@ -62,6 +62,7 @@ class Autopilot:
     def boot(self, at: Start) -> None:
         """Boot at a location: everything is forgotten but the parameters and the mission."""
         self._steps = 0
+        self.home_is_locked = False
         self.ekf_frame = EkfFrame(at)
         self.sensors = Sensors()
         self.battery = Battery(self.parameters)
@@ -183,13 +184,15 @@ class Autopilot:
         return is_within_fence(self.parameters, home_m, position_m)
 
     def move_home(self, position_m: Vector) -> None:
-        """Move home, and with it the point that RTL flies to."""
-        self.flight.move_home(position_m, self.mode)
+        """Move home for a station, to stay there when the vehicle is armed elsewhere."""
+        self.home_is_locked = True
         self.set_home(position_m)
 
     def set_home(self, position_m: Vector) -> None:
         """Make a position home, and report it."""
         self.ekf_frame.set_home(position_m)
+        self.flight.set_home(position_m)
+        self.mission.home_moved()
         for observer in self.observers:
             observer.home_changed()
 

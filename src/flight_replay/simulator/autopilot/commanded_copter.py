@@ -1,8 +1,8 @@
 """The copter of the flight model as the autopilot commands it.
 
-Modes and targets become commands to ``Copter``, which counts metres from home, and home moves when the
-vehicle is armed somewhere else. The EKF's origin stays, and positions here are metres from there;
-``_home_m`` is home in that frame.
+Modes and targets become commands to ``Copter``, which counts metres from where the vehicle was armed.
+The EKF's origin stays, and positions here are metres from there: ``armed_m``, where it was armed, and
+``_home_m``, which stations may move.
 """
 
 from __future__ import annotations
@@ -47,7 +47,8 @@ class CommandedCopter:
                 first time that it runs, and takes the parameter for changed in flight.
         """
         self._parameters, self._start, self._takeoff_climbs = parameters, start, takeoff_climbs
-        self._home_m: Vector = (0.0, 0.0, 0.0)
+        self.armed_m: Vector = (0.0, 0.0, 0.0)
+        self._home_m = self.armed_m
         self._limits_changed = False
         self._speed_unchecked = checks_speed
         self._copter = self._new_copter((0.0, 0.0, 0.0), radians(start.heading_deg))
@@ -58,28 +59,31 @@ class CommandedCopter:
     def _new_copter(
         self, position_m: Vector, yaw_rad: float, velocity_m_s: Vector = (0.0, 0.0, 0.0)
     ) -> Copter:
-        return Copter(
+        copter = Copter(
             limits_of(self._parameters),
             position_m=position_m,
             yaw_rad=yaw_rad,
             velocity_m_s=velocity_m_s,
-            wind_m_s=wind_m_s(self._parameters, position_m[2] + self._home_m[2]),
+            wind_m_s=wind_m_s(self._parameters, position_m[2] + self.armed_m[2]),
             home_amsl_m=self._start.alt_amsl_m,
         )
+        copter.set_home(self._inside(self._home_m))
+        return copter
 
     # state
 
     @property
     def position_m(self) -> Vector:
         """North, east and up of the EKF's origin."""
-        return self._from_home(self._copter.position_m)
+        return self._outside(self._copter.position_m)
 
-    def _from_home(self, position_m: Vector) -> Vector:
-        home = self._home_m
-        return position_m[0] + home[0], position_m[1] + home[1], position_m[2] + home[2]
+    def _outside(self, position_m: Vector) -> Vector:
+        """A position of the flight model, in metres around the EKF's origin."""
+        n, e, u = self.armed_m
+        return position_m[0] + n, position_m[1] + e, position_m[2] + u
 
-    def _to_home(self, position_m: Vector) -> Vector:
-        return minus(position_m, self._home_m)
+    def _inside(self, position_m: Vector) -> Vector:
+        return minus(position_m, self.armed_m)
 
     @property
     def velocity_m_s(self) -> Vector:
@@ -129,7 +133,7 @@ class CommandedCopter:
         """Where the vehicle flies to, around the EKF's origin."""
         run = self._copter.mission
         destination_m = run.destination_m if run is not None else self._destination_m
-        return self._from_home(destination_m if destination_m is not None else self._copter.target_m)
+        return self._outside(destination_m if destination_m is not None else self._copter.target_m)
 
     @property
     def goal(self) -> GuidedTarget | None:
@@ -137,7 +141,7 @@ class CommandedCopter:
         goal = self._copter.goal
         if goal is None or goal.position_m is None:
             return goal
-        return replace(goal, position_m=self._from_home(goal.position_m))
+        return replace(goal, position_m=self._outside(goal.position_m))
 
     @property
     def height_error_m(self) -> float:
@@ -169,8 +173,8 @@ class CommandedCopter:
     # commands
 
     def arm(self) -> None:
-        """Start the motors at idle; home is here from now on."""
-        self._home_m = self._from_home(self._copter.position_m)
+        """Start the motors at idle."""
+        self.armed_m = self._outside(self._copter.position_m)
         self._copter = self._new_copter((0.0, 0.0, 0.0), self._copter.attitude_rad[2])
         self._copter.arm()
 
@@ -182,16 +186,10 @@ class CommandedCopter:
         self._copter.disarm()
         self._takeoff_stuck = False
 
-    def move_home(self, position_m: Vector, mode: CopterMode) -> None:
-        """Move home, level with the ground; what the mode does begins anew."""
-        now_m, yaw_rad = self.position_m, self._copter.attitude_rad[2]
-        velocity_m_s, motors = self._copter.velocity_m_s, self._copter.motors
-        self._home_m = (position_m[0], position_m[1], self._home_m[2])
-        self._copter = self._new_copter(self._to_home(now_m), yaw_rad, velocity_m_s)
-        if motors and self._copter.landed:
-            self._copter.arm()
-        elif motors:
-            self.enter_mode(mode)
+    def set_home(self, position_m: Vector) -> None:
+        """Make a position home; a return that has begun goes on to where home was."""
+        self._home_m = position_m
+        self._copter.set_home(self._inside(position_m))
 
     def enter_mode(self, mode: CopterMode) -> None:
         """Begin what a mode does; the copter does not leave the ground by it."""
@@ -199,7 +197,8 @@ class CommandedCopter:
         if not self._copter.motors or self._copter.landed:
             return
         if mode == CopterMode.RTL:
-            self._destination_m = (0.0, 0.0, self._copter.position_m[2])
+            n, e, _ = self._inside(self._home_m)
+            self._destination_m = (n, e, self._copter.position_m[2])
             self._copter.return_home()
         elif mode == CopterMode.LAND:
             self._copter.land()
@@ -211,6 +210,7 @@ class CommandedCopter:
     def takeoff(self, up_m: float) -> None:
         """Climb straight up, to a height above home."""
         north_m, east_m, _ = self._copter.position_m
+        up_m += self._inside(self._home_m)[2]
         self._destination_m = (north_m, east_m, up_m)
         if self._takeoff_climbs:
             self._copter.takeoff(up_m)
@@ -221,7 +221,7 @@ class CommandedCopter:
         """Follow a target as GUIDED does; its position is around the EKF's origin."""
         self._destination_m = None
         if target.position_m is not None:
-            target = replace(target, position_m=self._to_home(target.position_m))
+            target = replace(target, position_m=self._inside(target.position_m))
             self._destination_m = target.position_m if target.velocity_m_s is None else None
         self._copter.follow(target)
 

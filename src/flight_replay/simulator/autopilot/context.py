@@ -30,6 +30,7 @@ class AutopilotContext(Protocol):
     sensors: Sensors
     battery: Battery
     flight: CommandedCopter
+    home_is_locked: bool
 
     @property
     def time_s(self) -> float:

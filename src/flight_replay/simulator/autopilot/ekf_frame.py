@@ -45,18 +45,21 @@ class EkfFrame:
             return None
         return self.start.position_of(lat_e7, lon_e7, alt_m + self.home.alt_cm / 100)
 
-    def local_item(self, seq: int, item: StoredItem) -> LocalItem:
-        """A mission item in metres around home."""
-        north_east_m = self._metres_from_home(item) if item.lat_e7 or item.lon_e7 else None
-        up_m: float | None = item.alt_m
-        if item.frame == _STORED_ABSOLUTE and self.home is not None:
-            up_m = item.alt_m - self.home.alt_cm / 100
+    def local_item(self, seq: int, item: StoredItem, around_m: Vector) -> LocalItem:
+        """A mission item in metres around ``around_m``, a position in this frame."""
+        north_east_m = self._north_east_m(item, around_m) if item.lat_e7 or item.lon_e7 else None
+        up_m: float | None = item.alt_m + (self._ground_m(item) - around_m[2])
         if item.alt_cm == 0 and is_navigation(item.command):
             up_m = None
         above_terrain = item.frame == _STORED_TERRAIN
         return LocalItem(seq, copter_command(item.command), item.params, north_east_m, up_m, above_terrain)
 
-    def _metres_from_home(self, item: StoredItem) -> tuple[float, float]:
+    def _north_east_m(self, item: StoredItem, around_m: Vector) -> tuple[float, float]:
         north_m, east_m, _ = self.start.position_of(item.lat_e7, item.lon_e7, 0.0)
-        home_m = self.home.position_m if self.home else (0.0, 0.0, 0.0)
-        return north_m - home_m[0], east_m - home_m[1]
+        return north_m - around_m[0], east_m - around_m[1]
+
+    def _ground_m(self, item: StoredItem) -> float:
+        """What the item's altitude counts from: the sea, or home."""
+        if self.home is None:
+            return 0.0
+        return -self.start.alt_cm / 100 if item.frame == _STORED_ABSOLUTE else self.home.position_m[2]

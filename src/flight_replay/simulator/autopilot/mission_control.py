@@ -131,6 +131,11 @@ class MissionControl:
             self._state = _NOT_STARTED
         return True
 
+    def home_moved(self) -> None:
+        """Altitudes above home count from elsewhere, for the legs that are not flown yet."""
+        if self._run is not None:
+            self._items[:] = self._local_items()
+
     # time
 
     def update(self) -> None:
@@ -144,6 +149,7 @@ class MissionControl:
         elif self._state == _ACTIVE and (self.seq == 0 or self._was_rewritten()):
             self._start_at(FIRST_SEQ)
         if self._run is None and self._state == _ACTIVE and self._can_fly():
+            self._items[:] = self._local_items()
             self._run = autopilot.flight.fly_mission(self._items, self._start_seq)
         if self._run is not None:
             self._follow_run(self._run)
@@ -228,5 +234,8 @@ class MissionControl:
             self._autopilot.say(Severity.CRITICAL, "Auto mission changed, restarted command")
 
     def _local_items(self) -> list[LocalItem]:
-        items = self._autopilot.store.items[FIRST_SEQ:]
-        return [self._autopilot.ekf_frame.local_item(seq, item) for seq, item in enumerate(items, FIRST_SEQ)]
+        autopilot = self._autopilot
+        return [
+            autopilot.ekf_frame.local_item(seq, item, autopilot.flight.armed_m)
+            for seq, item in enumerate(autopilot.store.items[FIRST_SEQ:], FIRST_SEQ)
+        ]

@@ -171,6 +171,10 @@ class Copter(SnapshotPart):
 
     # parameters
 
+    def set_home(self, position_m: Vector) -> None:
+        """Make a position home, where the next RTL lands."""
+        self._flight.home = position_m
+
     def change_limits(self, limits: Limits) -> None:
         """Use other limits from now on; changed speeds apply to a mission that is flown."""
         before, self.limits = self.limits, limits

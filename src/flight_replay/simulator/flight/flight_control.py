@@ -1,4 +1,7 @@
-"""The airframe and the controllers that fly it. Metres north, east, up of home."""
+"""The airframe and the controllers that fly it.
+
+Metres north, east, up of where the vehicle was armed, which is home unless a station moves it.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,8 @@ class FlightControl(SnapshotPart):
     control: PositionControl
     navigation: WaypointNavigation
     auto_yaw: AutoYaw
+    home: Vector = (0.0, 0.0, 0.0)
+    """Where RTL lands, and what its altitudes count from."""
     arming_wait_s: float = 0.0
     """What is left of the delay between arming and spooling up (ARMING_DELAY_SEC)."""
 

@@ -21,13 +21,14 @@ class ReturnToLaunch(SubMode):
 
     def __init__(self, flight: FlightControl) -> None:
         self._flight = flight
+        self._home = flight.home
         self.done = False
         navigation = flight.navigation
         navigation.start(flight.limits.rtl_speed_m_s)
         start = navigation.destination
         self._up_m = self._return_altitude(start)
         navigation.set_wp_destination((start[0], start[1], self._up_m))
-        navigation.set_wp_destination_next((0.0, 0.0, self._up_m))
+        navigation.set_wp_destination_next((self._home[0], self._home[1], self._up_m))
         flight.auto_yaw.hold()
         self._substep = self._initial_climb
         self._loiter_s = flight.limits.rtl_loiter_s
@@ -36,10 +37,12 @@ class ReturnToLaunch(SubMode):
     def _return_altitude(self, start: Vector) -> float:
         """Altitude to return at (ModeRTL::compute_return_target)."""
         limits, now = self._flight.limits, self._flight.airframe.u
-        lowest = max(_MIN_RETURN_M, now + max(0.0, limits.rtl_climb_min_m))
-        up = max(limits.rtl_altitude_m, lowest)
+        n, e, ground = self._home
+        lowest = max(ground + _MIN_RETURN_M, now + max(0.0, limits.rtl_climb_min_m))
+        up = max(ground + limits.rtl_altitude_m, lowest)
         if limits.rtl_cone_slope >= _MIN_CONE_SLOPE:
-            up = min(up, max(hypot(start[0], start[1]) * limits.rtl_cone_slope, lowest))
+            cone = ground + hypot(start[0] - n, start[1] - e) * limits.rtl_cone_slope
+            up = min(up, max(cone, lowest))
         return max(up, now, start[2] + _ROUNDING_M)
 
     @property
@@ -58,7 +61,7 @@ class ReturnToLaunch(SubMode):
 
     def _initial_climb(self) -> None:
         if self._navigate():
-            self._flight.navigation.set_wp_destination((0.0, 0.0, self._up_m))
+            self._flight.navigation.set_wp_destination((self._home[0], self._home[1], self._up_m))
             self._flight.auto_yaw.set_default_mode(returning=True)
             self._substep = self._return_home
 
@@ -88,7 +91,7 @@ class ReturnToLaunch(SubMode):
         flight = self._flight
         flight.control.update()
         flight.control.input_stop_xy()
-        flight.control.input_altitude(flight.limits.rtl_altitude_final_m)
+        flight.control.input_altitude(self._home[2] + flight.limits.rtl_altitude_final_m)
         flight.auto_yaw.update()
 
     def _land(self) -> None:
