@@ -171,3 +171,13 @@ def test_before_the_fix_there_is_no_position() -> None:
     assert station.last("GPS_RAW_INT").fix_type == 6
     assert [m.flags for m in station.of("EKF_STATUS_REPORT")][::20] == [1024, 167]
     assert station.last("EKF_STATUS_REPORT").flags == 831
+
+
+def test_absurd_parameters_do_not_end_the_simulation() -> None:
+    """Energy that its field cannot hold is reported as the most that it can."""
+    _, station = sim(SIM_BATT_VOLTAGE=1e30)
+    station.run(10)
+    station.command(400, 1, 2989)
+    station.run(1)
+    station.channel.request(dialect.MAVLINK_MSG_ID_BATTERY_STATUS)
+    assert station.last("BATTERY_STATUS").energy_consumed == 2**31 - 1

@@ -73,6 +73,10 @@ def _millivolts(autopilot: Autopilot) -> int:
     return min(max(round(autopilot.battery.voltage_v * 1000), 0), 65534)
 
 
+def _int32(value: float) -> int:
+    return min(max(round(value), -(2**31)), 2**31 - 1)
+
+
 def _battery_status(autopilot: Autopilot) -> Message:
     battery = autopilot.battery
     unused = 65535
@@ -81,7 +85,7 @@ def _battery_status(autopilot: Autopilot) -> Message:
               dialect.MAV_BATTERY_CHARGE_STATE_CRITICAL)  # fmt: skip
     return dialect.MAVLink_battery_status_message(
         0, 0, 0, 32767, voltages, round(battery.current_a * 100), round(battery.consumed_mah),
-        round(battery.consumed_wh * 36), battery.remaining_percent, 0, states[battery.failsafe],
+        _int32(battery.consumed_wh * 36), battery.remaining_percent, 0, states[battery.failsafe],
     )  # fmt: skip
 
 
