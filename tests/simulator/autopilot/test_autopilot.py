@@ -37,7 +37,8 @@ def test_takeoff_needs_to_be_armed_on_the_ground_and_upwards() -> None:
     assert station.command(TAKEOFF, 0, 0, 0, 0, 0, 0, 10) == FAILED
     station.command(ARM, 1)
     assert station.command(TAKEOFF, 0, 0, 0, 0, 0, 0, -1) == FAILED
-    assert station.command_int(TAKEOFF, 0, [0, 0, 0, 0], (0, 0, 10.0)) == DENIED
+    for frame in (dialect.MAV_FRAME_GLOBAL, dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT):
+        assert station.command_int(TAKEOFF, frame, [0, 0, 0, 0], (0, 0, 10.0)) == DENIED
     assert station.command(TAKEOFF, 0, 0, 0, 0, 0, 0, 10) == ACCEPTED
     station.run(15)
     assert station.command(TAKEOFF, 0, 0, 0, 0, 0, 0, 20) == FAILED

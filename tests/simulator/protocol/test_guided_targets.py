@@ -8,11 +8,11 @@ import pytest
 
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
-from tests.helpers.sim_station import GUIDED, LOITER, START, Station, item_at, sim
+from tests.helpers.sim_station import AUTO, GUIDED, LOITER, START, Station, item_at, sim
 
 POSITION_ONLY, VELOCITY_ONLY = 0b0000110111111000, 0b0000110111000111
 LOCAL, OFFSET, BODY = 1, 7, 9
-REPOSITION, CHANGE_SPEED, CONDITION_YAW, SET_HOME = 192, 178, 115, 179
+REPOSITION, CHANGE_SPEED, CONDITION_YAW = 192, 178, 115
 
 
 def item(station: Station, current: int, north_m: float, up_m: float, command: int = 16) -> int:
@@ -53,13 +53,13 @@ def test_an_item_with_current_2_is_flown_to() -> None:
     assert item(station, 2, 60.0, 25.0) == dialect.MAV_MISSION_ERROR
 
 
-def test_an_item_with_current_3_changes_the_height() -> None:
-    """The position stays, the altitude changes."""
+def test_an_item_with_current_3_changes_nothing() -> None:
+    """ArduCopter accepts a change of altitude, and stays."""
     autopilot, station = sim()
     station.fly()
     assert item(station, 3, 500.0, 30.0) == dialect.MAV_MISSION_ACCEPTED
     station.run(15)
-    assert math.dist(autopilot.flight.position_m, (0, 0, 30)) < 1.0
+    assert math.dist(autopilot.flight.position_m, (0, 0, 20)) < 1.0
 
 
 def test_nothing_leaves_the_ground_by_a_target() -> None:
@@ -182,6 +182,30 @@ def test_speeds_change_in_guided() -> None:
     assert station.command(CHANGE_SPEED, 1, 0) == 4
 
 
+def test_a_descent_speed_resets_the_climb_speed_in_guided() -> None:
+    """Each of the two is set beside the other one's parameter."""
+    autopilot, station = sim()
+    station.fly()
+    assert station.command(CHANGE_SPEED, 2, 1) == 0
+    assert station.command(CHANGE_SPEED, 3, 1) == 0
+    item(station, 2, 0.0, 100.0)
+    station.run(10)
+    assert autopilot.flight.velocity_m_s[2] == pytest.approx(2.5, abs=0.1)
+
+
+def test_speeds_change_in_rtl() -> None:
+    """DO_CHANGE_SPEED governs the return that is flown."""
+    autopilot, station = sim()
+    station.fly()
+    item(station, 2, 200.0, 20.0)
+    station.run(40)
+    station.mode(6)
+    station.run(10)
+    assert station.command(CHANGE_SPEED, 1, 3) == 0
+    station.run(5)
+    assert autopilot.flight.velocity_m_s[0] == pytest.approx(-3, abs=0.2)
+
+
 def test_speeds_change_in_auto_by_command_and_by_parameter() -> None:
     """Both DO_CHANGE_SPEED and WPNAV_SPEED govern the leg that is flown, at once."""
     autopilot, station = sim()
@@ -211,18 +235,22 @@ def test_the_heading_can_be_set() -> None:
     assert station.command(CONDITION_YAW, 400) == 4
 
 
-def test_home_can_be_moved() -> None:
-    """DO_SET_HOME here, or at a location: RTL then lands there."""
+@pytest.mark.parametrize("command", [dialect.MAV_CMD_DO_SET_ROI, dialect.MAV_CMD_DO_SET_ROI_LOCATION])
+def test_a_region_of_interest_is_faced(command: int) -> None:
+    """The nose points there, wherever the copter flies to; DO_SET_ROI_NONE ends that."""
     autopilot, station = sim()
-    assert station.command(SET_HOME, 1) == 4
     station.fly()
+    station.upload([item_at(30, 30), item_at(-200, 30)])
     x, y = item_at(30, 0)[3:5]
-    assert station.command_int(SET_HOME, 0, [0, 0, 0, 0], (x, y, 488.0)) == 0
-    assert station.last("HOME_POSITION").latitude == x
-    assert station.command_int(SET_HOME, 1, [0, 0, 0, 0], (x, y, 488.0)) == 2
-    assert station.command(SET_HOME, 5, 0, 0, 0, 47.0, 8.0, 0) == 4
-    station.mode(6)
-    assert station.run(100, lambda: not autopilot.armed)
-    assert math.dist(autopilot.flight.position_m, (30, 0, 0)) < 1.0
-    assert station.command(SET_HOME, 1) == 0
-    assert station.command(dialect.MAV_CMD_GET_HOME_POSITION) == 0
+    assert station.command_int(command, 3, [0, 0, 0, 0], (x, y, 0.0)) == 0
+    station.run(5)
+    assert math.degrees(autopilot.flight.attitude_rad[2]) == pytest.approx(0, abs=2)
+    station.mode(AUTO)
+    station.run(1)
+    assert station.command_int(command, 3, [0, 0, 0, 0], (x, y, 0.0)) == 0
+    assert station.run(60, lambda: 1 in station.reached())
+    assert math.degrees(autopilot.flight.attitude_rad[2]) == pytest.approx(-90, abs=6)
+    assert station.command_int(command, 1, [0, 0, 0, 0], (x, y, 5.0)) == 2
+    assert station.command(dialect.MAV_CMD_DO_SET_ROI_NONE) == 0
+    station.run(6)
+    assert abs(math.degrees(autopilot.flight.attitude_rad[2])) == pytest.approx(180, abs=6)

@@ -192,16 +192,22 @@ class Copter(SnapshotPart):
         self._airframe.use_wind(wind_m_s)
 
     def change_speed(self, kind: int, speed_m_s: float) -> bool:
-        """Change the speed of the present submode, kinds as in DO_CHANGE_SPEED; False if it has none."""
-        flight = self._flight
-        if self.mission is not None:
+        """Change the speed of the present submode, kinds as in DO_CHANGE_SPEED; False if it has none.
+
+        In GUIDED a climb speed resets the descent speed, and the other way round (mode_guided.cpp).
+        """
+        flight, limits = self._flight, self.limits
+        if isinstance(self._submode, MissionRun | ReturnToLaunch):
             change = {2: flight.navigation.set_speed_up, 3: flight.navigation.set_speed_down}
             change.get(kind, flight.navigation.set_speed)(speed_m_s)
             return True
         if not isinstance(self._submode, TakeOff | GuidedSubMode | Hold):
             return False
         level, up, down = flight.control.speed_max, flight.control.speed_up, flight.control.speed_down
-        speeds = {2: (level, speed_m_s, down), 3: (level, up, speed_m_s)}
+        speeds = {
+            2: (level, speed_m_s, limits.wp_speed_down_m_s),
+            3: (level, limits.wp_speed_up_m_s, speed_m_s),
+        }
         flight.control.set_speeds(*speeds.get(kind, (speed_m_s, up, down)))
         flight.control.limit_correction()
         return True
@@ -253,6 +259,13 @@ class Copter(SnapshotPart):
     ) -> None:
         """Turn to a heading, or by an angle, until another command turns the vehicle."""
         self._flight.auto_yaw.set_fixed_yaw(angle_rad, rate_rad_s, direction, relative=relative)
+
+    def face(self, north_east_m: tuple[float, float] | None) -> None:
+        """Face a position from now on; without one look along the path again."""
+        if north_east_m is None:
+            self._flight.auto_yaw.set_default_mode()
+        else:
+            self._flight.auto_yaw.face(north_east_m)
 
     def hold(self) -> None:
         """Stop, and hold position."""

@@ -34,6 +34,11 @@ def accept(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     return ACCEPTED
 
 
+def deny(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Deny what ArduCopter denies."""
+    return DENIED
+
+
 def arm_disarm(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Arm or disarm; 2989 skips the arming checks, 21196 arms without them and disarms in flight."""
     wanted, force, *_ = command.params
@@ -56,10 +61,7 @@ def set_mode(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
 
 def takeoff(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
     """Take off to an altitude above home: from the ground, armed, in a mode that allows it (takeoff.cpp)."""
-    if command.frame not in (
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
-    ):
+    if command.frame != dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT:
         return DENIED
     above_home_m = autopilot.above_home_m
     if not autopilot.armed or not autopilot.flight.landed or not above_home_m < command.z < ALTITUDE_LIMIT_M:
@@ -113,6 +115,23 @@ def condition_yaw(autopilot: Autopilot, command: CommandInt, sender: Sender) -> 
     autopilot.flight.set_yaw(
         math.radians(angle_deg), math.radians(rate_deg_s), direction, relative=bool(relative)
     )
+    return ACCEPTED
+
+
+def set_roi(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Face a location from now on; 0 in all three ends that."""
+    if command.x == 0 and command.y == 0 and command.z == 0:
+        return end_roi(autopilot, command, sender)
+    position_m = autopilot.ekf_frame.position_of(command.x, command.y, command.z, command.frame)
+    if position_m is None:
+        return DENIED
+    autopilot.flight.face(position_m)
+    return ACCEPTED
+
+
+def end_roi(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
+    """Look along the path again."""
+    autopilot.flight.face(None)
     return ACCEPTED
 
 

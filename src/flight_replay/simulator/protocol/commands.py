@@ -16,7 +16,12 @@ from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import UNSUPPORTED, CommandInt
 
 _HAS_LOCATION = frozenset(
-    {dialect.MAV_CMD_DO_SET_HOME, dialect.MAV_CMD_DO_REPOSITION, dialect.MAV_CMD_DO_SET_ROI}
+    {
+        dialect.MAV_CMD_DO_SET_HOME,
+        dialect.MAV_CMD_DO_REPOSITION,
+        dialect.MAV_CMD_DO_SET_ROI,
+        dialect.MAV_CMD_DO_SET_ROI_LOCATION,
+    }
 )
 
 
@@ -93,13 +98,15 @@ COMMANDS: dict[int, CommandHandler] = {
     dialect.MAV_CMD_DO_SET_MISSION_CURRENT: command_handlers.set_mission_current,
     dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: command_handlers.reboot,
     dialect.MAV_CMD_PREFLIGHT_CALIBRATION: command_handlers.accept,
-    dialect.MAV_CMD_PREFLIGHT_STORAGE: command_handlers.accept,
+    dialect.MAV_CMD_PREFLIGHT_STORAGE: command_handlers.deny,
     dialect.MAV_CMD_RUN_PREARM_CHECKS: command_handlers.run_prearm_checks,
     dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: command_handlers.request_capabilities,
     dialect.MAV_CMD_REQUEST_MESSAGE: command_handlers.request_message,
     dialect.MAV_CMD_SET_MESSAGE_INTERVAL: command_handlers.set_message_interval,
     dialect.MAV_CMD_GET_MESSAGE_INTERVAL: command_handlers.get_message_interval,
     dialect.MAV_CMD_DO_SEND_BANNER: command_handlers.send_banner,
-    dialect.MAV_CMD_DO_SET_ROI: command_handlers.accept,
+    dialect.MAV_CMD_DO_SET_ROI: command_handlers.set_roi,
+    dialect.MAV_CMD_DO_SET_ROI_LOCATION: command_handlers.set_roi,
+    dialect.MAV_CMD_DO_SET_ROI_NONE: command_handlers.end_roi,
 }
 """Handlers by MAV_CMD; each returns a MAV_RESULT."""

@@ -18,17 +18,17 @@ _CHANGE_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
 
 
 def item(autopilot: Autopilot, message: Message) -> int:
-    """A mission item with current 2 (fly there) or 3 (change altitude); returns a MAV_MISSION_RESULT."""
+    """A mission item with current 2 (fly there) or 3 (change altitude); returns a MAV_MISSION_RESULT.
+
+    ArduCopter accepts a change of altitude, and does nothing (handle_change_alt_request).
+    """
     try:
         target = to_stored_item(message)
     except ItemRejected as refused:
         return refused.result
-    position_m = autopilot.ekf_frame.position_of(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
     if message.current == 3:
-        if autopilot.mode == CopterMode.GUIDED and position_m is not None:
-            north_m, east_m, _ = autopilot.flight.position_m
-            _fly_to(autopilot, (north_m, east_m, position_m[2]))
         return int(dialect.MAV_MISSION_ACCEPTED)
+    position_m = autopilot.ekf_frame.position_of(target.lat_e7, target.lon_e7, target.alt_m, target.frame)
     if (
         autopilot.mode != CopterMode.GUIDED
         or target.command != dialect.MAV_CMD_NAV_WAYPOINT
