@@ -96,6 +96,23 @@ def test_a_low_battery_does_what_its_parameter_says(action: int, mode: CopterMod
     assert station.last("BATTERY_STATUS").charge_state == dialect.MAV_BATTERY_CHARGE_STATE_LOW
 
 
+def test_a_failsafe_waits_before_it_lands() -> None:
+    """LAND of a failsafe holds the height for four seconds, LAND of a station does not."""
+    autopilot, station = sim(BATT_FS_LOW_ACT=1)
+    station.fly()
+    autopilot.parameters.assign("SIM_BATT_VOLTAGE", 10.2)
+    assert station.run(12, lambda: autopilot.mode == CopterMode.LAND)
+    station.run(3.9)
+    assert autopilot.above_home_m == pytest.approx(20, abs=0.2)
+    station.run(4)
+    assert autopilot.above_home_m < 17
+    autopilot, station = sim()
+    station.fly()
+    station.mode(CopterMode.LAND)
+    station.run(4)
+    assert autopilot.above_home_m < 17
+
+
 def test_a_critical_battery_goes_beyond_a_low_one() -> None:
     """Charge counts at once; critical acts after low has; on the ground the motors stop."""
     autopilot, station = sim(BATT_LOW_MAH=3200, BATT_FS_LOW_ACT=2, BATT_CRT_MAH=3150, BATT_FS_CRT_ACT=1)

@@ -229,6 +229,10 @@ class CommandedCopter:
         """Turn to a heading, or by an angle (CONDITION_YAW)."""
         self._copter.set_yaw(angle_rad, rate_rad_s, direction, relative=relative)
 
+    def pause_landing(self) -> None:
+        """Wait before a landing that was just begun."""
+        self._copter.pause_landing()
+
     def face(self, position_m: Vector | None) -> None:
         """Face a position around the EKF's origin; None ends that."""
         self._copter.face(None if position_m is None else self._inside(position_m)[:2])

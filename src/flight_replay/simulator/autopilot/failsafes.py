@@ -91,8 +91,13 @@ class Failsafes:
         if action == _TERMINATE:
             autopilot.disarm()
         elif action == _LAND:
-            autopilot.set_mode(CopterMode.LAND)
+            self._land()
         elif action == _BRAKE_LAND:
             autopilot.set_mode(CopterMode.BRAKE)
         elif action != _NONE and not autopilot.set_mode(CopterMode.RTL):
-            autopilot.set_mode(CopterMode.LAND)
+            self._land()
+
+    def _land(self) -> None:
+        """Land after a pause, in which a pilot may take over, unless the vehicle lands already."""
+        if self._autopilot.mode != CopterMode.LAND and self._autopilot.set_mode(CopterMode.LAND):
+            self._autopilot.flight.pause_landing()

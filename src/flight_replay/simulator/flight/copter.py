@@ -284,6 +284,11 @@ class Copter(SnapshotPart):
         """Land here."""
         self._submode = Landing(self._flight)
 
+    def pause_landing(self) -> None:
+        """Wait before a landing that was just begun."""
+        if isinstance(self._submode, Landing):
+            self._submode.pause()
+
     def step(self) -> None:
         """Move ``step_s`` on."""
         self._submode.step()

@@ -8,6 +8,8 @@ from flight_replay.simulator.flight.submode import SubMode
 
 # LAND_DETECTOR_TRIGGER_SEC.
 _LAND_DETECTOR_S = 1.0
+# LAND_WITH_DELAY_MS.
+_PAUSE_S = 4.0
 _MIN_ALT_LOW_M = 1.0
 
 
@@ -21,10 +23,15 @@ class Landing(SubMode):
         self._flight = flight
         self.done = False
         self._still_s = 0.0
+        self._pause_s = 0.0
         limits = flight.limits
         flight.control.set_speeds(limits.wp_speed_m_s, limits.wp_speed_up_m_s, limits.wp_speed_down_m_s)
         flight.control.limit_correction()
         flight.auto_yaw.hold()
+
+    def pause(self) -> None:
+        """Wait before the descent, as failsafes do (set_mode_land_with_pause)."""
+        self._pause_s = _PAUSE_S
 
     def step(self) -> None:
         """Descend one step; on the ground, wait until the throttle is closed and all is still."""
@@ -36,7 +43,8 @@ class Landing(SubMode):
         slowest = abs(limits.land_speed_m_s)
         fastest = max(limits.land_speed_high_m_s or control.speed_down, slowest)
         rate = sqrt_controller(low - airframe.u, limits.position_z_p, control.accel_z_max, airframe.dt)
-        control.input_climb_rate(clamp(rate, -fastest, -slowest))
+        self._pause_s -= airframe.dt
+        control.input_climb_rate(0.0 if self._pause_s > 0 else clamp(rate, -fastest, -slowest))
         flight.auto_yaw.update()
         self._still_s = self._still_s + airframe.dt if airframe.on_ground and control.throttle <= 0 else 0.0
         self.done = self._still_s >= _LAND_DETECTOR_S + limits.spool_s
