@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit import timed_search, untimed_search
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS, exchanged
-from flight_replay.planning.fit.curve_leaps import without_leaps
-from flight_replay.planning.fit.leg_errors import without_errors
+from flight_replay.planning.fit.mends.curve_leaps import without_leaps
+from flight_replay.planning.fit.mends.leg_errors import without_errors
+from flight_replay.planning.fit.mends.spline_dives import without_dives
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import COMES_DOWN, ENOUGH, NO_MORE, State
@@ -63,7 +64,8 @@ def search(
     if best is not relieved:
         best = _relieved(problem, best, budget)
     budget.finish()
-    return without_errors(problem, without_leaps(problem, best.best)), stopped
+    undived = without_dives(problem, best.best)
+    return without_errors(problem, without_leaps(problem, undived)), stopped
 
 
 def _relieved(problem: FitProblem, best: State, budget: Budget) -> State:

@@ -7,7 +7,7 @@ import pytest
 
 from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.leg_errors import without_errors
+from flight_replay.planning.fit.mends.leg_errors import without_errors
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import local_track
@@ -48,7 +48,7 @@ def test_a_draft_without_an_error_stays_as_it_is() -> None:
 def test_what_cannot_be_mended_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is told by the prediction then."""
     problem, best = evaluated(timed=False)
-    monkeypatch.setattr("flight_replay.planning.fit.leg_errors._SHORT_M_PER_M_S3", 0.1)
+    monkeypatch.setattr("flight_replay.planning.fit.mends.leg_errors._SHORT_M_PER_M_S3", 0.1)
     assert without_errors(problem, best) is best
 
 

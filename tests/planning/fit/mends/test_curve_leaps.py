@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import MissionError
-from flight_replay.planning.fit.curve_leaps import places_before_leaps, without_leaps
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.mends.curve_leaps import places_before_leaps, without_leaps
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import local_track
