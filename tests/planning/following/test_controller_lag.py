@@ -107,7 +107,7 @@ def test_gains_that_are_none_move_no_target_far() -> None:
 
 
 def _predicted_m(route: Route) -> float:
-    predicted = with_prediction(route, Limits()).predicted
+    predicted = with_prediction(route, Limits(), 3.0).predicted
     assert predicted is not None
     assert predicted.position_m.statistics is not None
     return predicted.position_m.statistics.mean

@@ -27,7 +27,7 @@ def _track(speed_m_s: float = 4.0) -> Track:
 
 def test_predicted_in_step_with_the_recording() -> None:
     track = _track()
-    route = with_prediction(followed_route(track, track.alt_m, Limits(), FollowOptions()), Limits())
+    route = with_prediction(followed_route(track, track.alt_m, Limits(), FollowOptions()), Limits(), 3.0)
     assert route.method == "guided"
     assert route.predicted is not None
     position, heading = route.predicted.position_m.statistics, route.predicted.heading_deg.statistics

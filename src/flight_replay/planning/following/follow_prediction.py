@@ -26,7 +26,7 @@ from flight_replay.supervisor.follower import (
 _ROWS_A_SAMPLE = 5  # Ten samples a second.
 
 
-def with_prediction(route: Route, limits: Limits, max_error_m: float = np.inf) -> Route:
+def with_prediction(route: Route, limits: Limits, max_error_m: float) -> Route:
     """The route with the errors that a vehicle of these limits will have, on a link without delay.
 
     Args:
