@@ -107,7 +107,7 @@ def _replay_all(options: ManyOptions, files: Sequence[LogFile], store: ResultSto
 
     if store.found and not options.quiet:
         write_line(sys.stderr, f"Going on with {options.out}: {store.found} rows are there")
-    if all(store.is_done(each.path, each.bytes or -1, each.modified_ns or -1) for each in files):
+    if all(store.is_done(each.path, each.bytes, each.modified_ns) for each in files):
         return
     progress = RunProgress(as_json=options.json, quiet=options.quiet)
     _interrupt_on_termination()
