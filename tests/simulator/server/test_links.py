@@ -12,7 +12,7 @@ from flight_replay.exceptions import SimulatorError
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.parameter_table import Parameters
-from flight_replay.simulator.server.addresses import Address, parse_address
+from flight_replay.simulator.server.addresses import NetworkAddress, parse_address
 from flight_replay.simulator.server.endpoint import Endpoint, StepScheduler
 from flight_replay.simulator.server.links import ListenSocket, TcpClientSocket
 from tests.helpers.sim_station import GUIDED, START
@@ -75,15 +75,15 @@ def received(endpoint: Endpoint, client: Client, kind: str) -> object:
 @pytest.mark.parametrize(
     ("text", "address"),
     [
-        ("tcp:127.0.0.1:5760", Address("tcp", "127.0.0.1", 5760)),
-        ("tcpin:0.0.0.0:0", Address("tcp", "0.0.0.0", 0)),
-        ("udp:localhost:14550", Address("udpin", "localhost", 14550)),
-        ("udpout:10.0.0.2:14550", Address("udpout", "10.0.0.2", 14550)),
-        ("udpin:127.0.0.1:14550", Address("udpin", "127.0.0.1", 14550)),
-        ("tcp:[::1]:5760", Address("tcp", "::1", 5760)),
+        ("tcp:127.0.0.1:5760", NetworkAddress("tcp", "127.0.0.1", 5760)),
+        ("tcpin:0.0.0.0:0", NetworkAddress("tcp", "0.0.0.0", 0)),
+        ("udp:localhost:14550", NetworkAddress("udpin", "localhost", 14550)),
+        ("udpout:10.0.0.2:14550", NetworkAddress("udpout", "10.0.0.2", 14550)),
+        ("udpin:127.0.0.1:14550", NetworkAddress("udpin", "127.0.0.1", 14550)),
+        ("tcp:[::1]:5760", NetworkAddress("tcp", "::1", 5760)),
     ],
 )
-def test_connection_strings_are_those_of_mavlink_tools(text: str, address: Address) -> None:
+def test_connection_strings_are_those_of_mavlink_tools(text: str, address: NetworkAddress) -> None:
     """Each form names a kind of link, a host and a port."""
     assert parse_address(text) == address
     assert parse_address(str(address)) == address
@@ -102,7 +102,7 @@ def test_a_port_in_use_is_one_clear_sentence(opened: Callable[..., Endpoint]) ->
     with pytest.raises(SimulatorError, match=f"cannot listen on {taken}: .*in use; choose another address"):
         opened(f"tcp:{LOCAL}:0", str(taken))
     with pytest.raises(SimulatorError, match=r"cannot listen on tcp:192\.0\.2\.1:5760"):
-        ListenSocket(Address("tcp", "192.0.2.1", 5760))
+        ListenSocket(NetworkAddress("tcp", "192.0.2.1", 5760))
 
 
 def test_several_stations_at_once(opened: Callable[..., Endpoint]) -> None:
