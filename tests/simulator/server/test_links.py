@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import time
 from collections.abc import Callable, Iterator
@@ -129,6 +130,27 @@ def test_stations_come_and_go(opened: Callable[..., Endpoint]) -> None:
             endpoint.exchange(0.01)
             endpoint.step()
         assert endpoint.stations == 0
+
+
+def test_a_simulator_without_descriptors_goes_on(
+    opened: Callable[..., Endpoint], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A station that cannot be accepted takes none away from the others; it is accepted later."""
+    endpoint = opened(f"tcp:{LOCAL}:0")
+    first = connect(endpoint)
+    received(endpoint, first, "HEARTBEAT")
+
+    def accept(self: socket.socket) -> None:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    with monkeypatch.context() as without:
+        without.setattr(socket.socket, "accept", accept)
+        second = connect(endpoint)
+        received(endpoint, first, "HEARTBEAT")
+        assert endpoint.stations == 1
+    received(endpoint, second, "HEARTBEAT")
+    for client in (first, second):
+        client.socket.close()
 
 
 def test_messages_between_stations_are_passed_on(opened: Callable[..., Endpoint]) -> None:

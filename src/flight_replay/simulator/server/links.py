@@ -183,7 +183,7 @@ class ListenSocket:
             return udp
         try:
             client, _ = self.socket.accept()
-        except (BlockingIOError, InterruptedError, ConnectionError):
+        except OSError:  # Gone again, or out of descriptors: those that are connected must not suffer.
             return None
         return TcpClientSocket(client)
 
