@@ -26,7 +26,7 @@ def counted_m(behind_s: float) -> tuple[Floats, Floats]:
 
 
 def test_a_vehicle_nearby_is_as_far_off_as_it_is() -> None:
-    """Up to 6 m behind, to the last bit."""
+    """Up to 8 m behind, to the last bit."""
     off_m, counts_m = counted_m(FAR_M)
     assert np.array_equal(off_m[:90], counts_m[:90])
 
@@ -47,7 +47,7 @@ def test_nothing_counts_of_the_way_where_the_recorded_vehicle_stands() -> None:
 
 
 def test_far_off_a_metre_more_counts_less() -> None:
-    """All of it up to 6 m, half of it at 12; what it counts has no steps."""
+    """All of it up to 8 m, half of it at 16; what it counts has no steps."""
     late_m = np.linspace(0.0, 100.0, 10_001)
     slope = np.diff(lateness_cost_m(late_m)) / 0.01
     assert slope == pytest.approx(lateness_slope((late_m[1:] + late_m[:-1]) / 2), abs=1e-3)

@@ -15,7 +15,7 @@ from flight_replay.geometry.polyline import lengths_along_m, lengths_m
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 
-FAR_M = 6.0
+FAR_M = 8.0
 """Up to so far off it is the way from the recorded vehicle that counts, from twice that on the way along."""
 _TANGENT_M = 2.0
 """The recorded line has the direction from so far before to so far after."""
