@@ -45,6 +45,15 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
     assert any(isinstance(event, Notice) and "left out" in event.text for event in events)
 
 
+def test_a_speed_that_is_not_reached_is_said() -> None:
+    """Legs of 3 m are flown at some 1.5 m/s; the vehicle's own speed, and a slower one, need no words."""
+    said = "The vehicle is expected to fly at up to 1."
+    for speed, times in (("20", 1), ("1", 0), ("vehicle", 0)):
+        route, events = planned("--speed", speed)
+        assert sum(said in note for note in route.notes) == times
+        assert sum(isinstance(event, Notice) and said in event.text for event in events) == times
+
+
 def test_heights_are_said() -> None:
     """The climb to the first waypoint, which takes time, and what is raised to the floor."""
     argv = ("--altitude", "recorded", "--floor", "8")

@@ -26,6 +26,7 @@ from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.planning.top_speed import with_speed_note
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -176,9 +177,10 @@ def _planned_route(
     route = _with_heights(options, route, limits)
     if options.heading == "recorded":
         route = _with_recorded_headings(options, route, limits)
-    return replace(
-        with_prediction(route, limits, options.takeoff_altitude_m), required_limits=required_limits
-    )
+    route = with_prediction(route, limits, options.takeoff_altitude_m)
+    if isinstance(options.speed_m_s, float):
+        route = with_speed_note(route, options.speed_m_s, limits)
+    return replace(route, required_limits=required_limits)
 
 
 def _followed_route(options: Options, track: Track, vehicle: VehicleLimits) -> Route:
