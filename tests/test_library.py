@@ -97,6 +97,7 @@ def test_a_whole_flight_can_be_fitted_or_followed() -> None:
             {"mode": "guided", "max_points": 9},
             "max_points is for waypoints and cannot be used with mode='guided'",
         ),
+        ({"route": "fit", "max_points": 1}, "route='fit' needs max_points of 2 or more"),
         ({"limits": Limits()}, "limits must be VehicleLimits or None, not Limits"),
     ],
 )

@@ -82,6 +82,7 @@ def test_values_are_read(argv: list[str], name: str, value: object) -> None:
         (["--bare", "--save", "a.kml"], "--bare is for missions saved as .waypoints or .plan"),
         (["--map-tiles"], "--map-tiles is for the live map and needs --map"),
         (["--route", "fit", "--spacing", "3"], "--spacing is for --route spacing"),
+        (["--route", "fit", "--max-points", "1"], "--route fit needs --max-points of 2 or more"),
         (["--mode", "guided", "--max-points", "9"], "--max-points is for waypoints"),
         (["--max-error", "2"], "--max-error needs --mode guided"),
         (["--passes", "2"], "--passes needs --mode guided"),
