@@ -59,9 +59,9 @@ def compare_tracks(
     Raises:
         LogError: One of them does not move, the second does not follow the first, or not between the times.
     """
-    for track in (first, second):
+    for name, track in (("first", first), ("second", second)):
         if len(track) < 2 or np.ptp(track.north_east_m(), axis=0).max() < _END_M:
-            raise LogError("one of the recordings does not move; name another to compare")
+            raise LogError(f"the {name} recording does not move over the ground; name another to compare")
     recorded, flown = movement_of(first, first.frame), movement_of(second, first.frame)
     wanted = select(first, None, from_s, to_s)
     wanted_s = wanted.time_s[[0, -1]] - first.time_s[0]

@@ -192,7 +192,7 @@ def _draw_map(axes: Axes, series: ReplaySeries) -> None:
 def _draw_line(axes: Axes, north_east_m: Floats, name: str, width: float, **style: Any) -> None:
     """Where somebody flew (n, 2), as a line, or as a dot of more than its width where it would be none."""
     is_point = len(north_east_m) > 0 and np.ptp(north_east_m, axis=0).max() < _POINT_M
-    dot = {"marker": "o", "markevery": [0], "ms": 2 * width} if is_point else {}
+    dot: dict[str, Any] = {"marker": "o", "markevery": [0], "ms": 2 * width} if is_point else {}
     north_m, east_m = north_east_m.T
     axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=width, label=name, **dot, **style)
 
