@@ -3,6 +3,8 @@
 A message names what failed, then the reason, then what to do next.
 """
 
+from __future__ import annotations
+
 
 class FlightReplayError(Exception):
     """Base class of every expected failure."""
@@ -26,3 +28,10 @@ class PhaseTimeoutError(VehicleError):
 
 class SimulatorError(FlightReplayError):
     """A simulator cannot be found or started, or stopped running."""
+
+
+def failure_text(error: Exception) -> str:
+    """What a command says of an error that ends it; one that is not expected is an error of the program."""
+    if isinstance(error, FlightReplayError):
+        return str(error)
+    return f"internal error ({type(error).__name__}: {error}); please report it with the output of -v"

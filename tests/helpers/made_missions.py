@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Sequence
-from pathlib import Path
 
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.mission.items import Home, Mission, MissionItem, change_speed, waypoint
@@ -54,18 +53,3 @@ def random_mission(seed: int) -> Mission:
             waypoint(round(float(lat), 7), round(float(lon), 7), round(up, 2), hold_s=hold_s, spline=spline)
         )
     return Mission(tuple(items), home)
-
-
-def write_waypoints(mission: Mission, path: Path) -> None:
-    """Write a mission as QGC WPL 110, home as item 0."""
-    assert mission.home is not None
-    home = mission.home
-    rows = [
-        "QGC WPL 110",
-        f"0\t1\t0\t16\t0\t0\t0\t0\t{home.lat_deg:.8f}\t{home.lon_deg:.8f}\t{home.alt_amsl_m:.2f}\t1",
-    ]
-    for seq, item in enumerate(mission.items, 1):
-        params = "\t".join(f"{value:g}" for value in item.params)
-        place = f"{item.lat_deg:.8f}\t{item.lon_deg:.8f}\t{item.alt_m:.2f}"
-        rows.append(f"{seq}\t0\t{item.frame}\t{item.command}\t{params}\t{place}\t1")
-    path.write_text("\n".join(rows) + "\n")

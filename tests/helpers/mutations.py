@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+
+Mutation = Callable[[bytes, np.random.Generator, list[bytes]], bytes]
 
 
 def flipped(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
@@ -53,10 +57,8 @@ def zeroed(data: bytes, chance: np.random.Generator, _: list[bytes]) -> bytes:
     return data[:first] + bytes(last - first) + data[last:]
 
 
-def mutated(originals: list[bytes], seed: int) -> bytes:
-    """One of the originals, mutated up to three times, in the same way for the same seed."""
-    chance = np.random.default_rng(seed)
-    ways = (*MUTATIONS, overwritten, zeroed)
+def mutated(originals: list[bytes], chance: np.random.Generator, ways: tuple[Mutation, ...]) -> bytes:
+    """One of the originals, mutated up to three times in some of these ways."""
     data = originals[chance.integers(len(originals))]
     for _ in range(chance.integers(1, 4)):
         if data:
@@ -68,3 +70,4 @@ MOVES = (cut, spliced, repeated, shuffled)
 """Those that keep all bytes as they are, and only put them elsewhere."""
 
 MUTATIONS = (flipped, *MOVES)
+ALL_MUTATIONS = (*MUTATIONS, overwritten, zeroed)

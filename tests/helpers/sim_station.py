@@ -19,7 +19,7 @@ READY_S = 10.0
 GUIDED, AUTO, RTL = CopterMode.GUIDED, CopterMode.AUTO, CopterMode.RTL
 LAND, LOITER = CopterMode.LAND, CopterMode.LOITER
 ARM, SET_MODE, TAKEOFF, MISSION_START = 400, 176, 22, 300
-E7_PER_M = 1e7 / 111_000
+ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 Item = tuple[int, int, tuple[float, float, float, float], int, int, float]
 

@@ -15,7 +15,7 @@ from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import track_from_columns
 from flight_replay.mission import formats
 from tests.helpers.format_examples import MISSION
-from tests.helpers.mutations import mutated
+from tests.helpers.mutations import ALL_MUTATIONS, mutated
 from tests.helpers.track_files import gpx, kml, kml_line, kml_points, kml_track, kmz, moving
 from tests.logs.tracks.test_dji_csv import airdata
 from tests.logs.ulog.test_ulog_reader import flight
@@ -50,7 +50,7 @@ USABLE = {"geojson": 0.0, "kmz": 0.05}
 def read_damaged(kind: str, seed: int) -> Recording | None:
     """What is read of a damaged file by the reader of its format; None after one clear error."""
     log_format = next(each for each in FORMATS if each.name == kind)
-    log = OpenLog("damaged", io.BytesIO(mutated(ORIGINALS[kind], seed)))
+    log = OpenLog("damaged", io.BytesIO(mutated(ORIGINALS[kind], np.random.default_rng(seed), ALL_MUTATIONS)))
     if not log_format.begins(log.head):
         return None
     try:

@@ -55,16 +55,9 @@ def test_straight_legs_are_lines_through_the_places_and_carry_their_sequence_num
     assert path.length_m == pytest.approx(70, abs=1e-6)
 
 
-def test_a_path_begins_where_the_vehicle_starts() -> None:
-    """With a start, the way to the first waypoint is part of the path."""
-    path = planned_path((at(0, 40),), FRAME, start_m=(0.0, 0.0, 30.0))
-    assert path.length_m == pytest.approx(40, abs=1e-6)
-
-
 def test_without_places_there_is_no_path() -> None:
-    """A mission of speed changes alone gives an empty path, or the start alone."""
-    assert planned_path((change_speed(3),), FRAME).north_east_m.shape == (0, 2)
-    assert planned_path((), FRAME, (1.0, 2.0, 3.0)).north_east_m.tolist() == [[1.0, 2.0]]
+    """A mission of speed changes alone gives an empty path."""
+    assert planned_path(Mission((change_speed(3),)), FRAME).north_east_m.shape == (0, 2)
 
 
 def test_a_square_of_splines_bulges_as_arducopters_does() -> None:
@@ -75,7 +68,7 @@ def test_a_square_of_splines_bulges_as_arducopters_does() -> None:
         stop(20, 20, spline=True),
         stop(20, 0, spline=True),
     ]
-    path = path_through([*route, stop(0, 0, spline=True)], np.array([20.0, 0, 0]))
+    path = path_through([stop(20, 0), *route, stop(0, 0, spline=True)])
     side = path.north_east_m[(path.north_east_m[:, 1] > 5) & (path.north_east_m[:, 1] < 15)]
     assert side[:, 0].min() == pytest.approx(-5, abs=0.01)
 
@@ -113,7 +106,7 @@ def test_curves_are_drawn_within_the_tolerance() -> None:
 def test_equal_places_make_a_leg_without_length() -> None:
     """A spline to where the vehicle is stays there and leaves without a tangent, as ArduCopter does."""
     assert vectors([stop(0, 0, spline=True), stop(0, 10, spline=True)])[0][1] == [0, 0]
-    assert path_through([stop(0, 0, spline=True)], np.zeros(3)).length_m == 0
+    assert path_through([stop(0, 0), stop(0, 0, spline=True)]).length_m == 0
 
 
 def test_zeros_mean_here() -> None:
@@ -123,11 +116,10 @@ def test_zeros_mean_here() -> None:
     assert np.allclose(found[0].position_m, found[1].position_m)
 
 
-def test_without_a_start_a_wait_here_leads_nowhere() -> None:
+def test_a_wait_here_leads_nowhere() -> None:
     """The path of a mission that begins with one begins at the first place that is known."""
     items = (*speed_from_the_start(2.0), at(10, 0), at(20, 0))
-    assert planned_path(items, FRAME).seq.tolist() == [3, 3, 4]
-    assert planned_path(items, FRAME, (0.0, 0.0, 30.0)).length_m == pytest.approx(20.0, abs=1e-6)
+    assert planned_path(Mission(items), FRAME).seq.tolist() == [3, 3, 4]
 
 
 @pytest.mark.parametrize("command", [Command.RETURN_TO_LAUNCH, Command.LAND, Command.LOITER_TURNS])

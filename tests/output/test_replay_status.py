@@ -19,7 +19,6 @@ from flight_replay.events import (
     StatusText,
     VehicleState,
     Waiting,
-    WaypointReached,
 )
 from flight_replay.output.replay_status import STATUS_TEXTS_SHOWN, ReplayStatus, battery_text
 
@@ -38,18 +37,17 @@ def state(battery_v: float | None = None, battery_percent: float | None = None) 
 
 
 def test_the_latest_of_each_event_is_kept() -> None:
-    """Phases that were started, the current waypoint, waypoints reached, RTL and the end."""
+    """Phases that were started, the current waypoint, RTL and the end."""
     status = status_after(
         PhaseStarted(Phase.TAKEOFF),
         Climbing(1.0, 28.5, 30.0),
         PhaseStarted(Phase.MISSION),
-        WaypointReached(22, 80.5),
         DistanceToWaypoint(23, 3.0, 100),
         ReturnCommanded(confirmed=True),
         Finished("duration"),
     )
     assert (status.phase, status.started) == (Phase.MISSION, [Phase.TAKEOFF, Phase.MISSION])
-    assert (status.target_altitude_m, status.reached) == (30.0, [22])
+    assert status.target_altitude_m == 30.0
     assert status.current_waypoint == DistanceToWaypoint(23, 3.0, 100)
     assert (status.rtl_confirmed, status.ended) == (True, "duration")
 

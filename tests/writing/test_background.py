@@ -37,3 +37,15 @@ def test_what_does_not_fit_is_dropped_and_counted() -> None:
     assert time.monotonic() - began_s < 5
     free.set()
     assert background.close(10)
+
+
+def test_the_last_call_is_made_however_many_wait() -> None:
+    """What ends a file or gives a terminal back is not dropped."""
+    background, free, made = Background("test", 5), threading.Event(), list[str]()
+    background.submit(free.wait)
+    while background.submit(lambda: made.append("waited")):
+        pass
+    threading.Timer(0.05, free.set).start()
+    assert background.close(10, lambda: made.append("last"))
+    assert made.count("waited") >= 4
+    assert made[-1] == "last"

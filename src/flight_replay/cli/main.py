@@ -18,7 +18,7 @@ from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
 from flight_replay.events import Listener, Notice, Relay, combine_listeners
-from flight_replay.exceptions import FlightReplayError
+from flight_replay.exceptions import FlightReplayError, failure_text
 from flight_replay.logs.log_formats import format_title
 from flight_replay.output.console.background_console import BackgroundConsole
 from flight_replay.output.console.console import Console, open_console
@@ -71,7 +71,7 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
                 write_line(sys.stderr, line)
         if not isinstance(error, FlightReplayError) and signals.is_after_interrupt(error):
             raise KeyboardInterrupt from error
-        problem = _error_message(error)
+        problem = failure_text(error)
     lost = flush_or_discard(sys.stdout)
     problem = "; ".join(filter(None, [problem, lost])) or None
     if problem is not None:
@@ -86,12 +86,6 @@ def _report(problem: str, *, interrupted: bool = False) -> None:
     if interrupted:  # It may have kept the console from doing so.
         background.submit(lambda: show_cursor(sys.stdout, sys.stderr))
     background.close(_ERROR_LINE_S)
-
-
-def _error_message(error: Exception) -> str:
-    if isinstance(error, FlightReplayError):
-        return str(error)
-    return f"internal error ({type(error).__name__}: {error}); please report it with the output of -v"
 
 
 def replay(options: Options, arguments: Sequence[str], console: Console) -> str | None:

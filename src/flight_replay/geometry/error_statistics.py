@@ -10,18 +10,18 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True, slots=True)
 class ErrorStatistics:
-    """Mean, 95th percentile and maximum of errors, metres."""
+    """Mean, 95th percentile and maximum of errors, in the unit of the errors."""
 
     mean: float
     p95: float
     max: float
 
 
-def error_statistics(errors_m: ArrayLike) -> ErrorStatistics | None:
+def error_statistics(errors: ArrayLike) -> ErrorStatistics | None:
     """The statistics of some errors; None when there are none."""
-    errors = np.asarray(errors_m, float)
-    if not errors.size:
+    values = np.asarray(errors, float)
+    if not values.size:
         return None
     # np.percentile would import numpy.ma, a tenth of a short run's time.
-    p95 = np.interp(0.95 * (errors.size - 1), np.arange(errors.size), np.sort(errors))
-    return ErrorStatistics(float(errors.mean()), float(p95), float(errors.max()))
+    p95 = np.interp(0.95 * (values.size - 1), np.arange(values.size), np.sort(values))
+    return ErrorStatistics(float(values.mean()), float(p95), float(values.max()))

@@ -13,7 +13,7 @@ import numpy as np
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.error_statistics import ErrorStatistics, error_statistics
 from flight_replay.geometry.matching import match_in_order
-from flight_replay.geometry.movement import Movement
+from flight_replay.geometry.movement import Movement, turn_deg
 from flight_replay.geometry.polyline import lengths_along_m
 
 PLACE_SPACING_M = 0.25
@@ -133,12 +133,12 @@ def errors_at_equal_times(recorded: Movement, flown: Movement) -> tuple[Errors, 
     both = recorded.select((recorded.time_s >= flown.time_s[0]) & (recorded.time_s <= flown.time_s[-1]))
     off_m = both.north_east_m - flown.places_at(both.time_s)
     height_m = np.abs(both.up_m - np.interp(both.time_s, flown.time_s, flown.up_m))
-    turn_deg = (flown.headings_at(both.time_s) - both.heading_deg + 180.0) % 360.0 - 180.0
-    heights, headings = np.isfinite(height_m), np.isfinite(turn_deg)
+    off_deg = np.abs(turn_deg(flown.headings_at(both.time_s), both.heading_deg))
+    heights, headings = np.isfinite(height_m), np.isfinite(off_deg)
     return (
         Errors(both.time_s, np.hypot(off_m[:, 0], off_m[:, 1])),
         _known(both.time_s, height_m, heights),
-        _known(both.time_s, np.abs(turn_deg), headings),
+        _known(both.time_s, off_deg, headings),
     )
 
 

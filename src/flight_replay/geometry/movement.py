@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
+
+Degrees = TypeVar("Degrees", float, Floats)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,3 +48,8 @@ class Movement:
             return np.full(len(times_s), np.nan)
         turned = np.unwrap(self.heading_deg[known], period=360.0)
         return np.interp(times_s, self.time_s[known], turned, left=np.nan, right=np.nan) % 360.0
+
+
+def turn_deg(to_deg: Degrees, from_deg: Degrees) -> Degrees:
+    """The short way from one heading to another, -180 to below 180; to the right is positive."""
+    return (to_deg - from_deg + 180.0) % 360.0 - 180.0

@@ -47,6 +47,12 @@ _AT_ONCE = 1 << 16  # positions: what is made of them stays in the cache
 _FEWEST_AHEAD, _MOST_AHEAD = 16, 1 << 14  # how many runs ahead are looked at together
 
 
+def rejected_by_reason(rejection: NDArray[np.int8]) -> dict[str, int]:
+    """How many positions, whose ``Rejection`` (n,) is given, are left out for each reason."""
+    counts = np.bincount(rejection, minlength=len(Rejection))
+    return {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedPositions:
     """Positions that vehicles recorded, as columns of shape (n,).

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame, surface_xyz_m
+from flight_replay.geometry.polyline import segment_lengths_m
 
 UNTIMED_SPEED_M_S = 5.0
 """The ground speed that tracks without times are taken to be flown at: that of many missions."""
@@ -70,8 +71,7 @@ class Track:
     @property
     def steps_m(self) -> Floats:
         """Ground distances from fix to fix (n - 1,), metres."""
-        steps = np.diff(surface_xyz_m(self.lat_deg, self.lon_deg), axis=0)
-        return np.asarray(np.linalg.norm(steps, axis=1))
+        return segment_lengths_m(surface_xyz_m(self.lat_deg, self.lon_deg))
 
     @property
     def length_m(self) -> float:

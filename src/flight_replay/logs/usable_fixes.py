@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
-from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
+from flight_replay.logs.plausibility import (
+    RecordedPositions,
+    Rejection,
+    find_implausible,
+    rejected_by_reason,
+)
 from flight_replay.logs.track import Track
 
 
@@ -22,10 +28,15 @@ class UsableFixes:
 
     def why_none(self) -> str:
         """Why a track is empty, for the end of a sentence."""
-        why = [f"{count} rejected ({reason})" for reason, count in self.rejected.items()]
-        if self.without_position:
-            why.insert(0, f"{self.without_position} records are empty")
-        return ", ".join(why) or "there is none"
+        return why_no_fix(self.without_position, self.rejected)
+
+
+def why_no_fix(without_position: int, rejected: Mapping[str, int]) -> str:
+    """Why no position is usable: how many were left out, by reason."""
+    why = [f"{count} rejected ({reason})" for reason, count in rejected.items()]
+    if without_position:
+        why.insert(0, f"{without_position} records are empty")
+    return ", ".join(why) or "there is none"
 
 
 def usable_fixes(positions: Track, lacks_3d_fix: Flags | None = None) -> UsableFixes:
@@ -44,9 +55,8 @@ def usable_fixes(positions: Track, lacks_3d_fix: Flags | None = None) -> UsableF
         lacks_3d_fix=np.zeros(len(positions), np.bool_) if lacks_3d_fix is None else lacks_3d_fix,
     )
     found = find_implausible(recorded)
-    counts = np.bincount(found, minlength=len(Rejection))
-    rejected = {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
-    return UsableFixes(positions.select(found == Rejection.NONE), int(counts[Rejection.EMPTY]), rejected)
+    empty = int(np.count_nonzero(found == Rejection.EMPTY))
+    return UsableFixes(positions.select(found == Rejection.NONE), empty, rejected_by_reason(found))
 
 
 def _speed_m_s(positions: Track, index: Indices) -> Floats:

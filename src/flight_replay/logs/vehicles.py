@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+_NAMED = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,3 +35,11 @@ class VehicleCount:
     def is_named(self, wanted: VehicleId) -> bool:
         """Whether ``wanted`` means this vehicle."""
         return self.system == wanted.system and wanted.component in (None, self.component)
+
+
+def vehicles_text(vehicles: Sequence[VehicleCount]) -> str:
+    """The first ten vehicles with their fixes, and how many there are besides; empty if there are none."""
+    named = [f"{each.id} ({each.fixes} fixes)" for each in vehicles[:_NAMED]]
+    if len(vehicles) > _NAMED:
+        named.append(f"{len(vehicles) - _NAMED} more")
+    return ", ".join(named)

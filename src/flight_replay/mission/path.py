@@ -19,7 +19,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.geometry.geodesy import LocalFrame
@@ -65,35 +64,26 @@ class Destination:
     halts: bool = False
 
 
-def planned_path(
-    mission: Mission | Sequence[MissionItem], frame: LocalFrame, start_m: ArrayLike | None = None
-) -> Path:
-    """The path of a mission in ``frame``, from ``start_m`` (north, east, up) or else its first destination.
-
-    A mission without a destination gives the start alone, or an empty path.
-    """
-    items = mission.items if isinstance(mission, Mission) else tuple(mission)
-    start = None if start_m is None else np.asarray(start_m, float)
-    return path_through(destinations(items, frame, start), start)
+def planned_path(mission: Mission, frame: LocalFrame) -> Path:
+    """The path of a mission in ``frame`` from its first destination; an empty path without one."""
+    return path_through(destinations(mission.items, frame))
 
 
-def destinations(
-    items: Sequence[MissionItem], frame: LocalFrame, start_m: Floats | None = None
-) -> list[Destination]:
+def destinations(items: Sequence[MissionItem], frame: LocalFrame) -> list[Destination]:
     """Where the items lead, as ArduCopter reads zeros: coordinates 0, 0 are here, altitude 0 stays the same.
 
-    Without a start, the wait that a mission may begin with leads nowhere.
+    The wait that a mission may begin with leads nowhere: where the vehicle comes from is not known.
 
     Before anything but a waypoint or a plain loiter, the vehicle halts (``ModeAuto::set_next_wp``).
     """
     found: list[Destination] = []
-    here = np.zeros(3) if start_m is None else start_m
+    here = np.zeros(3)
     for seq, item in enumerate(items, FIRST_SEQ):
         if item.command >= _FIRST_CONDITION:
             continue
         if item.command not in _FLOWN_INTO and found:
             found[-1] = replace(found[-1], halts=True)
-        if start_m is None and not found and item == WAIT_HERE:
+        if not found and item == WAIT_HERE:
             continue
         if item.command in _FLOWN_INTO or item.command in _HALTED_AT:
             here = _position_m(item, frame, here)
@@ -112,15 +102,12 @@ def _position_m(item: MissionItem, frame: LocalFrame, here_m: Floats) -> Floats:
     return position
 
 
-def path_through(
-    route: Sequence[Destination], start_m: Floats | None = None, tolerance_m: float = TOLERANCE_M
-) -> Path:
+def path_through(route: Sequence[Destination], tolerance_m: float = TOLERANCE_M) -> Path:
     """The path along ``route``; its curves are drawn as lines that stay within ``tolerance_m``."""
     if not route:
-        alone = np.zeros((0, 3)) if start_m is None else start_m[None]
-        return Path(alone[:, :2], alone[:, 2], np.full(len(alone), FIRST_SEQ, np.intp))
+        return Path(np.zeros((0, 2)), np.zeros(0), np.zeros(0, np.intp))
     positions = [destination.position_m for destination in route]
-    corners = np.array([positions[0] if start_m is None else start_m, *positions])
+    corners = np.array([positions[0], *positions])
     spline = np.array([destination.spline for destination in route])
     chord, (leaving, arriving) = np.diff(corners, axis=0), leg_tangents(route, corners)
     steps = np.where(spline, steps_within(chord, leaving, arriving, tolerance_m), 1)

@@ -10,8 +10,8 @@ import numpy as np
 from flight_replay.logs.flights import Flight
 from flight_replay.logs.log_formats import format_title
 from flight_replay.logs.recording import Recording
+from flight_replay.logs.vehicles import vehicles_text
 
-_NAMED = 10  # vehicles, before they are only counted
 _COLUMNS = ("Flight", "Start", "Duration", "Length", "Highest", "Top speed", "Fixes")
 _FIRST_WIDTH = 10
 
@@ -39,11 +39,9 @@ def _facts(recording: Recording) -> Iterator[tuple[str, str]]:
         vehicle = ", ".join(filter(None, [vehicle, f"system {recording.vehicle.id}"]))
     if vehicle:
         yield "Vehicle", vehicle
-    others = [f"{each.id} ({each.fixes} fixes)" for each in recording.vehicles if each != recording.vehicle]
-    if len(others) > _NAMED:
-        others[_NAMED:] = [f"{len(others) - _NAMED} more"]
+    others = vehicles_text([each for each in recording.vehicles if each != recording.vehicle])
     if others:
-        yield "Others", f"{', '.join(others)}; choose with --vehicle"
+        yield "Others", f"{others}; choose with --vehicle"
     boots = int(np.ptp(track.boot)) + 1
     yield "Fixes", f"{len(track)}" + (f" in {boots} boots" if boots > 1 else "")
     left_out = [f"{count} rejected ({reason})" for reason, count in recording.rejected.items()]

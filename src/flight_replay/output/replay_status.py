@@ -23,7 +23,6 @@ from flight_replay.events import (
     StatusText,
     VehicleState,
     Waiting,
-    WaypointReached,
 )
 
 STATUS_TEXTS_SHOWN = 3
@@ -42,7 +41,6 @@ class ReplayStatus:
     current_waypoint: DistanceToWaypoint | None = None
     following: Following | None = None
     to_start_m: float | None = None
-    reached: list[int] = field(default_factory=list)
     vehicle: VehicleState | None = None
     status_texts: tuple[StatusText, ...] = ()
     warning: str = ""
@@ -99,10 +97,6 @@ class ReplayStatus:
     @update.register
     def _following(self, event: Following) -> None:
         self.following = event
-
-    @update.register
-    def _waypoint_reached(self, event: WaypointReached) -> None:
-        self.reached.append(event.seq)
 
     @update.register
     def _vehicle_state(self, event: VehicleState) -> None:

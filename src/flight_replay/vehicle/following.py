@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2
 from flight_replay.supervisor.follower import Tuning
 from flight_replay.vehicle.connected_vehicle import ConnectedVehicle
 from flight_replay.vehicle.identity import Identity
@@ -32,7 +33,7 @@ _OF_3_3 = Tuning(
     feed_forward=0.4,
     delay_s=0.25,
     drag_share=1.0,
-    drag_per_s=9.80665 / 15.0,  # Its terminal velocity is 15 m/s (SIM_Multicopter.cpp).
+    drag_per_s=GRAVITY_M_S2 / 15.0,  # Its terminal velocity is 15 m/s (SIM_Multicopter.cpp).
     braking_m_s2=0.0,
     braking_ahead_m=0.0,
     braking_slower_m_s=0.0,

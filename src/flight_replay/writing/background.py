@@ -49,8 +49,13 @@ class Background:
         self._calls.put(done.set)
         return done.wait(timeout_s)
 
-    def close(self, timeout_s: float | None) -> bool:
-        """End the thread once all is done; False if the time ran out first, and the thread is left behind."""
+    def close(self, timeout_s: float | None, last: Call | None = None) -> bool:
+        """End the thread once all is done; False if the time ran out first, and the thread is left behind.
+
+        ``last`` is made after all else, however many calls wait.
+        """
+        if last is not None:
+            self._calls.put(last)
         self._calls.put(None)
         self._thread.join(timeout_s)
         return not self._thread.is_alive()

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import shlex
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from flight_replay.cli.many.flight_task import flight_row
 from flight_replay.cli.many.job import Job
 from flight_replay.cli.many.log_content import LogContent
 from flight_replay.cli.many.log_files import LogFile, find_logs
+from flight_replay.cli.many.many_run import Counts, ManyRun
 from flight_replay.cli.many.survey import survey
 from flight_replay.cli.options import parse_options
 from flight_replay.output.many.flight_columns import COLUMN_OF, Row
@@ -53,13 +55,13 @@ def logs(tmp_path: Path) -> Path:
     return folder
 
 
-def run(client: Any, folder: Path, out: Path, job: Job) -> tuple[list[Row], list[Row]]:
+def run(
+    client: Any, folder: Path, out: Path, job: Job, progress: Callable[[Counts], None] = lambda _: None
+) -> tuple[list[Row], list[Row]]:
     """The new rows and all rows."""
-    from flight_replay.cli.many.many_run import ManyRun
-
     new: list[Row] = []
     store = ResultStore(out, job.options_id)
-    ManyRun(client, job, store, new.append, lambda _: None).run(find_logs([str(folder)], []).files)
+    ManyRun(client, job, store, new.append, progress).run(find_logs([str(folder)], []).files)
     rows = list(store.rows())
     store.close()
     return new, rows
@@ -84,7 +86,9 @@ def test_every_log_has_its_row_and_a_second_run_does_nothing(client: Any, logs: 
     assert parse_options(by_name["copy.tlog"]["command"].split()[1:]).log == str(logs / "copy.tlog")
     assert all(row.keys() <= COLUMN_OF.keys() for row in rows)
     assert all("problem" in by_name[name] for name in ("empty.tlog", "junk.tlog"))
-    assert run(client, logs, out, job)[0] == []
+    counts: list[Counts] = []
+    assert run(client, logs, out, job, counts.append)[0] == []
+    assert counts[-1].done_before == 6
 
     (logs / "c.tlog").write_bytes(SAMPLE.read_bytes()[: CUT + 90_000])
     new, rows = run(client, logs, out, job)
@@ -110,6 +114,17 @@ def test_a_log_that_workers_do_not_see_is_sent(
         "aa.tlog": "unreadable",
     }
     assert any("too large to be sent" in row.get("problem", "") for row in rows)
+
+
+def test_the_command_of_a_copy_takes_its_path_for_no_option(
+    client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.tlog", "-a.tlog"):
+        Path(name).write_bytes(b"no log at all" * 100)
+        new, _ = run(client, Path(name), Path("results.csv"), Job())
+    assert [row["copy_of"] for row in new] == ["a.tlog"]
+    assert parse_options(shlex.split(new[0]["command"])[1:]).log == "./-a.tlog"
 
 
 def one_row(path: Path, job: Job) -> Row:

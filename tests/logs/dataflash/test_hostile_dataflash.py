@@ -27,16 +27,6 @@ def filled(log: bytes, piece: bytes) -> bytes:
     return log + piece * (SIZE // len(piece))
 
 
-def with_rows(begin: bytes, length: int, **columns: tuple[int, np.ndarray]) -> bytes:
-    """A log, and then rows of records of some length; columns are given by their place in them."""
-    n = SIZE // length
-    rows = np.zeros((n, length), np.uint8)
-    for at, values in columns.values():
-        data = values[:n].view(np.uint8).reshape(n, -1)
-        rows[:, at : at + data.shape[1]] = data
-    return begin + rows.tobytes()
-
-
 def every_header_jumps() -> bytes:
     """Nothing but headers, each of which may be a record that ends two headers on."""
     log = DataflashWriter(late=True)

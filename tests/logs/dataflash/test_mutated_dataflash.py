@@ -27,7 +27,7 @@ from flight_replay.logs.flights import find_flights
 from flight_replay.logs.read_log import read_log
 from tests.helpers import slow_dataflash
 from tests.helpers.dataflash_writer import COPTER_33, DataflashWriter, flight
-from tests.helpers.mutations import MOVES, MUTATIONS
+from tests.helpers.mutations import MOVES, MUTATIONS, mutated
 from tests.helpers.paths import DATAFLASH
 
 Place = tuple[float, float, float]
@@ -99,10 +99,7 @@ def mutate_and_read(first: int, last: int, path: Path, compared: int = 1) -> tup
     for seed in range(first, last):
         chance = np.random.default_rng(seed)
         mutations = MUTATIONS if seed % 2 else MOVES
-        data = originals()[chance.integers(len(originals()))]
-        for _ in range(chance.integers(1, 4)):
-            if data:
-                data = mutations[chance.integers(len(mutations))](data, chance, list(originals()))
+        data = mutated(list(originals()), chance, mutations)
         if seed % (2 * compared) < 2:
             assert_as_slow(data, int(chance.choice([300, 1_000, 1 << 20])))
         path.write_bytes(data)

@@ -21,8 +21,6 @@ from tests.helpers.dataflash_writer import COPTER_33, DataflashWriter, flight, f
 from tests.helpers.paths import DATAFLASH, OTHER_LOGS
 
 HELD_AGAINST_PYMAVLINK = ("POS", "GPS", "ATT", "XKF1", "NKF1", "EKF1", "ARM", "EV", "ORGN", "PARM", "MSG")
-Values = dict[str, dict[str, list[list[float | str]]]]
-"""By message and column, the values of each run of records with the same columns."""
 
 
 def rows_of(

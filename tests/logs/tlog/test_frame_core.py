@@ -23,7 +23,7 @@ from flight_replay.logs.tlog.frame_search import FrameSearch
 from flight_replay.logs.tlog.frames import HEADER_LENGTH, frame_lengths
 from flight_replay.logs.tlog.nested_frames import LOOK_BACK, possible_enclosures
 from flight_replay.logs.tlog.scan import scan
-from tests.helpers.mutations import MUTATIONS
+from tests.helpers.mutations import MUTATIONS, mutated
 from tests.helpers.paths import SAMPLE
 from tests.logs.tlog.test_mutated import originals
 
@@ -72,10 +72,7 @@ def test_damaged_logs_are_read_alike(core: FrameCore) -> None:
     logs = originals()
     for seed in range(200):
         chance = np.random.default_rng(seed)
-        data = logs[chance.integers(len(logs))]
-        for _ in range(chance.integers(1, 4)):
-            if data:
-                data = MUTATIONS[chance.integers(len(MUTATIONS))](data, chance, logs)
+        data = mutated(logs, chance, MUTATIONS)
         assert_read_alike(data, int(chance.choice([300, 1_000, 1 << 20])), core)
 
 

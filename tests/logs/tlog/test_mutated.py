@@ -15,7 +15,7 @@ from flight_replay.logs.tlog.scan import scan
 from flight_replay.logs.track import Track
 from tests.helpers import slow_reader
 from tests.helpers.log_writer import LogWriter, frame
-from tests.helpers.mutations import MUTATIONS
+from tests.helpers.mutations import MUTATIONS, mutated
 from tests.helpers.paths import ARDUCOPTER, OTHER_LOGS, SAMPLE
 
 Place = tuple[int, int, int]
@@ -72,10 +72,7 @@ def mutate_and_read(first: int, last: int, path: Path, compared: int = 1) -> tup
     usable = strangers = 0
     for seed in range(first, last):
         chance = np.random.default_rng(seed)
-        data = logs[chance.integers(len(logs))]
-        for _ in range(chance.integers(1, 4)):
-            if data:
-                data = MUTATIONS[chance.integers(len(MUTATIONS))](data, chance, logs)
+        data = mutated(logs, chance, MUTATIONS)
         if seed % compared == 0:
             assert_as_slow(data, int(chance.choice([300, 1_000, 1 << 20])))
         path.write_bytes(data)

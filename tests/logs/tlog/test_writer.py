@@ -156,6 +156,30 @@ def test_a_pipe_that_nobody_reads_holds_nothing_up(tmp_path: Path, monkeypatch: 
     assert "could not be written" in recorder.problem
 
 
+def test_a_slow_disk_leaves_a_recording_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even if frames did not fit when it was closed."""
+    monkeypatch.setattr("flight_replay.logs.tlog.writer.QUEUED_FRAMES", 5)
+    free, begun = threading.Event(), threading.Event()
+    recorder = Recorder(tmp_path / "a.tlog")
+    append = recorder._append
+
+    def slow(record: bytes) -> None:
+        begun.set()
+        free.wait(60)
+        append(record)
+
+    monkeypatch.setattr(recorder, "_append", slow)
+    recorder.write(b"frame")
+    assert begun.wait(60)
+    for _ in range(100):
+        recorder.write(b"frame")
+    threading.Timer(0.05, free.set).start()
+    recorder.close()
+    assert [each.name for each in tmp_path.iterdir()] == ["a.tlog"]
+    assert recorder.problem is not None
+    assert "frames came faster than they could be written" in recorder.problem
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
 def test_frames_that_do_not_fit_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A disk that was too slow for a while makes a recording with gaps, which is told."""

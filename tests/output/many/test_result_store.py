@@ -46,6 +46,21 @@ def test_a_table_gives_back_what_was_written(table: Path) -> None:
     assert list(rows_of(table)) == rows
 
 
+def test_a_table_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
+    table = tmp_path / "results.csv"
+    write_rows(table, [row(1), row(2, fit_for_replay=False)])
+    table.write_text(table.read_text().replace("true", "TRUE").replace("false", "FALSE"))
+    assert [each["fit_for_replay"] for each in rows_of(table)] == [True, False]
+
+
+@pytest.mark.parametrize("content", ["log,fit_for_replay\na,yes\n", f"log\n{'x' * 200_000}\n"])
+def test_what_is_no_table_of_flights_is_refused(tmp_path: Path, content: str) -> None:
+    table = tmp_path / "results.csv"
+    table.write_text(content)
+    with pytest.raises(FlightReplayError, match="is it a table of flights"):
+        list(rows_of(table))
+
+
 def test_rows_are_there_after_the_end(table: Path) -> None:
     store = ResultStore(table, "x")
     store.add(row(1))

@@ -319,6 +319,16 @@ def test_the_sample_flight_is_followed_in_space_and_in_time() -> None:
 
 
 @pytest.mark.slow
+def test_a_vehicle_that_cannot_keep_up_stays_on_its_path() -> None:
+    """A slalom at 9 m/s, flown at a third of that; it is not cut short, nor cut down, to be less late."""
+    north_m = np.linspace(0.0, 80.0, 80)
+    slalom = np.column_stack([north_m, 10 * np.sin(north_m * 2 * np.pi / 40)])
+    result = fit(along(slalom.tolist(), 9.0), max_points=11, speed_m_s="recorded")
+    assert path_error(result).max <= 0.8
+    assert position_error(result).max > 20.0
+
+
+@pytest.mark.slow
 def test_dronekits_flights_are_followed() -> None:
     """Seven flights joined stay within 0.40, 0.90 and 1.8 m as planned; flight 2 within 6 m in time."""
     track = read_log(other_log("dronekit-flight.tlog")).track

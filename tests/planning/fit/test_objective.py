@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flight_replay.planning.fit.first_drafts.line_simplification import straight_draft
+from flight_replay.planning.fit.lateness import position_offsets_m
 from flight_replay.planning.fit.objective import (
     CREEPING_M_S,
     PATH_SHARES,
@@ -14,7 +15,6 @@ from flight_replay.planning.fit.objective import (
     creeping_s,
     evaluate,
     objective_lower_bound_m,
-    position_offsets_m,
     seconds_cost_m_s,
 )
 from flight_replay.planning.fit.offsets import Offsets, directions, match_to_plan
@@ -67,7 +67,7 @@ def evaluation_with(planned_m: list[float], flown_m: list[float], late_m: list[f
         (Offsets(np.zeros(n, np.intp), np.zeros(n), np.column_stack([np.zeros(n), off])),) * 2
         for off in (planned_m, flown_m)
     )
-    return replace(whole, planned=planned, flown=flown, late_m=np.array(late_m))
+    return replace(whole, planned=planned, flown=flown, late_off_m=np.array(late_m)[:, None])
 
 
 def test_creeping_costs_and_stopping_does_not() -> None:
@@ -89,9 +89,9 @@ def test_the_objective_is_a_sum_with_fixed_shares() -> None:
     """Where the speed is kept the flown path error whole, 0.3 of the planned one, 0.25 of position error."""
     assert evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]).objective_m == pytest.approx(2.0)
     assert evaluation_with([1, 1, 1], [0, 0, 0], [0, 0, 0]).objective_m == pytest.approx(TIMED_PATH_SHARES[1])
-    assert evaluation_with([0, 0, 0], [0, 0, 0], [5, 10, 15]).objective_m == pytest.approx(2.5)
-    assert evaluation_with([1, 1, 1], [2, 2, 2], [5, 10, 15]).objective_m == pytest.approx(
-        4.5 + TIMED_PATH_SHARES[1]
+    assert evaluation_with([0, 0, 0], [0, 0, 0], [2, 4, 6]).objective_m == pytest.approx(1.0)
+    assert evaluation_with([1, 1, 1], [2, 2, 2], [2, 4, 6]).objective_m == pytest.approx(
+        3.0 + TIMED_PATH_SHARES[1]
     )
     creeping = replace(evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]), creeping_s=np.array([4.0, 6.0]))
     assert creeping.objective_m == pytest.approx(2.0 + 10.0 * CREEPING_M_S)

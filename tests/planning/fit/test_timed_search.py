@@ -47,7 +47,7 @@ def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch, after
     """One that is half as bad again as the best is not worth a round, or not worth steps after it."""
     problem, starts = problem_and_starts()
     good, bad = (problem.evaluate(start.draft) for start in starts[:2])
-    bad = replace(bad, late_m=bad.late_m + 100.0)
+    bad = replace(bad, late_off_m=bad.late_off_m + 100.0)
     found, rounds = [good, good if after_round else bad], [good, bad] if after_round else [good]
     monkeypatch.setattr(timed_search, "flown_on_schedule", lambda *_: found.pop(0))
     monkeypatch.setattr(timed_search, "rounded", lambda _p, s, _b: replace(s, best=rounds.pop(0)))

@@ -31,7 +31,7 @@ def test_a_hopeless_start_has_no_round_and_goes_no_further(monkeypatch: pytest.M
     """One that is half as bad again as the best."""
     problem, starts = problem_and_starts()
     good = problem.evaluate(starts[0].draft)
-    bad = replace(good, late_m=good.late_m + 100.0)
+    bad = replace(good, late_off_m=good.late_off_m + 100.0)
     flown, rounds = [good, bad], []
 
     def rounded(_problem: FitProblem, state: State, _budget: Budget) -> State:

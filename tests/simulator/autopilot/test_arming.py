@@ -8,17 +8,18 @@ from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import Faults
 from tests.helpers.sim_station import (
+    ACCEPTED,
     ARM,
     AUTO,
+    FAILED,
     GUIDED,
     LAND,
     READY_S,
     RTL,
+    UNSUPPORTED,
     sim,
     takeoff,
 )
-
-ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 
 def test_it_is_not_armable_at_once_and_says_why() -> None:

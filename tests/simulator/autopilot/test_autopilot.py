@@ -14,8 +14,11 @@ from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.flight.guided import GuidedTarget
 from tests.helpers.sim_station import (
+    ACCEPTED,
     ARM,
     AUTO,
+    DENIED,
+    FAILED,
     GUIDED,
     LAND,
     LOITER,
@@ -25,8 +28,6 @@ from tests.helpers.sim_station import (
     TAKEOFF,
     sim,
 )
-
-ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 
 def test_takeoff_needs_to_be_armed_on_the_ground_and_upwards() -> None:

@@ -9,8 +9,11 @@ import pytest
 from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from tests.helpers.sim_station import (
+    ACCEPTED,
     ARM,
     AUTO,
+    DENIED,
+    FAILED,
     GUIDED,
     LOITER,
     MISSION_START,
@@ -20,9 +23,6 @@ from tests.helpers.sim_station import (
     sim,
     takeoff,
 )
-
-ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
-
 
 SQUARE = [item_at(40, 0), item_at(40, 40), item_at(0, 40)]
 

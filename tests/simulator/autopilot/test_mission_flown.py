@@ -10,16 +10,15 @@ from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import speed_from_the_start
 from tests.helpers.sim_station import (
+    ACCEPTED,
     AUTO,
+    FAILED,
     LOITER,
     Item,
     act,
     item_at,
     sim,
 )
-
-ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
-
 
 SQUARE = [item_at(40, 0), item_at(40, 40), item_at(0, 40)]
 

@@ -11,6 +11,7 @@ from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.flight.guided import GuidedTarget
 from tests.helpers.sim_station import (
+    ACCEPTED,
     AUTO,
     LAND,
     RTL,
@@ -19,8 +20,6 @@ from tests.helpers.sim_station import (
     sim,
     takeoff,
 )
-
-ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 
 def test_rtl_climbs_returns_waits_and_lands() -> None:

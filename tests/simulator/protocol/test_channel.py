@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.faults import Faults
 from tests.helpers.sim_station import GUIDED, LOITER, Station, sim
 
 ALL = dialect.MAV_DATA_STREAM_ALL
-ATTITUDE, VFR_HUD = dialect.MAVLINK_MSG_ID_ATTITUDE, dialect.MAVLINK_MSG_ID_VFR_HUD
-SET_INTERVAL, GET_INTERVAL, REQUEST = 511, 510, 512
-
-
-def counts(station: Station) -> Counter[str]:
-    return Counter(message.get_type() for message in station.received)
 
 
 def test_mavlink_2_is_spoken_from_the_start() -> None:

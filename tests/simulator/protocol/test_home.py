@@ -7,10 +7,21 @@ import math
 import pytest
 
 from flight_replay.mavlink import dialect
-from tests.helpers.sim_station import ARM, AUTO, GUIDED, READY_S, RTL, START, TAKEOFF, Station, item_at, sim
+from tests.helpers.sim_station import (
+    ARM,
+    AUTO,
+    FAILED,
+    GUIDED,
+    READY_S,
+    RTL,
+    START,
+    TAKEOFF,
+    Station,
+    item_at,
+    sim,
+)
 
 SET_HOME = 179
-DENIED, FAILED = 2, 4
 
 
 def move_home(station: Station, north_m: float, amsl_m: float) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import time
 from collections.abc import Callable, Iterator
@@ -12,7 +13,7 @@ from flight_replay.exceptions import SimulatorError
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.parameter_table import Parameters
-from flight_replay.simulator.server.addresses import Address, parse_address
+from flight_replay.simulator.server.addresses import NetworkAddress, parse_address
 from flight_replay.simulator.server.endpoint import Endpoint, StepScheduler
 from flight_replay.simulator.server.links import ListenSocket, TcpClientSocket
 from tests.helpers.sim_station import GUIDED, START
@@ -75,15 +76,15 @@ def received(endpoint: Endpoint, client: Client, kind: str) -> object:
 @pytest.mark.parametrize(
     ("text", "address"),
     [
-        ("tcp:127.0.0.1:5760", Address("tcp", "127.0.0.1", 5760)),
-        ("tcpin:0.0.0.0:0", Address("tcp", "0.0.0.0", 0)),
-        ("udp:localhost:14550", Address("udpin", "localhost", 14550)),
-        ("udpout:10.0.0.2:14550", Address("udpout", "10.0.0.2", 14550)),
-        ("udpin:127.0.0.1:14550", Address("udpin", "127.0.0.1", 14550)),
-        ("tcp:[::1]:5760", Address("tcp", "::1", 5760)),
+        ("tcp:127.0.0.1:5760", NetworkAddress("tcp", "127.0.0.1", 5760)),
+        ("tcpin:0.0.0.0:0", NetworkAddress("tcp", "0.0.0.0", 0)),
+        ("udp:localhost:14550", NetworkAddress("udpin", "localhost", 14550)),
+        ("udpout:10.0.0.2:14550", NetworkAddress("udpout", "10.0.0.2", 14550)),
+        ("udpin:127.0.0.1:14550", NetworkAddress("udpin", "127.0.0.1", 14550)),
+        ("tcp:[::1]:5760", NetworkAddress("tcp", "::1", 5760)),
     ],
 )
-def test_connection_strings_are_those_of_mavlink_tools(text: str, address: Address) -> None:
+def test_connection_strings_are_those_of_mavlink_tools(text: str, address: NetworkAddress) -> None:
     """Each form names a kind of link, a host and a port."""
     assert parse_address(text) == address
     assert parse_address(str(address)) == address
@@ -102,7 +103,7 @@ def test_a_port_in_use_is_one_clear_sentence(opened: Callable[..., Endpoint]) ->
     with pytest.raises(SimulatorError, match=f"cannot listen on {taken}: .*in use; choose another address"):
         opened(f"tcp:{LOCAL}:0", str(taken))
     with pytest.raises(SimulatorError, match=r"cannot listen on tcp:192\.0\.2\.1:5760"):
-        ListenSocket(Address("tcp", "192.0.2.1", 5760))
+        ListenSocket(NetworkAddress("tcp", "192.0.2.1", 5760))
 
 
 def test_several_stations_at_once(opened: Callable[..., Endpoint]) -> None:
@@ -129,6 +130,27 @@ def test_stations_come_and_go(opened: Callable[..., Endpoint]) -> None:
             endpoint.exchange(0.01)
             endpoint.step()
         assert endpoint.stations == 0
+
+
+def test_a_simulator_without_descriptors_goes_on(
+    opened: Callable[..., Endpoint], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A station that cannot be accepted takes none away from the others; it is accepted later."""
+    endpoint = opened(f"tcp:{LOCAL}:0")
+    first = connect(endpoint)
+    received(endpoint, first, "HEARTBEAT")
+
+    def accept(self: socket.socket) -> None:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    with monkeypatch.context() as without:
+        without.setattr(socket.socket, "accept", accept)
+        second = connect(endpoint)
+        received(endpoint, first, "HEARTBEAT")
+        assert endpoint.stations == 1
+    received(endpoint, second, "HEARTBEAT")
+    for client in (first, second):
+        client.socket.close()
 
 
 def test_messages_between_stations_are_passed_on(opened: Callable[..., Endpoint]) -> None:

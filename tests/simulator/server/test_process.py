@@ -276,7 +276,8 @@ def test_southern_homes_need_no_equals_sign(monkeypatch: pytest.MonkeyPatch) -> 
     "arguments",
     [["--home", "91,0"], ["--home", "0"], ["--home", "a,b"], ["--home", "1,2,3,4,5"], ["--home", "1,2,nan"],
      ["--home", "1,2,1e7"], ["--home", "1,2,-1e9"],
-     ["--listen", "5760"], ["--speedup", "0"], ["--speedup", "fast"], ["--speedup", "inf"]],
+     ["--listen", "5760"], ["--speedup", "0"], ["--speedup", "0.009"], ["--speedup", "fast"],
+     ["--speedup", "inf"]],
     ids=" ".join,
 )  # fmt: skip
 def test_wrong_usage_is_status_2(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -29,11 +29,22 @@ class Vehicle:
         self.parser = dialect.MAVLink(None)
         self.parser.robust_parsing = True
         self.client: socket.socket | None = None
+        self.links: list[Link] = []
 
     @property
     def address(self) -> tuple[str, int]:
         host, port = self.server.getsockname()[:2]
         return host, port
+
+    def linked(self, **options: Any) -> Link:
+        """A link to it, which is closed after the test."""
+        transport = TcpClient(self.address)
+        transport.open()
+        self.accept()
+        link = Link(transport, **options)
+        self.links.append(link)
+        link.start()
+        return link
 
     def accept(self) -> None:
         if self.client:
@@ -67,21 +78,25 @@ class Vehicle:
             self.client.close()
         self.server.close()
 
+    def end(self) -> None:
+        """Close the links to it, and it."""
+        for link in self.links:
+            link.close()
+        self.close()
+
 
 @pytest.fixture
 def vehicle() -> Iterator[Vehicle]:
     vehicle = Vehicle()
     yield vehicle
-    vehicle.close()
+    vehicle.end()
 
 
-def linked(vehicle: Vehicle, **options: Any) -> Link:
-    transport = TcpClient(vehicle.address)
-    transport.open()
-    vehicle.accept()
-    link = Link(transport, **options)
-    link.start()
-    return link
+def heard_on(link: Link) -> queue.SimpleQueue[Any]:
+    """The messages that a link receives from now on."""
+    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    link.add_receiver(heard.put)
+    return heard
 
 
 BEAT = dialect.MAVLink_heartbeat_message(2, 3, 0, 0, 3, 3)
@@ -90,21 +105,19 @@ PING = dialect.MAVLink_ping_message(1, 2, 1, 1)
 
 def test_heartbeats_are_sent_often_enough(vehicle: Vehicle) -> None:
     """At speedup 20 at least 20 a second: one a second of vehicle time."""
-    link = linked(vehicle, speedup=20.0)
+    vehicle.linked(speedup=20.0)
     began_s = time.monotonic()
     beats = vehicle.heard(21)
     assert time.monotonic() - began_s < 10.0
     assert {(m.get_srcSystem(), m.get_srcComponent()) for m in beats} == {(OUR_SYSTEM, OUR_COMPONENT)}
     assert {m.type for m in beats} == {dialect.MAV_TYPE_GCS}
-    link.close()
 
 
 def test_mavlink_1_is_sent_until_the_vehicle_sends_mavlink_2(vehicle: Vehicle) -> None:
     """ArduCopter 3.3 understands nothing else."""
-    link = linked(vehicle)
+    link = vehicle.linked()
     link.follow(1, 1)
-    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(heard.put)
+    heard = heard_on(link)
     vehicle.heard(1)
     vehicle.send(BEAT, old=True)
     heard.get(timeout=60)
@@ -114,15 +127,13 @@ def test_mavlink_1_is_sent_until_the_vehicle_sends_mavlink_2(vehicle: Vehicle) -
     heard.get(timeout=60)
     link.send(BEAT)
     assert vehicle.heard(1)[0].get_msgbuf()[0] == 0xFD
-    link.close()
 
 
 @pytest.mark.parametrize("followed", [False, True], ids=["before it is followed", "in flight"])
 def test_mavlink_2_of_another_station_does_not_count(vehicle: Vehicle, followed: bool) -> None:
     """A vehicle that understands MAVLink 1 only would hear no command any more, RTL included."""
-    link = linked(vehicle)
-    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(heard.put)
+    link = vehicle.linked()
+    heard = heard_on(link)
     vehicle.heard(1)
     if followed:
         link.follow(1, 1)
@@ -134,12 +145,11 @@ def test_mavlink_2_of_another_station_does_not_count(vehicle: Vehicle, followed:
     link.send(PING)
     assert vehicle.version_of_ping() == 0xFE
     assert not link.vehicle_sends_mavlink2
-    link.close()
 
 
 def test_mavlink_2_can_be_offered(vehicle: Vehicle) -> None:
     """A port that begins with MAVLink 1 may go on with MAVLink 2 once it hears some; until then we do not."""
-    link = linked(vehicle)
+    link = vehicle.linked()
     link.follow(1, 1)
     link.offer_mavlink2()
     versions: list[int] = []
@@ -147,28 +157,24 @@ def test_mavlink_2_can_be_offered(vehicle: Vehicle) -> None:
         versions += [message.get_msgbuf()[0] for message in vehicle.heard(1)]
     link.send(PING)
     assert vehicle.version_of_ping() == 0xFE
-    link.close()
 
 
 def test_mavlink_2_is_sent_at_once_to_a_vehicle_that_was_heard_in_it(vehicle: Vehicle) -> None:
     """Before it was followed."""
-    link = linked(vehicle)
-    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(heard.put)
+    link = vehicle.linked()
+    heard = heard_on(link)
     vehicle.heard(1)
     vehicle.send(BEAT)
     heard.get(timeout=60)
     link.follow(1, 1)
     link.send(PING)
     assert vehicle.version_of_ping() == 0xFD
-    link.close()
 
 
 def test_a_closed_connection_is_reopened(vehicle: Vehicle) -> None:
     """When the vehicle closes the connection, the link reconnects; what is sent meanwhile is lost."""
-    link = linked(vehicle)
-    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(heard.put)
+    link = vehicle.linked()
+    heard = heard_on(link)
     vehicle.heard(1)
     assert vehicle.client
     vehicle.client.close()
@@ -176,12 +182,11 @@ def test_a_closed_connection_is_reopened(vehicle: Vehicle) -> None:
     vehicle.send(BEAT)
     assert heard.get(timeout=60).get_type() == "HEARTBEAT"
     vehicle.heard(1)
-    link.close()
 
 
 def test_a_link_without_a_vehicle_can_be_closed(vehicle: Vehicle) -> None:
     """Also while it tries to connect again."""
-    link = linked(vehicle)
+    link = vehicle.linked()
     vehicle.close()
     link.send(BEAT)
     link.send(BEAT)
@@ -194,7 +199,7 @@ def test_an_error_in_a_receiver_does_not_stop_the_link(
     vehicle: Vehicle, caplog: pytest.LogCaptureFixture
 ) -> None:
     """It is logged; the next receiver and the next message are served; removed receivers are not."""
-    link = linked(vehicle)
+    link = vehicle.linked()
     heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
     def fail(message: Any) -> None:
@@ -215,23 +220,20 @@ def test_an_error_in_a_receiver_does_not_stop_the_link(
 
 def test_junk_between_messages_is_skipped(vehicle: Vehicle) -> None:
     """Bytes that are not a frame are ignored."""
-    link = linked(vehicle)
-    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(heard.put)
+    link = vehicle.linked()
+    heard = heard_on(link)
     assert vehicle.client
     vehicle.client.sendall(b"PreArm junk\r\n")
     for _ in range(3):
         vehicle.send(BEAT)
     assert heard.get(timeout=60).get_type() == "HEARTBEAT"
-    link.close()
 
 
 def test_both_directions_are_recorded(vehicle: Vehicle, tmp_path: Path) -> None:
     """The log has what the vehicle, this program and a ground station on the link sent."""
     with Recorder(tmp_path / "flight.tlog") as recorder:
-        link = linked(vehicle, recorder=recorder)
-        heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        link.add_receiver(heard.put)
+        link = vehicle.linked(recorder=recorder)
+        heard = heard_on(link)
         vehicle.heard(1)
         vehicle.send(BEAT)
         heard.get(timeout=60)
@@ -252,11 +254,10 @@ def test_both_directions_are_recorded(vehicle: Vehicle, tmp_path: Path) -> None:
 def test_a_silent_tcp_connection_is_reopened(vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch) -> None:
     """After seconds without data, even if its socket reports no error."""
     monkeypatch.setattr("flight_replay.vehicle.link.link._SILENT_S", 0.5)
-    link = linked(vehicle, speedup=20.0)
+    vehicle.linked(speedup=20.0)
     vehicle.heard(1)
     vehicle.accept()
     vehicle.heard(1)
-    link.close()
 
 
 class BrokenTransport:
@@ -324,9 +325,8 @@ def test_a_recorder_that_fails_does_not_disturb_the_link(vehicle: Vehicle) -> No
             raise RuntimeError("no")
 
     recorder = Broken()
-    link = linked(vehicle, recorder=recorder)
-    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(heard.put)
+    link = vehicle.linked(recorder=recorder)
+    heard = heard_on(link)
     link.send(BEAT)
     assert vehicle.heard(2)
     for _ in range(2):
@@ -348,13 +348,11 @@ def test_no_error_ends_the_links_thread(vehicle: Vehicle, monkeypatch: pytest.Mo
 
     monkeypatch.setattr(ParserPool, "messages", fail)
     monkeypatch.setattr("flight_replay.vehicle.link.link._REOPEN_S", 0.01)
-    link = linked(vehicle)
-    heard: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(heard.put)
+    link = vehicle.linked()
+    heard = heard_on(link)
     end_s = time.monotonic() + 20
     while heard.empty() and time.monotonic() < end_s:
         vehicle.send(BEAT)
         time.sleep(0.02)
     assert heard.get(timeout=1).get_type() == "HEARTBEAT"
     assert not errors
-    link.close()

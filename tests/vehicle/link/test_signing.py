@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import queue
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from flight_replay.vehicle.link.signing import (
     read_key,
     without_signature,
 )
-from tests.vehicle.link.test_link import BEAT, Vehicle, linked
+from tests.vehicle.link.test_link import BEAT, Vehicle, heard_on
 
 KEY = hashlib.sha256(b"a passphrase").digest()
 NOW_S = 1_800_000_000.0
@@ -151,7 +150,7 @@ def vehicle() -> Iterator[Vehicle]:
     vehicle.mav = signer()
     vehicle.parser = signer(system=255)
     yield vehicle
-    vehicle.close()
+    vehicle.end()
 
 
 def test_a_signed_link_signs_and_checks(vehicle: Vehicle, tmp_path: Path) -> None:
@@ -159,9 +158,8 @@ def test_a_signed_link_signs_and_checks(vehicle: Vehicle, tmp_path: Path) -> Non
     vehicle.mav.signing.timestamp = vehicle.parser.signing.timestamp = 0
     path = tmp_path / "recorded.tlog"
     with Recorder(path) as recorder:
-        link = linked(vehicle, recorder=recorder, signing=Signing(KEY, clock_s=lambda: 0.0))
-        received: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        link.add_receiver(received.put)
+        link = vehicle.linked(recorder=recorder, signing=Signing(KEY, clock_s=lambda: 0.0))
+        received = heard_on(link)
         assert vehicle.heard(1)[0].get_signed()
         forged = dialect.MAVLink_statustext_message(0, b"forged")
         assert vehicle.client
@@ -187,10 +185,8 @@ def test_a_signed_link_signs_and_checks(vehicle: Vehicle, tmp_path: Path) -> Non
 
 def test_a_link_without_a_key_notices_signatures(vehicle: Vehicle) -> None:
     """So that a person is told which option is missing."""
-    link = linked(vehicle)
-    received: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    link.add_receiver(received.put)
+    link = vehicle.linked()
+    received = heard_on(link)
     vehicle.send(BEAT)
     assert is_signed(bytes(received.get(timeout=60).get_msgbuf()))
     assert link.received_signed
-    link.close()

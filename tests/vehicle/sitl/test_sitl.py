@@ -29,6 +29,12 @@ BASE_PORT = 10_000 + 20 * (os.getpid() % 1000)
 START = Start(47.5, 8.25, 400.0, 90.0)
 HELP = "--home --model --speedup --defaults -I"
 WAITS = "print('Waiting for connection ....', flush=True); time.sleep(60)"
+OLD = """
+from flight_replay.simulator.server.cli import main
+port = BASE_PORT + 10 * int(sys.argv[-1].removeprefix("-I"))
+print("Waiting for connection ....", open("runs", "a").write("x"), flush=True)
+main(["--listen", f"tcp:127.0.0.1:{port}", "--home", "47.5,8.25,400,90", "--speedup", "20"])
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -107,8 +113,8 @@ def test_named_parameters_replace_the_built_in_ones(tmp_path: Path) -> None:
     named = tmp_path / "mine.parm"
     named.write_text("FRAME_CLASS 1\n")
     path = stand_in(tmp_path, "print(' '.join(sys.argv[1:]), flush=True)\n" + WAITS)
-    with process.run(SitlBinary(path, named), START) as running:
-        assert f"--defaults {named}" in running.log.read_text()
+    with process.run(SitlBinary(path, (named, tmp_path / "b.parm")), START) as running:
+        assert f"--defaults {named},{tmp_path / 'b.parm'}" in running.log.read_text()
 
 
 def test_storage_of_an_old_binary_is_used(tmp_path: Path) -> None:
@@ -122,18 +128,25 @@ def test_storage_of_an_old_binary_is_used(tmp_path: Path) -> None:
 
 
 def test_an_old_binary_gets_each_parameter_over_mavlink(tmp_path: Path) -> None:
-    """It runs once to store them, and once more to fly with them."""
-    body = """
-from flight_replay.simulator.server.cli import main
-port = BASE_PORT + 10 * int(sys.argv[-1].removeprefix("-I"))
-print("Waiting for connection ....", open("runs", "a").write("x"), flush=True)
-main(["--listen", f"tcp:127.0.0.1:{port}", "--home", "47.5,8.25,400,90", "--speedup", "20"])
-"""
-    named = tmp_path / "mine.parm"
+    """It runs once to store them, of all files that are named, and once more to fly with them."""
+    named, more = tmp_path / "mine.parm", tmp_path / "more.parm"
     named.write_text("# comment\nWPNAV_SPEED,700 # slow\nNO_SUCH_NAME 3\n")
-    path = stand_in(tmp_path, body, options="--home --model")
-    with process.run(SitlBinary(path, named), START) as running:
+    more.write_text("WPNAV_ACCEL 300\n")
+    path = stand_in(tmp_path, OLD, options="--home --model")
+    with process.run(SitlBinary(path, (named, more)), START) as running:
         assert (running.log.parent / "runs").read_text() == "xx"
+
+
+def test_an_old_binary_is_not_flown_with_parameters_that_cannot_be_read(tmp_path: Path) -> None:
+    """The file is named in the error."""
+    named = tmp_path / "mine.parm"
+    named.write_text("WPNAV_SPEED fast\n")
+    path = stand_in(tmp_path, OLD, options="--home --model")
+    with (
+        pytest.raises(SimulatorError, match=f"cannot read the parameter file {named}"),
+        process.run(SitlBinary(path, (named,)), START),
+    ):
+        raise AssertionError
 
 
 FAILING = {
@@ -304,10 +317,11 @@ def test_files_that_are_named_must_exist(tmp_path: Path) -> None:
             find_binary(plain, None, {})
     with pytest.raises(SimulatorError, match="named by SITL_DEFAULTS_FILEPATH, does not exist"):
         find_binary(None, None, {"SITL_DEFAULTS_FILEPATH": f"{plain},/no/such.parm"})
-    defaults = {"SITL_BINARY": str(stand_in(tmp_path)), "SITL_DEFAULTS_FILEPATH": str(plain)}
+    other = stand_in(tmp_path, name="other")
+    defaults = {"SITL_BINARY": str(stand_in(tmp_path)), "SITL_DEFAULTS_FILEPATH": f"{plain},{other}"}
     binary = find_binary(None, None, defaults)
     assert binary is not None
-    assert binary.defaults == plain
+    assert binary.defaults == (plain, other)
 
 
 # Which simulator it will be

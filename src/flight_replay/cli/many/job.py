@@ -14,6 +14,11 @@ BY_THE_CLOCK = ("builtin", "sitl")
 """What flies in a process of its own, at the pace of a clock."""
 
 
+def path_argument(log: str) -> str:
+    """The path of a log as an argument that is no option."""
+    return f"./{log}" if log.startswith("-") else log
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
     """How every flight is planned and flown.
@@ -61,7 +66,7 @@ class Job:
             "sitl": (*(self._sitl or ("--sim", "sitl")), *self._speedup),
         }
         return (
-            f"./{log}" if log.startswith("-") else log,
+            path_argument(log),
             *self.arguments,
             *(() if system is None else ("--vehicle", str(system))),
             *(() if flight is None else ("--flight", str(flight))),

@@ -24,7 +24,7 @@ from flight_replay.cli.many.log_files import LogFile, find_logs
 from flight_replay.cli.many.many_options import ManyOptions, parse_many_options
 from flight_replay.cli.many.many_progress import RunProgress
 from flight_replay.cli.whole_flight import repeat_arguments
-from flight_replay.exceptions import FlightReplayError
+from flight_replay.exceptions import FlightReplayError, failure_text
 from flight_replay.output.console.terminal import flush_or_discard, write_error, write_line, write_verbatim
 from flight_replay.output.many.result_store import ResultStore, went_wrong
 from flight_replay.output.many.table_files import check_table_name, rows_of
@@ -54,17 +54,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         if verbose:
             raise
         status = 1
-        write_error(sys.stderr, _message(error), program=_NAME)
+        write_error(sys.stderr, failure_text(error), program=_NAME)
     lost = flush_or_discard(sys.stdout)
     if lost:
         write_error(sys.stderr, lost, program=_NAME)
     return status or int(bool(lost))
-
-
-def _message(error: Exception) -> str:
-    if isinstance(error, FlightReplayError):
-        return str(error)
-    return f"internal error ({type(error).__name__}: {error}); please report it with the output of -v"
 
 
 def _run(options: ManyOptions) -> int:
@@ -107,7 +101,7 @@ def _replay_all(options: ManyOptions, files: Sequence[LogFile], store: ResultSto
 
     if store.found and not options.quiet:
         write_line(sys.stderr, f"Going on with {options.out}: {store.found} rows are there")
-    if all(store.is_done(each.path, each.bytes or -1, each.modified_ns or -1) for each in files):
+    if all(store.is_done(each.path, each.bytes, each.modified_ns) for each in files):
         return
     progress = RunProgress(as_json=options.json, quiet=options.quiet)
     _interrupt_on_termination()

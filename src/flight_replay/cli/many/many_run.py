@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from flight_replay.cli.many import late
 from flight_replay.cli.many.flight_task import flight_row, limit_s
-from flight_replay.cli.many.job import Job
+from flight_replay.cli.many.job import Job, path_argument
 from flight_replay.cli.many.log_content import MOST_SENT_BYTES, LogContent
 from flight_replay.cli.many.log_files import LogFile
 from flight_replay.cli.many.survey import (
@@ -122,7 +122,7 @@ class ManyRun:
                 file = next(waiting, None)
                 if file is None:
                     return
-                if self.store.is_done(file.path, file.bytes or -1, file.modified_ns or -1):
+                if self.store.is_done(file.path, file.bytes, file.modified_ns):
                     self.counts.done_before += 1
                     self.counts.logs_done += 1
                     continue
@@ -300,6 +300,6 @@ def _copied(row: Row, file: LogFile) -> Row:
             "log_bytes": file.bytes,
             "log_modified_ns": file.modified_ns,
             "copy_of": row["log"],
-            "command": shlex.join([program, file.path, *rest]),
+            "command": shlex.join([program, path_argument(file.path), *rest]),
         }
     )

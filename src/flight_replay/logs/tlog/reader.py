@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.logs.byte_source import OpenLog, Progress
-from flight_replay.logs.plausibility import REASONS, RecordedPositions, Rejection, find_implausible
+from flight_replay.logs.plausibility import (
+    RecordedPositions,
+    Rejection,
+    find_implausible,
+    rejected_by_reason,
+)
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.tlog.arming.armed_state import armed_at, modes_at, moves_itself, vehicle_kind
 from flight_replay.logs.tlog.arming.late_status import Arrivals, arrivals
@@ -25,9 +30,9 @@ from flight_replay.logs.tlog.gps_status import lacks_3d_fix
 from flight_replay.logs.tlog.scan import scan
 from flight_replay.logs.track import Track
 from flight_replay.logs.unknown_content import describe
-from flight_replay.logs.vehicles import VehicleCount, VehicleId
+from flight_replay.logs.usable_fixes import why_no_fix
+from flight_replay.logs.vehicles import VehicleCount, VehicleId, vehicles_text
 
-_VEHICLES_NAMED = 10  # in an error message
 _COPY = len(Rejection)  # beside the reasons of ``Rejection``: a copy is as plausible as the first
 _FULL_TURN_CDEG = np.uint16(36_000)
 
@@ -102,8 +107,7 @@ class _Judged:
 
     def rejected(self, vehicle: VehicleCount) -> dict[str, int]:
         """How many of a vehicle's positions are implausible, by reason."""
-        counts = np.bincount(self.rejection[self._is_of(vehicle)], minlength=len(Rejection))
-        return {reason: int(counts[kind]) for kind, reason in REASONS.items() if counts[kind]}
+        return rejected_by_reason(self.rejection[self._is_of(vehicle)])
 
     def track(self, vehicle: VehicleCount) -> Track:
         """A vehicle's fixes in SI units."""
@@ -216,20 +220,13 @@ def _choose(
     named = [each for each in vehicles if wanted is None or each.is_named(wanted)]
     if named and named[0].fixes:
         return named[0]
-    others = [f"{each.id} ({each.fixes} fixes)" for each in vehicles if each.fixes]
-    if len(others) > _VEHICLES_NAMED:
-        others[_VEHICLES_NAMED:] = [f"{len(others) - _VEHICLES_NAMED} more"]
-    step = f"choose with --vehicle from {', '.join(others)}" if others else "name another log"
-    why = _why_no_fix(read, named[0]) if named else f"has no positions of vehicle {wanted}"
+    others = vehicles_text([each for each in vehicles if each.fixes])
+    step = f"choose with --vehicle from {others}" if others else "name another log"
+    why = f"has no positions of vehicle {wanted}"
+    if named:
+        left_out = why_no_fix(read.without_position(named[0]), read.rejected(named[0]))
+        why = f"has no usable position of vehicle {named[0].id}: {left_out}"
     raise LogError(f"{name} {why}; {step}")
-
-
-def _why_no_fix(read: _Judged, vehicle: VehicleCount) -> str:
-    """Why a vehicle has no fix."""
-    why = [f"{count} rejected ({reason})" for reason, count in read.rejected(vehicle).items()]
-    if empty := read.without_position(vehicle):
-        why.insert(0, f"{empty} records are empty")
-    return f"has no usable position of vehicle {vehicle.id}: {', '.join(why)}"
 
 
 def _why_no_position(records: Records, log: OpenLog) -> str:

@@ -83,8 +83,7 @@ class Recorder:
             if self._closed:
                 return
             self._closed = True
-        self._thread.submit(self._finish)
-        if not self._thread.close(_CLOSE_S):
+        if not self._thread.close(_CLOSE_S, self._finish):
             self._fail(f"it could not be written in {_CLOSE_S:.0f} s")
         elif self._thread.dropped and self.problem is None:
             self._fail(f"{self._thread.dropped} frames came faster than they could be written")

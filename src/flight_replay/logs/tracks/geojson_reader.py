@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def read_geojson(
     notes: list[str] = []
     if len(points) and not are_timed(points):
         points, notes = longest_line(points)
-    return track_recording(points, TrackFile(name=log.name, format="geojson", bytes=len(data), notes=notes))
+    return track_recording(points, replace(file, notes=notes))
 
 
 def _features(value: object) -> Iterator[tuple[list[list[Place]], Mapping[str, Any]]]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.geodesy import surface_xyz_m
+from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.logs.tracks.track_points import TrackPoints
 
 _SEGMENT_GAP_S = 10.0
@@ -113,14 +114,9 @@ def spread_repeats(time_s: Floats) -> Floats:
 
 def in_order_of_file(points: TrackPoints) -> OrderedPoints:
     """Points without times: segments that join are one part, a track is always one of its own."""
-    is_far = _steps_m(points) > _SEGMENT_GAP_M
+    is_far = segment_lengths_m(surface_xyz_m(points.lat_deg, points.lon_deg)) > _SEGMENT_GAP_M
     breaks = (np.diff(points.track) != 0) | (np.diff(points.segment) != 0) & is_far
     return OrderedPoints(points, _numbered(breaks))
-
-
-def _steps_m(points: TrackPoints) -> Floats:
-    """Ground distances from point to point (n - 1,)."""
-    return np.asarray(np.linalg.norm(np.diff(surface_xyz_m(points.lat_deg, points.lon_deg), axis=0), axis=1))
 
 
 def _numbered(breaks: NDArray[np.bool_]) -> NDArray[np.int32]:

@@ -101,8 +101,7 @@ def _nearest(topic: Topic, values: Floats, time_s: Floats) -> Floats:
     """Values (m, d) of a topic's samples (n, d) nearest to times (m,), not a number where none is near."""
     if not len(topic):
         return np.full((len(time_s), values.shape[1]), np.nan)
-    behind = np.clip(np.searchsorted(topic.time_s, time_s), 1, max(len(topic) - 1, 1))
-    behind = np.minimum(behind, len(topic) - 1)
+    behind = np.minimum(np.searchsorted(topic.time_s, time_s), len(topic) - 1)
     before = np.maximum(behind - 1, 0)
     is_before = np.abs(topic.time_s[before] - time_s) <= np.abs(topic.time_s[behind] - time_s)
     nearest = np.where(is_before, before, behind)

@@ -9,7 +9,7 @@ from typing import Any
 
 from flight_replay.events import Event
 from flight_replay.output.console.console import Console
-from flight_replay.writing.background import Background
+from flight_replay.writing.background import Background, Call
 
 QUEUED_LINES = 2000
 _INTERRUPTED_CLOSE_S = 1.0
@@ -40,7 +40,10 @@ class BackgroundConsole:
 
     def print(self, text: str) -> None:
         """Print a line soon; after a flight it is worth waiting until it fits."""
-        while not self._thread.submit(lambda: self._console.print(text)):
+        self._submit_when_it_fits(lambda: self._console.print(text))
+
+    def _submit_when_it_fits(self, call: Call) -> None:
+        while not self._thread.submit(call):
             self._thread.wait(None)
 
     def flush(self, timeout_s: float) -> bool:
@@ -56,21 +59,23 @@ class BackgroundConsole:
             pause.append(self._console.paused())
             pause[0].__enter__()
 
-        self._thread.submit(begin)
+        self._submit_when_it_fits(begin)
         self._thread.wait(None)
         try:
             yield
         finally:
-            self._thread.submit(lambda: pause[0].__exit__(None, None, None))
+            self._submit_when_it_fits(lambda: pause[0].__exit__(None, None, None))
 
     def __enter__(self) -> BackgroundConsole:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: object, trace: object) -> None:
         """Wait until all is written; after an exception, no longer than a moment."""
-        self._thread.submit(lambda: self._context.__exit__(None, None, None))
         try:
-            self._thread.close(None if kind is None else _INTERRUPTED_CLOSE_S)
+            self._thread.close(
+                None if kind is None else _INTERRUPTED_CLOSE_S,
+                lambda: self._context.__exit__(None, None, None),
+            )
         except KeyboardInterrupt:
             self._thread.close(_INTERRUPTED_CLOSE_S)
             raise

@@ -16,6 +16,7 @@ import numpy as np
 from flight_replay.events import Event, Following, Phase, VehicleState, WaypointReached
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.matching import match_in_order
+from flight_replay.geometry.movement import turn_deg
 from flight_replay.geometry.polyline import lengths_along_m, nearest_on_segments
 from flight_replay.output.charts.series import thin_indices
 from flight_replay.output.replay_status import ReplayStatus
@@ -143,8 +144,8 @@ class MapData:
         apart_m = self._frame.to_metres(state.lat_deg, state.lon_deg) - self._wanted.places_at(now)[0]
         height_m = abs(state.alt_m - float(np.interp(elapsed_s, self._wanted.time_s, self._wanted.up_m)))
         flown_deg = math.nan if state.heading_deg is None else state.heading_deg
-        turn_deg = (flown_deg - float(self._wanted.headings_at(now)[0]) + 180.0) % 360.0 - 180.0
-        return math.hypot(*apart_m.tolist()), height_m, abs(turn_deg)
+        off_deg = turn_deg(flown_deg, float(self._wanted.headings_at(now)[0]))
+        return math.hypot(*apart_m.tolist()), height_m, abs(off_deg)
 
 
 def _predicted_path_error(route: Route) -> tuple[Floats, Floats]:

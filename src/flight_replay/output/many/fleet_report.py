@@ -13,6 +13,7 @@ import numpy as np
 
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.geodesy import EQUATORIAL_RADIUS_M
 from flight_replay.output.many.fleet_summary import FleetSummary, summary_lines
 from flight_replay.output.many.flight_columns import COLUMN_OF, ERRORS, GOOD, Row, error_column
 from flight_replay.writing.output_files import check_place, check_suffix, write_atomically
@@ -27,7 +28,6 @@ _BINS = 30
 _LARGEST_SHARE = 0.98
 _HISTOGRAM_WIDTH, _HISTOGRAM_HEIGHT = 350, 240
 _GOOD_COLOUR, _BAD_COLOUR = "#1f77b4", "#d62728"
-_MERCATOR_M = 6378137.0
 _MAX_LAT_DEG = 85.0
 _SHOWN = (
     "log", "flight", "status", "problem", "vehicle_type", "duration_s", "length_m", "fixes", "rejected",
@@ -183,8 +183,8 @@ def _map_columns(columns: _Columns) -> dict[str, Any]:
     north = np.arctanh(np.sin(np.radians(np.clip(lat, -_MAX_LAT_DEG, _MAX_LAT_DEG))))
     good = [status in GOOD for status in columns.values["status"]]
     return {
-        "mercator_x": np.radians(lon) * _MERCATOR_M,
-        "mercator_y": north * _MERCATOR_M,
+        "mercator_x": np.radians(lon) * EQUATORIAL_RADIUS_M,
+        "mercator_y": north * EQUATORIAL_RADIUS_M,
         "colour": [_GOOD_COLOUR if each else _BAD_COLOUR for each in good],
         "place": [f"{each[0]:.5f}, {each[1]:.5f}" for each in zip(lat, lon, strict=True)],
     }

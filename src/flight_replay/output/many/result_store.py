@@ -98,11 +98,12 @@ class ResultStore:
         mine = row.get("options_id") == self._options_id
         return mine and (row.get("log_sha256") is None or bool(redo and redo(row)))
 
-    def is_done(self, path: str, size: int, modified_ns: int) -> bool:
-        """Whether all rows of the log at a path are there, as far as its size and time tell."""
+    def is_done(self, path: str, size: int | None, modified_ns: int | None) -> bool:
+        """Whether all rows of the log at a path are there, as far as its size and time tell, if known."""
         done = self._index.paths.get(path)
         return (
             done is not None
+            and size is not None
             and (done.bytes, done.modified_ns) == (size, modified_ns)
             and done.sha256 is not None
             and done.rows == done.of_rows

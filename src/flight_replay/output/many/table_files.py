@@ -46,7 +46,7 @@ def rows_of(path: Path) -> Iterator[Row]:
         yield from (_parquet_rows if suffix == ".parquet" else _csv_rows)(path.expanduser())
     except FileNotFoundError:
         raise FlightReplayError(f"{path} does not exist; name a table of flights") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, csv.Error) as error:
         raise FlightReplayError(f"cannot read {path}: {error}; is it a table of flights?") from error
 
 
@@ -141,7 +141,9 @@ def _value(kind: Kind, text: str) -> Any:
     if kind == "text":
         return text
     if kind == "truth":
-        return _TRUTH[text]
+        if text.lower() not in _TRUTH:  # Spreadsheets save capitals.
+            raise ValueError(f"{text!r} is neither true nor false")
+        return _TRUTH[text.lower()]
     return int(text) if kind == "whole" else float(text)
 
 

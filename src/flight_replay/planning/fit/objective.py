@@ -3,7 +3,7 @@
 The objective, in metres, smaller is better:
 
     shares x path errors, flown and planned
-    + time share x mean position error, flown
+    + time share x what the position errors cost on average, flown
     + CREEPING_M_S x seconds of creeping, where the recorded speed is kept
 
 "Flown" is what the model of ArduCopter predicts, "planned" the path on paper. A path error counts both
@@ -14,9 +14,10 @@ sixteen at 1 m. The planned part keeps the route true for vehicles that fly with
 wind. Where the recorded speed is not asked for, both path errors are one, such a mean of the two: where
 waypoints abound, the plan would else be followed to the centimetre, and flown twice as badly.
 ``TIME_SHARE`` is the trade between space and time: four metres behind the recorded vehicle cost as much
-as one metre beside the track. Where the recorded speed is not asked for, only being late counts, and
-less. Where heights are as recorded, a position error is one in space, and fixes are matched in space: the
-path error stays that over the ground.
+as one metre beside the track, and a vehicle that is far off is held to the track all the more, see
+``lateness``. Where the recorded speed is not asked for, only being late counts, and less. Where heights are
+as recorded, a position error is one in space, and fixes are matched in space: the path error stays that over
+the ground.
 """
 
 from __future__ import annotations
@@ -29,6 +30,12 @@ import numpy as np
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import lengths_m, segment_lengths_m, speeds_m_s
 from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.lateness import (
+    counted_offsets_m,
+    lateness_cost_m,
+    lateness_slope,
+    position_offsets_m,
+)
 from flight_replay.planning.fit.offsets import Offsets, match_to_flight, match_to_plan
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
@@ -43,8 +50,6 @@ CREEPING_M_S, CREEPING_SPEED_M_S = 0.05, 0.3
 _AT_STOP_M = 1.0
 """A vehicle that comes to rest shoots past its stop and comes back slowly: so near it does not creep."""
 _LEAST_SCALE_M = 0.4
-_AROUND_S = 0.1
-"""Velocities are those from so long before to so long after."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +57,8 @@ class Evaluation:
     """A draft as the model flies it, against the recording's n fixes.
 
     ``planned`` and ``flown`` are each the offsets of both ways: of the fixes, and of the path's own points.
-    ``flown_s`` (n,) is when the vehicle flies by each fix, ``late_m`` (n,) the position error that counts.
+    ``flown_s`` (n,) is when the vehicle flies by each fix, ``late_off_m`` (n, axes) the way from where it
+    ought to be at the time of each, as far as that counts, see ``lateness``.
     ``creeping_s`` is how much of each step of the flight it creeps, where that counts; ``timed`` whether the
     recorded speed is to be kept.
     """
@@ -61,7 +67,7 @@ class Evaluation:
     planned: tuple[Offsets, Offsets]
     flown: tuple[Offsets, Offsets]
     flown_s: Floats
-    late_m: Floats
+    late_off_m: Floats
     creeping_s: Floats
     timed: bool
 
@@ -74,6 +80,11 @@ class Evaluation:
     def passed_s(self) -> Floats:
         """When each place was reached, counted from the first."""
         return self.flight.passed_s
+
+    @property
+    def late_m(self) -> Floats:
+        """How far from where it ought to be it is at the time of each fix (n,), where that counts."""
+        return lengths_m(self.late_off_m)
 
     @property
     def path_shares(self) -> tuple[float, float]:
@@ -99,7 +110,9 @@ class Evaluation:
         """The number that the fit makes small, see the module; infinite if the vehicle does not stay up."""
         if not self.flight.stays_up:
             return inf
-        late = self.time_share * float(self.late_m.mean()) + CREEPING_M_S * float(self.creeping_s.sum())
+        late = self.time_share * float(lateness_cost_m(self.late_m).mean()) + CREEPING_M_S * float(
+            self.creeping_s.sum()
+        )
         return float(np.dot(self.path_shares, self.path_errors_m)) + late
 
 
@@ -135,8 +148,9 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
             total = np.bincount(offsets.leg, offsets.apart_m**4, minlength=legs)
             cost += share * total / (2 * len(offsets.leg) * 4 * scale_m**3)
     if whole:
-        late_m = np.bincount(evaluation.planned[0].leg, evaluation.late_m, minlength=legs)
-        cost += evaluation.time_share * late_m / len(evaluation.late_m)
+        cost_m = lateness_cost_m(evaluation.late_m)
+        by_leg_m = np.bincount(evaluation.planned[0].leg, cost_m, minlength=legs)
+        cost += evaluation.time_share * by_leg_m / len(cost_m)
         cost += CREEPING_M_S * _creeping_by_leg_s(evaluation)
     return cost
 
@@ -154,7 +168,8 @@ def seconds_cost_m_s(evaluation: Evaluation, recording: LocalTrack) -> Floats:
     speed_m_s = np.interp(
         recording.time_s, flight.time_s, speeds_m_s(flight.time_s, flight.place_m[:, : recording.axes])
     )
-    late_m_s = np.where(evaluation.late_m > 0, speed_m_s, 0.0)
+    late_m = evaluation.late_m
+    late_m_s = np.where(late_m > 0, speed_m_s * lateness_slope(late_m), 0.0)
     return np.asarray(evaluation.time_share * np.cumsum(late_m_s[::-1])[::-1] / len(recording))
 
 
@@ -172,12 +187,13 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
         recording: at least one fix.
         timed: whether being early counts.
     """
-    late_m = np.asarray(np.hypot.reduce(position_offsets_m(flight, recording), axis=1))
-    matched = match_to_flight(flight, recording, late_m if timed else None)
+    off_m = position_offsets_m(flight, recording)
+    matched = match_to_flight(flight, recording, lengths_m(off_m) if timed else None)
+    late_off_m = counted_offsets_m(off_m, recording, matched.flown_s)
     if not timed:
-        late_m = np.where(matched.flown_s > recording.time_s, late_m, 0.0)
+        late_off_m = np.where((matched.flown_s > recording.time_s)[:, None], late_off_m, 0.0)
     slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else np.empty(0)
-    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_m, slow_s, timed)
+    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_off_m, slow_s, timed)
 
 
 def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> Floats:
@@ -192,19 +208,3 @@ def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> Floats:
         away = slow[apart_m.min(axis=1) > _AT_STOP_M]
         creeping[away] = steps_s[away]
     return creeping
-
-
-def position_offsets_m(flown: SimulatedDraft, recording: LocalTrack) -> Floats:
-    """Vectors (n, axes) from every fix to where the vehicle is at that time; in the end it stays there."""
-    return places_at(flown.time_s, flown.place_m[:, : recording.axes], recording.time_s) - recording.places_m
-
-
-def places_at(time_s: Floats, place_m: Floats, at_s: Floats) -> Floats:
-    """Places (m, d) at times (m,) of what is at places (k, d) at rising times (k,)."""
-    return np.column_stack([np.interp(at_s, time_s, column) for column in place_m.T])
-
-
-def velocities_at_m_s(time_s: Floats, place_m: Floats, at_s: Floats) -> Floats:
-    """Velocities (m, d) at times (m,) of what is at places (k, d) at rising times (k,)."""
-    before_m, later_m = (places_at(time_s, place_m, at_s + shift_s) for shift_s in (-_AROUND_S, _AROUND_S))
-    return np.asarray((later_m - before_m) / (2 * _AROUND_S))

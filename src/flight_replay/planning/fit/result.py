@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flight_replay.geometry.polyline import lengths_m
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
+from flight_replay.planning.fit.lateness import position_offsets_m
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
@@ -52,9 +54,10 @@ def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
     if not problem.timed:
         return ()
     recorded_s = problem.recording.time_s
+    apart_m = lengths_m(position_offsets_m(best.flight, problem.recording))
     notes = []
     for said, sign in _OFF_TIME:
-        off_m = np.where(sign * (best.flown_s - recorded_s) > 0, best.late_m, 0.0)
+        off_m = np.where(sign * (best.flown_s - recorded_s) > 0, apart_m, 0.0)
         off = off_m > MIN_LAG_M
         if off.any():
             notes.append(f"{said} up to {worst_stretches(off, off_m, recorded_s, 0)}.")

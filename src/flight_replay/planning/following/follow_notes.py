@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.movement import turn_deg
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.planning.following.reference_planner import RecordedMotion
@@ -82,7 +83,7 @@ def _headings_note(motion: RecordedMotion, reference: ReferenceMotion) -> str:
     headings = reference.headings_deg(motion.time_s[known])
     if headings is None:
         return ""
-    off_deg = np.abs((headings[0] - motion.heading_deg[known] + 180.0) % 360.0 - 180.0)
+    off_deg = np.abs(turn_deg(headings[0], motion.heading_deg[known]))
     share, worst = _share_and_worst(off_deg, _WORTH_TELLING_DEG)
     if not share:
         return ""

@@ -10,7 +10,7 @@ import numpy as np
 
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.geometry.movement import Movement
+from flight_replay.geometry.movement import Movement, turn_deg
 from flight_replay.mission.items import Mission, MissionItem, face
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.duration import LONGEST_SIMULATED_M
@@ -88,8 +88,8 @@ def _shift_s(flight: PredictedFlight, plan: PredictedFlight) -> float:
 
 def _error_deg(flight: PredictedFlight, recorded: Movement, *, timed: bool) -> float:
     """The mean heading error."""
-    off = flight.heading_deg - flight.wanted_deg(recorded, timed=timed)
-    return float(np.nanmean(np.abs((off + 180.0) % 360.0 - 180.0)))
+    off_deg = turn_deg(flight.heading_deg, flight.wanted_deg(recorded, timed=timed))
+    return float(np.nanmean(np.abs(off_deg)))
 
 
 def _room(mission: Mission) -> int:

@@ -19,6 +19,7 @@ from math import cos, radians, sin
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.movement import turn_deg
 from flight_replay.mission.items import MissionItem
 from flight_replay.planning.heading.legs import SAMPLE_S, Leg
 from flight_replay.planning.heading.turns import Response, Turns, followed_deg, knots
@@ -185,7 +186,7 @@ class _LegSearch:
         """The choice at the end of the leg, if the target is there (n,) meanwhile."""
         leg = self._leg
         headings = followed_deg(choice.heading_deg, targets_deg, SAMPLE_S, self._response)
-        off = np.abs((headings - leg.wanted_deg + 180.0) % 360.0 - 180.0)
+        off = np.abs(turn_deg(headings, leg.wanted_deg))
         cost = float(np.nansum(off[:-1])) * SAMPLE_S + self._worth_deg_s * len(items)
         heading, target = float(headings[-1]), float(targets_deg[-1])
         target = heading if np.isnan(target) else target

@@ -15,6 +15,7 @@ from math import isnan, log
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.movement import turn_deg
 from flight_replay.mission.items import MissionItem, turn_to, wait
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -25,11 +26,6 @@ _SLOWEST_DEG_S = 10.0
 _WIDE_DEG = 135.0
 """Turns this wide are told which way round: the short way may be the other one when they begin."""
 _AIRFRAME_LAG_S = 0.02
-
-
-def difference_deg(to_deg: float, from_deg: float) -> float:
-    """The short way from one heading to another, -180 to 180."""
-    return (to_deg - from_deg + 180.0) % 360.0 - 180.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +66,7 @@ class Turns:
         to turn than expected.
         """
         self.wait_until(self._until_s)
-        change = difference_deg(heading_deg, self.target_deg[-1])
+        change = turn_deg(heading_deg, self.target_deg[-1])
         left_s = max(until_s - self.end_s, _SHORTEST_RAMP_S)
         response = self._response
         settling_s = response.settling_s(min(abs(change) / left_s, response.fastest_deg_s))
@@ -119,7 +115,7 @@ def followed_deg(begin_deg: float, targets_deg: Floats, step_s: float, response:
     for target in targets_deg.tolist():
         headings.append(heading)
         if not isnan(target):
-            heading += max(min(share * difference_deg(target, heading), most), -most)
+            heading += max(min(share * turn_deg(target, heading), most), -most)
     return np.array(headings)
 
 

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from flight_replay.events import Severity
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.mission.local_items import DO_JUMP
 from flight_replay.simulator.mission.store import CAPACITY
 from flight_replay.simulator.mission.stored_items import ItemRejected, StoredItem, to_stored_item
 from flight_replay.simulator.protocol.channel import Sender
 
 REQUEST_RETRY_S = 1.0
 TIMEOUT_S = 8.0
-_DO_JUMP = 177
 _ACCEPTED, _ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
 
 
@@ -134,7 +134,7 @@ class MissionUpload:
             item = to_stored_item(message)
         except ItemRejected as reason:
             return reason.result
-        if item.command == _DO_JUMP and not self._jump_target_exists(item, transfer):
+        if item.command == DO_JUMP and not self._jump_target_exists(item, transfer):
             return int(_ERROR)
         return int(_ACCEPTED if self._store.write(message.seq, item) else _ERROR)
 

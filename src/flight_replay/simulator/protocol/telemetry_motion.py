@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2
 from flight_replay.simulator.flight.guided import GuidedTarget
 
 # Everything but the position is to be ignored, and the reserved bits are set, as ArduCopter sends it.
@@ -131,7 +132,7 @@ def _ahrs2(autopilot: Autopilot) -> Message | None:
 def _simstate(autopilot: Autopilot) -> Message:
     location = autopilot.location
     return dialect.MAVLink_simstate_message(
-        *autopilot.flight.attitude_rad, 0.0, 0.0, -9.80665, *autopilot.flight.rates_rad_s,
+        *autopilot.flight.attitude_rad, 0.0, 0.0, -GRAVITY_M_S2, *autopilot.flight.rates_rad_s,
         location.lat_e7, location.lon_e7,
     )  # fmt: skip
 

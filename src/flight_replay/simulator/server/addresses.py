@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flight_replay.exceptions import SimulatorError
 
@@ -29,6 +29,10 @@ class NetworkAddress:
     kind: str
     host: str
     port: int
+
+    def __str__(self) -> str:
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{self.kind}:{host}:{self.port}"
 
     @property
     def is_loopback(self) -> bool:
@@ -52,21 +56,8 @@ def parse_network_address(text: str) -> NetworkAddress | None:
     return NetworkAddress(KINDS[kind.lower()], host.removeprefix("[").removesuffix("]"), int(digits))
 
 
-@dataclass(frozen=True, slots=True)
-class Address:
-    """An address of the simulator: ``kind`` is "tcp", "udpout" or "udpin"."""
-
-    kind: str
-    host: str
-    port: int
-
-    def __str__(self) -> str:
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"{self.kind}:{host}:{self.port}"
-
-
-def parse_address(text: str) -> Address:
-    """Parse an address.
+def parse_address(text: str) -> NetworkAddress:
+    """Parse an address of the simulator: ``tcp`` listens.
 
     Raises:
         SimulatorError: if it is not ``tcp:``, ``udpin:`` or ``udpout:``, a host and a port.
@@ -77,4 +68,4 @@ def parse_address(text: str) -> Address:
             f"'{text}' is not a valid address; use tcp:127.0.0.1:5760, udpin:127.0.0.1:14550 or "
             "udpout:127.0.0.1:14550"
         )
-    return Address("tcp" if named.kind == "tcpin" else named.kind, named.host, named.port)
+    return replace(named, kind="tcp") if named.kind == "tcpin" else named

@@ -18,7 +18,7 @@ from flight_replay.writing.terminal_text import Parser, escaped
 DEFAULT_LISTEN = "tcp:127.0.0.1:5760"
 # Where ArduPilot's own SITL starts: the Canberra Model Aircraft Club.
 DEFAULT_HOME = Start(-35.363262, 149.165237, 584.0, 353.0)
-_MAX_SPEEDUP = 1000.0
+_MIN_SPEEDUP, _MAX_SPEEDUP = 0.01, 1000.0
 _LOWEST_M, _HIGHEST_M = -1_000.0, 10_000.0
 """No ground is lower or higher; what the copter tells of its height has its bounds, too."""
 
@@ -47,14 +47,14 @@ def address(text: str) -> str:
 
 
 def speedup(text: str) -> float:
-    """Parse a factor above 0."""
+    """Parse a factor that the simulator can keep to."""
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 0 < value <= _MAX_SPEEDUP:
+    if not _MIN_SPEEDUP <= value <= _MAX_SPEEDUP:
         raise argparse.ArgumentTypeError(
-            f"'{text}' is not a valid speedup; use a number above 0, at most {_MAX_SPEEDUP:g}"
+            f"'{text}' is not a valid speedup; use {_MIN_SPEEDUP:g} to {_MAX_SPEEDUP:g}"
         )
     return value
 

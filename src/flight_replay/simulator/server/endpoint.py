@@ -14,7 +14,7 @@ from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.flight.copter import STEP_S
 from flight_replay.simulator.protocol.channel import LinkChannel, Sender
 from flight_replay.simulator.protocol.ground_link import GroundLink
-from flight_replay.simulator.server.addresses import Address
+from flight_replay.simulator.server.addresses import NetworkAddress
 from flight_replay.simulator.server.links import ClientSocket, ListenSocket
 
 _OWN_COMPONENTS = (0, 1)
@@ -27,7 +27,7 @@ _MAX_LAG_S = 0.2
 class Endpoint:
     """An autopilot with open links; ``run`` serves them until it is told to stop."""
 
-    def __init__(self, autopilot: Autopilot, addresses: Sequence[Address]) -> None:
+    def __init__(self, autopilot: Autopilot, addresses: Sequence[NetworkAddress]) -> None:
         """Open the links.
 
         Raises:
@@ -45,7 +45,7 @@ class Endpoint:
             self.close()
             raise
 
-    def _open(self, address: Address) -> None:
+    def _open(self, address: NetworkAddress) -> None:
         listener = ListenSocket(address)
         self._listeners.append(listener)
         if address.kind == "tcp":
@@ -54,7 +54,7 @@ class Endpoint:
             self._accept(listener)
 
     @property
-    def addresses(self) -> tuple[Address, ...]:
+    def addresses(self) -> tuple[NetworkAddress, ...]:
         """The addresses of the links, with real port numbers."""
         return tuple(listener.address for listener in self._listeners)
 

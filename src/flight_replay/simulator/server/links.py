@@ -8,7 +8,7 @@ import socket
 from typing import Protocol
 
 from flight_replay.exceptions import SimulatorError
-from flight_replay.simulator.server.addresses import Address
+from flight_replay.simulator.server.addresses import NetworkAddress
 
 _BUFFER = 65536
 # With more unsent bytes than this, telemetry pauses; with more than the other, the station is disconnected.
@@ -140,7 +140,7 @@ def _family(host: str) -> socket.AddressFamily:
 class ListenSocket:
     """A socket that accepts stations; ``address`` has the port that was chosen for port 0."""
 
-    def __init__(self, address: Address) -> None:
+    def __init__(self, address: NetworkAddress) -> None:
         """Open the link.
 
         Raises:
@@ -159,7 +159,7 @@ class ListenSocket:
                 f"cannot listen on {address}: {error.strerror or error}; choose another address with --listen"
             ) from error
 
-    def _open(self, address: Address) -> None:
+    def _open(self, address: NetworkAddress) -> None:
         if address.kind == "udpout":
             self.socket.connect((address.host, address.port))
             self.address = address
@@ -169,7 +169,7 @@ class ListenSocket:
             # On Windows the option would let two programs share the port.
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         self.socket.bind((address.host, address.port))
-        self.address = Address(address.kind, address.host, self.socket.getsockname()[1])
+        self.address = NetworkAddress(address.kind, address.host, self.socket.getsockname()[1])
         if address.kind == "tcp":
             self.socket.listen()
             self.socket.setblocking(False)
@@ -183,7 +183,7 @@ class ListenSocket:
             return udp
         try:
             client, _ = self.socket.accept()
-        except (BlockingIOError, InterruptedError, ConnectionError):
+        except OSError:  # Gone again, or out of descriptors: those that are connected must not suffer.
             return None
         return TcpClientSocket(client)
 

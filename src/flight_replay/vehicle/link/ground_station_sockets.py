@@ -10,6 +10,7 @@ import ipaddress
 import os
 import socket
 from collections.abc import Hashable, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 from flight_replay.exceptions import FlightReplayError
@@ -95,8 +96,7 @@ def check_can_listen(address: str, *, allow_open: bool = False) -> None:
 
 def _other_way(named: NetworkAddress) -> str:
     """The address of a station that listens where it was asked to listen for stations."""
-    host = f"[{named.host}]" if ":" in named.host else named.host
-    return f"{'udpout' if named.kind == 'udpin' else 'tcp'}:{host}:{named.port}"
+    return str(replace(named, kind="udpout" if named.kind == "udpin" else "tcp"))
 
 
 _SERVERS: dict[str, type[TcpServer] | type[UdpServer]] = {"tcpin": TcpServer, "udpin": UdpServer}

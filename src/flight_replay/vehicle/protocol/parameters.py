@@ -1,7 +1,7 @@
 """Reads and sets single parameters of the vehicle: a radio needs minutes for all 1,340 of them.
 
 ArduCopter 4.7 renamed and rescaled many (ardupilot PR 32147); the table of both schemes is in
-``simulator.dynamics.limits``.
+``simulator.dynamics.parameter_names``.
 """
 
 from __future__ import annotations

@@ -58,8 +58,7 @@ def _start_auto(stack: ExitStack, start: Start, speedup: float, listener: Listen
     Raises:
         SimulatorError: The binary that the user named fails.
     """
-    source, _ = _download_source()
-    binary = find_binary(None, source)
+    binary = find_binary(None, _download_source())
     if binary is None:
         listener(Notice(_STARTING_BUILTIN.format(_NO_SITL)))
         return None
@@ -76,21 +75,13 @@ def _start_auto(stack: ExitStack, start: Start, speedup: float, listener: Listen
 
 def _binary(path: Path | None, listener: Listener) -> SitlBinary:
     """The binary to run, downloaded if none is found."""
-    source, missing = _download_source()
-    return find_binary(path, source) or _downloaded(source, missing, listener)
+    found = find_binary(path, _download_source())
+    return found or SitlBinary(download(dronekit_sitl_source(), listener))
 
 
-def _download_source() -> tuple[DownloadSource | None, SimulatorError | None]:
-    """Where dronekit-sitl stores its binaries, or why it has none."""
+def _download_source() -> DownloadSource | None:
+    """Where dronekit-sitl stores its binaries; None if it has none for this machine."""
     try:
-        return dronekit_sitl_source(), None
-    except SimulatorError as error:
-        return None, error
-
-
-def _downloaded(
-    source: DownloadSource | None, missing: SimulatorError | None, listener: Listener
-) -> SitlBinary:
-    if source is None:
-        raise missing or SimulatorError("no ArduPilot SITL found; name a binary with --sitl")
-    return SitlBinary(download(source, listener))
+        return dronekit_sitl_source()
+    except SimulatorError:
+        return None

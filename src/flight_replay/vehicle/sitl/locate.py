@@ -16,10 +16,10 @@ _ON_PATH = "arducopter"
 
 @dataclass(frozen=True, slots=True)
 class SitlBinary:
-    """A binary to run; ``defaults`` is a parameter file, ``named`` is true if the user named the binary."""
+    """A binary to run; ``defaults`` are parameter files, ``named`` is true if the user named the binary."""
 
     path: Path
-    defaults: Path | None = None
+    defaults: tuple[Path, ...] = ()
     named: bool = False
 
 
@@ -49,17 +49,16 @@ def find_binary(
     return None
 
 
-def _defaults(environment: Mapping[str, str]) -> Path | None:
+def _defaults(environment: Mapping[str, str]) -> tuple[Path, ...]:
     named = environment.get("SITL_DEFAULTS_FILEPATH")
-    if not named:
-        return None
     # ArduPilot takes several files, with commas between them.
-    for part in named.split(","):
-        if not Path(part).is_file():
+    files = tuple(map(Path, named.split(","))) if named else ()
+    for path in files:
+        if not path.is_file():
             raise SimulatorError(
-                f"the parameter file {part}, named by SITL_DEFAULTS_FILEPATH, does not exist; check the path"
+                f"the parameter file {path}, named by SITL_DEFAULTS_FILEPATH, does not exist; check the path"
             )
-    return Path(named)
+    return files
 
 
 def _runnable(path: Path, where: str) -> Path:

@@ -153,18 +153,11 @@ def _arguments(binary: SitlBinary, options: str, scratch: Path, start: Start, sp
         f"--home={start.lat_deg:.8f},{start.lon_deg:.8f},{start.alt_amsl_m:.3f},{start.heading_deg:.2f}",
     ]  # fmt: skip
     if "--defaults" in options:
-        arguments += ["--defaults", str(_absolute(binary.defaults) or scratch / "bench.parm")]
+        files = [path.absolute() for path in binary.defaults] or [scratch / "bench.parm"]
+        arguments += ["--defaults", ",".join(map(str, files))]
     if "--speedup" in options:
         arguments += ["--speedup", f"{speedup:g}"]
     return arguments
-
-
-def _absolute(defaults: Path | None) -> str | None:
-    return (
-        None
-        if defaults is None
-        else ",".join(str(Path(part).absolute()) for part in str(defaults).split(","))
-    )
 
 
 def _free_instance() -> int:

@@ -9,6 +9,7 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.lateness import places_at, position_offsets_m
 from flight_replay.planning.fit.legs.flight_derivatives import (
     HOLD,
     SPEED,
@@ -18,7 +19,7 @@ from flight_replay.planning.fit.legs.flight_derivatives import (
     flight_derivatives,
 )
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
-from flight_replay.planning.fit.objective import Evaluation, places_at, position_offsets_m
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits

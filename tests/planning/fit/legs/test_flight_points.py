@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from flight_replay.planning.fit.fit import problem_for
+from flight_replay.planning.fit.lateness import velocities_at_m_s
 from flight_replay.planning.fit.legs.flight_points import (
     FlightPoints,
     marks_of_flight,
@@ -12,7 +13,6 @@ from flight_replay.planning.fit.legs.flight_points import (
     points_beside_fixes,
 )
 from flight_replay.planning.fit.legs.local_flights import LocalFlights
-from flight_replay.planning.fit.objective import velocities_at_m_s
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, draft_of

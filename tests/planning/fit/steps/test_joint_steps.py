@@ -85,9 +85,8 @@ def test_a_step_that_fails_is_taken_where_it_is_better(monkeypatch: pytest.Monke
         trial, steps = flown_on_time(problem, plan, caps_m_s)
         asked.append(plan.draft)
         if len(asked) == 1:
-            trial = replace(
-                trial, late_m=trial.late_m + np.where(np.arange(len(trial.late_m)) < 70, 0.0, 500.0)
-            )
+            behind_m = np.where(np.arange(len(trial.late_off_m)) < 70, 0.0, 500.0)
+            trial = replace(trial, late_off_m=trial.late_off_m + behind_m[:, None])
         return trial, steps
 
     monkeypatch.setattr(joint_steps, "flown_on_time", late_at_first)

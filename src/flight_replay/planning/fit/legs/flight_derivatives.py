@@ -14,6 +14,7 @@ from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.planning.fit.basis import weights
 from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.lateness import places_at, velocities_at_m_s
 from flight_replay.planning.fit.legs.flight_points import (
     FlightPoints,
     marks_of_flight,
@@ -21,7 +22,7 @@ from flight_replay.planning.fit.legs.flight_points import (
     points_beside_fixes,
 )
 from flight_replay.planning.fit.legs.local_flights import LocalFlight, LocalFlights
-from flight_replay.planning.fit.objective import Evaluation, places_at, velocities_at_m_s
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.offsets import Offsets, directions
 from flight_replay.planning.fit.problem import FitProblem
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import lengths_m, nearest_on_segments
+from flight_replay.planning.fit.lateness import places_at
 from flight_replay.planning.fit.legs.local_flights import LocalFlight
-from flight_replay.planning.fit.objective import Evaluation, places_at
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.offsets import marks_along, pieces_around
 from flight_replay.planning.fit.problem import FitProblem
 

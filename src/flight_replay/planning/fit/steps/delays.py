@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats, Indices
+from flight_replay.planning.fit.lateness import velocities_at_m_s
 from flight_replay.planning.fit.legs.flight_derivatives import FlightDerivatives
-from flight_replay.planning.fit.objective import Evaluation, velocities_at_m_s
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.steps.linear_model import Sides
 

@@ -16,6 +16,7 @@ import numpy as np
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
+from flight_replay.planning.fit.lateness import lateness_cost_m
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack
@@ -89,7 +90,7 @@ def _sooner_s(passed_s: Floats, late_s: Floats, place: int) -> Floats:
 
 def _where_late_most(evaluation: Evaluation, recording: LocalTrack, late_s: Floats) -> list[int]:
     """The places, not the ends, after which it costs most that the vehicle is late, until it is no more."""
-    costs_m = evaluation.time_share * evaluation.late_m / len(recording)
+    costs_m = evaluation.time_share * lateness_cost_m(evaluation.late_m) / len(recording)
     on_time = evaluation.flown_s - recording.time_s <= _LATE_S
     found: list[tuple[float, int]] = []
     for place in np.flatnonzero(late_s[1:-1] > _LATE_S) + 1:

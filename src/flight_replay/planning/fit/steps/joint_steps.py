@@ -31,10 +31,9 @@ from flight_replay.planning.fit.legs.flight_derivatives import (
     flight_derivatives,
     planned_marks,
 )
-from flight_replay.planning.fit.objective import Evaluation, position_offsets_m
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
-from flight_replay.planning.fit.reference import LocalTrack
 from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown, flown_on_time
 from flight_replay.planning.fit.speed_schedule import (
     FASTEST_M_S,
@@ -136,7 +135,7 @@ class _JointSteps:
         """After a few steps, those that succeed with less damping after them, those that fail with more."""
         state = replace(state, damping=min(state.damping, _MOST_DAMPING))
         back_m = self._base.flown[1].off_m, planned_marks(self._base).off_m
-        errors = _errors(state.best, self._recording, back_m)
+        errors = _errors(state.best, back_m)
         delays = Delays.none(len(state.best.draft), len(self._places))
         for _ in range(_TRIES):
             foretold = delays.added_to(sides, state.best, self._recording)
@@ -152,7 +151,7 @@ class _JointSteps:
                 more = _MORE_KNOWING if delays.are_known else _MORE
                 state = replace(state, damping=more * state.damping)
                 continue
-            errors = _errors(trial, self._recording, errors.moved_back(foretold.errors(changes)))
+            errors = _errors(trial, errors.moved_back(foretold.errors(changes)))
             state = replace(state, best=trial, damping=damping)
         return state
 
@@ -214,7 +213,7 @@ def _derivatives_count(evaluation: Evaluation) -> int:
     return 2 * vectors * len(changes)
 
 
-def _errors(evaluation: Evaluation, recording: LocalTrack, back_m: tuple[Floats, Floats]) -> ErrorVectors:
+def _errors(evaluation: Evaluation, back_m: tuple[Floats, Floats]) -> ErrorVectors:
     """The errors of a draft as it is flown, but for those of its paths' own points, which are given."""
-    position_m = position_offsets_m(evaluation.flight, recording)[:, :2]
-    return ErrorVectors(position_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, *back_m)
+    late_m = evaluation.late_off_m[:, :2]
+    return ErrorVectors(late_m, evaluation.flown[0].off_m, evaluation.planned[0].off_m, *back_m)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import lengths_m
+from flight_replay.planning.fit.lateness import lateness_slope
 from flight_replay.planning.fit.legs.flight_derivatives import ErrorVectors, FlightDerivatives
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.solvers.nonnegative import smallest_nonnegative
@@ -81,8 +81,9 @@ class LinearModel:
 
 def _weights(errors: ErrorVectors, evaluation: Evaluation) -> Floats:
     """What the squares of the errors' components (m,) count, so that their slope is the objective's."""
-    apart_m = lengths_m(errors.position)
-    late = evaluation.time_share * (evaluation.late_m > 0) / (len(apart_m) * np.maximum(apart_m, _NEAR_M))
+    late_m = evaluation.late_m
+    slope = lateness_slope(late_m) * (late_m > 0)
+    late = evaluation.time_share * slope / (len(late_m) * np.maximum(late_m, _NEAR_M))
     flown_m, planned_m = (max(each, _LEAST_PATH_ERROR_M) for each in evaluation.path_errors_m)
     flown_share, planned_share = evaluation.path_shares
     flown, flown_back = (
