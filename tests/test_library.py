@@ -12,7 +12,7 @@ import pytest
 import flight_replay
 from flight_replay import signals
 from flight_replay.events import Event, Phase, PhaseStarted, ReturnCommanded
-from flight_replay.exceptions import MissionError
+from flight_replay.exceptions import LogError, MissionError
 from flight_replay.logs.flights import select
 from flight_replay.logs.sample import sample_log
 from flight_replay.simulator.dynamics.limits import Limits
@@ -97,6 +97,7 @@ def test_a_whole_flight_can_be_fitted_or_followed() -> None:
             {"mode": "guided", "max_points": 9},
             "max_points is for waypoints and cannot be used with mode='guided'",
         ),
+        ({"route": "fit", "max_points": 1}, "route='fit' needs max_points of 2 or more"),
         ({"limits": Limits()}, "limits must be VehicleLimits or None, not Limits"),
     ],
 )
@@ -106,6 +107,19 @@ def test_a_plan_has_the_arguments_that_options_may_have(arguments: dict[str, Any
     with pytest.raises(MissionError) as refused:
         flight_replay.plan(track, **arguments)
     assert str(refused.value) == message
+
+
+def test_what_is_no_track_is_refused() -> None:
+    """A recording is not one, but has one; a selection may be empty."""
+    recording = flight_replay.read_log(sample_log())
+    nothing = recording.track.select(slice(0))
+    with pytest.raises(MissionError, match=r"a Track, such as read_log\(path\).track, not a Recording"):
+        flight_replay.plan(recording)  # type: ignore[arg-type]
+    with pytest.raises(MissionError, match="the track has no fix"):
+        flight_replay.plan(nothing)
+    for pair in ((nothing, recording.track), (recording.track, nothing)):
+        with pytest.raises(LogError, match="does not move"):
+            flight_replay.errors(*pair)
 
 
 @pytest.mark.parametrize("arguments", [{"speed_m_s": "recorded"}, {"mode": "guided"}])

@@ -163,10 +163,11 @@ class StatusText:
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A message of this program, one sentence."""
+    """A message of this program, one sentence; one that was ``asked_for`` is shown with ``-q`` too."""
 
     text: str
     warning: bool = False
+    asked_for: bool = False
 
 
 @dataclass(frozen=True, slots=True)

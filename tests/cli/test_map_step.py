@@ -39,7 +39,7 @@ def test_the_map_is_served_and_opened_in_a_browser(monkeypatch: pytest.MonkeyPat
         url = opened.get(timeout=60)
         with urlopen(url, timeout=10) as page:
             assert page.status == 200
-    assert received == [Notice(f"Live map: {url}"), Notice("hello")]
+    assert received == [Notice(f"Live map: {url}", asked_for=True), Notice("hello")]
 
 
 def at_a_screen(monkeypatch: pytest.MonkeyPatch, browser: Callable[[str], object]) -> None:
@@ -98,6 +98,17 @@ def test_the_map_of_a_plan_is_served_until_enter(monkeypatch: pytest.MonkeyPatch
     with with_live_map(parse_options(["--map", "--dry-run"]), route, console, list[Event]().append):
         assert typed.tell() == 0
     assert typed.tell() == 1
+
+
+def test_what_follows_an_input_that_ends_has_a_line_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As from /dev/null: nobody has typed Enter behind the question."""
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
+    route, console = spaced_route(straight_track()), PlainConsole(io.StringIO())
+    with with_live_map(parse_options(["--map", "--dry-run"]), route, console, list[Event]().append):
+        pass
+    assert capsys.readouterr().err == "The plan is on the map. Press Enter to close it: \n"
 
 
 def test_the_map_of_a_plan_of_the_input_is_served_until_ctrl_c(

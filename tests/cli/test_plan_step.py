@@ -13,6 +13,7 @@ from flight_replay.logs.track import Track
 from flight_replay.planning.route import Route
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.log_writer import LogWriter
 
 
 def track_and_options(*argv: str) -> tuple[Options, Track]:
@@ -43,6 +44,28 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
     assert route.objective_m is not None
     assert any(isinstance(event, Progress) and event.what == "fit" for event in events)
     assert any(isinstance(event, Notice) and "left out" in event.text for event in events)
+
+
+def test_a_speed_that_is_not_reached_is_said() -> None:
+    """Legs of 3 m are flown at some 1.5 m/s; the vehicle's own speed, and a slower one, need no words."""
+    said = "The vehicle is expected to fly at up to 1."
+    for speed, times in (("20", 1), ("1", 0), ("vehicle", 0)):
+        route, events = planned("--speed", speed)
+        assert sum(said in note for note in route.notes) == times
+        assert sum(isinstance(event, Notice) and said in event.text for event in events) == times
+
+
+@pytest.mark.parametrize(("beyond", "told"), [(1, []), (30, [" 30 of 80 positions are left out"])])
+def test_a_part_of_the_log_beyond_a_jump_is_said(tmp_path: Path, beyond: int, told: list[str]) -> None:
+    """It may be half of the flight; single positions are not missed."""
+    log = LogWriter()
+    for i in range(50 + beyond):
+        log.position(1000 * i, 47.4 + 3e-5 * i + (0.1 if i >= 50 else 0.0))
+    (tmp_path / "a.tlog").write_bytes(log.data)
+    notices: list[Event] = []
+    plan_step.read_recording(parse_options([str(tmp_path / "a.tlog")]), notices.append)
+    said = [each.text for each in notices if isinstance(each, Notice) and "are left out:" in each.text]
+    assert [text[: len(" 30 of 80 positions are left out")] for text in said] == told
 
 
 def test_heights_are_said() -> None:

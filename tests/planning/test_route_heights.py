@@ -77,13 +77,14 @@ def test_raised_heights_have_their_floor() -> None:
 
 
 def test_heights_that_cannot_be_kept_are_said() -> None:
-    """Where, and by how much."""
+    """Where, by how much, and to which side: sooner up is too high, later up too low."""
     limited = heights([10.0] * 25 + [40.0] * 26, takeoff_m=10.0, timed=True)
     assert limited.limited.max_m > 10.0
     assert 8 <= limited.limited.fixes <= 32
     (note,) = limited.notes
     assert "begins sooner and ends later" in note
-    assert f"{limited.limited.max_m:.1f} m from " in note
+    assert f"{limited.limited.max_m:.1f} m too high from 17 to 24 s, " in note
+    assert note.endswith(" m too low from 25 to 32 s.")
 
 
 def test_a_constant_altitude_has_no_floor() -> None:

@@ -38,6 +38,24 @@ def test_a_timed_flight_ends_after_its_duration() -> None:
     assert times_s == pytest.approx([4.0 * n for n in range(1, 16)], abs=0.3)
 
 
+def test_waypoints_on_the_way_to_rtl_do_not_count() -> None:
+    """The request comes late over a bad link: what is reached until then is not of the flown track."""
+    vehicle, heard_s = FakeVehicle(FakeClock(), points=40), []
+    obey = vehicle.request_mode
+
+    def request_mode(mode: str) -> None:
+        if mode == "RTL":
+            heard_s.append(vehicle.time_s)
+        if mode != "RTL" or vehicle.time_s > heard_s[0] + 12.0:
+            obey(mode)
+
+    vehicle.request_mode = request_mode  # type: ignore[method-assign]
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, record.rtl_confirmed, record.waypoints_reached) == ("duration", True, 15)
+    assert record.reached[-1][0] == 15
+    assert record.flown.time_s[-1] - record.auto_start_s == pytest.approx(60, abs=0.3)
+
+
 @pytest.mark.parametrize("speedup", [0.5, 1.0, 20.0])
 def test_the_speed_of_the_vehicles_clock_changes_nothing(speedup: float) -> None:
     """A simulator whose clock runs faster or slower than wall-clock time flies the same 60 s."""

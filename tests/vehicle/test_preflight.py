@@ -58,6 +58,13 @@ def test_a_far_away_first_waypoint_is_refused() -> None:
     checked(route(1, 200))
 
 
+@pytest.mark.parametrize(("lat_deg", "lon_deg"), [(-47.0, -172.0), (-35.36, 149.16)])
+def test_the_other_side_of_the_earth_is_far_away(lat_deg: float, lon_deg: float) -> None:
+    """Not near, as in the plane of a local frame."""
+    with pytest.raises(MissionError, match=r"is 12\d{6} m from the vehicle"):
+        checked(Mission((waypoint(lat_deg, lon_deg, 30.0),)), max_distance_m=1e7)
+
+
 def test_the_distance_is_measured_across_the_antimeridian() -> None:
     """179.9999 and -179.9999 degrees are metres apart."""
     at = replace(HERE, lat_deg=10.0, lon_deg=179.9999)

@@ -35,11 +35,15 @@ def keyword_options(arguments: Mapping[str, object]) -> Options:
 
 
 def check_planning(options: Options, track: Track) -> None:
-    """Refuse options that do not go together, or that need the times of a track that has none.
+    """Refuse what is no track with fixes, and options that do not go together or that need times it has not.
 
     Raises:
         MissionError: There are some.
     """
+    if not isinstance(track, Track):
+        _refuse(f"track must be a Track, such as read_log(path).track, not {_quoted(track)}")
+    if not len(track):
+        _refuse("the track has no fix; choose another part of the recording")
     # A function cannot tell a default that was typed from one that was not.
     not_given = {name: None for name, default in DEFAULTS.items() if getattr(options, name) == default}
     names = ("route", "mode", "altitude_m", "pace", "limits", *DEFAULTS)

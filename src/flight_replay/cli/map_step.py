@@ -31,7 +31,7 @@ def with_live_map(options: Options, route: Route, console: Console, listener: Li
     from flight_replay.output.live_map.server import LiveMap
 
     with LiveMap(route, tiles=options.map_tiles) as live_map:
-        listener(Notice(f"Live map: {live_map.url}"))
+        listener(Notice(f"Live map: {live_map.url}", asked_for=True))
         _open_browser(live_map.url)
         yield combine_listeners(listener, live_map.listener)
         if options.dry_run and options.log == STANDARD_INPUT:
@@ -63,7 +63,8 @@ def _wait_for_enter(console: Console, why: str) -> None:
     with console.paused(), suppress(KeyboardInterrupt):
         sys.stderr.write(f"{why}. Press Enter to close it: ")
         sys.stderr.flush()
-        sys.stdin.readline()
+        if not sys.stdin.readline():  # The input has ended: nothing was typed that ends the line.
+            sys.stderr.write("\n")
 
 
 def _wait_for_interrupt(console: Console, why: str) -> None:

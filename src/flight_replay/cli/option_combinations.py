@@ -190,6 +190,8 @@ def check_route(error: _Error, values: Mapping[str, object], words: Wording = CO
     if values["route"] == "fit":
         why = f"is for {spacing} and cannot be used with {fit}"
         _refuse(error, values, ("spacing_m",), why, words)
+        if values["max_points"] == 1:  # One place covers nothing of a flight.
+            error(f"{fit} needs {words.name('max_points')} of 2 or more")
     if values["mode"] == "auto":
         if values["pace"] != 1.0:
             error(f"{words.name('pace')} needs {guided}")

@@ -18,11 +18,12 @@ _MIN_PACE, _MAX_PACE = 0.1, 10
 _MAX_DURATION_S = 1_000_000  # 11 days.
 
 
-def _number(text: str) -> float:
+def _number(text: str, or_words: str = "") -> float:
+    """A finite number; ``or_words`` are what the option may be instead, such as " or all"."""
     try:
         value = float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a number, not {_short(text)}") from None
+        raise argparse.ArgumentTypeError(f"must be a number{or_words}, not {_short(text)}") from None
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"must be a finite number, not {_short(text)}")
     return value
@@ -40,9 +41,9 @@ def _at_least(value: float, limit: float) -> float:
     return value
 
 
-def positive(text: str) -> float:
-    """A finite number greater than 0."""
-    value = _number(text)
+def positive(text: str, or_words: str = "") -> float:
+    """A finite number greater than 0; see ``_number``."""
+    value = _number(text, or_words)
     if value <= 0:
         raise argparse.ArgumentTypeError(f"must be greater than 0, not {value:g}")
     return value
@@ -83,9 +84,9 @@ def speedup(text: str) -> float:
     return _at_least(_at_most(positive(text), _MAX_SPEEDUP), _MIN_SPEEDUP)
 
 
-def height(text: str) -> float:
-    """Metres above home that ArduPilot can store."""
-    return _at_most(positive(text), _MAX_HEIGHT_M)
+def height(text: str, or_words: str = "") -> float:
+    """Metres above home that ArduPilot can store; see ``_number``."""
+    return _at_most(positive(text, or_words), _MAX_HEIGHT_M)
 
 
 def altitude(text: str) -> tuple[float | Recorded, float]:
@@ -94,7 +95,7 @@ def altitude(text: str) -> tuple[float | Recorded, float]:
         return RECORDED, 0.0
     if text.startswith(f"{RECORDED}+"):
         return RECORDED, height(text.removeprefix(f"{RECORDED}+"))
-    return height(text), 0.0
+    return height(text, ", recorded or recorded+M"), 0.0
 
 
 def pace(text: str) -> float:
@@ -110,12 +111,13 @@ def speed(text: str) -> tuple[float | Recorded | None, float]:
         return RECORDED, 1.0
     if text.endswith("x"):
         return RECORDED, pace(text.removesuffix("x"))
-    return _at_least(_at_most(positive(text), _MAX_SPEED_M_S), _MIN_SPEED_M_S), 1.0
+    m_s = positive(text, ", vehicle, recorded or a factor such as 0.5x")
+    return _at_least(_at_most(m_s, _MAX_SPEED_M_S), _MIN_SPEED_M_S), 1.0
 
 
 def duration(text: str) -> float | None:
     """Seconds, or None for the whole mission."""
-    return None if text == "all" else _at_most(positive(text), _MAX_DURATION_S)
+    return None if text == "all" else _at_most(positive(text, " or all"), _MAX_DURATION_S)
 
 
 def vehicle_id(text: str) -> tuple[int, int | None]:

@@ -11,6 +11,7 @@ from flight_replay.events import Listener, Notice, Progress, ignore
 from flight_replay.exceptions import LogError
 from flight_replay.logs.flights import Flight, find_flights, select
 from flight_replay.logs.log_formats import TELEMETRY_LOG, LogFormat
+from flight_replay.logs.plausibility import REASONS, Rejection
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.sample import default_log
@@ -26,8 +27,12 @@ from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.planning.top_speed import with_speed_note
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
+
+_MANY_BEYOND = 0.05
+"""Of all positions: single ones beyond jumps are missed by nobody."""
 
 
 def read(options: Options, listener: Listener) -> Recording:
@@ -71,6 +76,7 @@ def part_of(options: Options, recording: Recording, listener: Listener) -> tuple
     track = select(recording.track, options.flight, options.from_s, options.to_s)
     for note in (
         *recording.notes,
+        *_left_out(recording),
         *_choices(options, recording, flights),
         *doubts(recording, flights, track),
     ):
@@ -95,6 +101,15 @@ def needs_times(options: Options, words: Wording) -> str:
         words.name("to_s"): options.to_s is not None,
     }
     return " and ".join(option for option, is_asked in asked.items() if is_asked)
+
+
+def _left_out(recording: Recording) -> list[str]:
+    """How many positions are beyond jumps, where they are so many that a part of the flight is among them."""
+    beyond = recording.rejected.get(REASONS[Rejection.JUMP], 0)
+    of = len(recording.track) + recording.rejected_total
+    if beyond <= _MANY_BEYOND * of:
+        return []
+    return [f"{beyond} of {of} positions are left out: an impossible jump is between them and the others"]
 
 
 def _choices(options: Options, recording: Recording, flights: Sequence[Flight]) -> list[str]:
@@ -176,9 +191,10 @@ def _planned_route(
     route = _with_heights(options, route, limits)
     if options.heading == "recorded":
         route = _with_recorded_headings(options, route, limits)
-    return replace(
-        with_prediction(route, limits, options.takeoff_altitude_m), required_limits=required_limits
-    )
+    route = with_prediction(route, limits, options.takeoff_altitude_m)
+    if isinstance(options.speed_m_s, float):
+        route = with_speed_note(route, options.speed_m_s, limits)
+    return replace(route, required_limits=required_limits)
 
 
 def _followed_route(options: Options, track: Track, vehicle: VehicleLimits) -> Route:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+
+from flight_replay.logs.tracks.byte_pieces import text_of
+
 
 def describe(head: bytes, *, is_packed: bool = False) -> str:
     """What a file without any record is, by its first bytes, for a sentence that begins with its name."""
@@ -13,7 +17,7 @@ def describe(head: bytes, *, is_packed: bool = False) -> str:
         if head.startswith(magic):
             return kind
     if _is_text(head, "utf-8-sig"):
-        return "is text that holds no flight"
+        return _OTHER_TABLE if _is_table_of_positions(head) else "is text that holds no flight"
     is_half_zeros = head.count(0) > len(head) // 3  # as UTF-16 is but for the alphabets of the East
     if is_half_zeros and (_is_text(head, "utf-16-le") or _is_text(head, "utf-16-be")):
         return _UTF_16
@@ -26,6 +30,19 @@ def _is_text(head: bytes, encoding: str) -> bool:
     return "\ufffd" not in text and all(each.isprintable() or each in "\t\r\n\f" for each in text)
 
 
+def _is_table_of_positions(head: bytes) -> bool:
+    """Whether the first line names a column of latitudes among others."""
+    first = next(iter(text_of(head).splitlines()), "")
+    cells = re.split("[,;\t]", first)
+    return len(cells) > 1 and any(map(_LATITUDE.search, cells))
+
+
+_OTHER_TABLE = (
+    'is a table without the columns that can be read: kind (the first, "track" in each row), time_s, '
+    "lat_deg, lon_deg and alt_m, parted by commas, as --save FILE.csv writes them, or those of AirData or "
+    "DJI CsvView"
+)
+_LATITUDE = re.compile("latitude|(?<![a-z])lat(?![a-z])", re.IGNORECASE)
 _UTF_16 = "is text in UTF-16, not a log"
 _UNKNOWN = "holds no MAVLink position, heartbeat or GPS record, and is no other log that can be read"
 _KINDS = (

@@ -59,11 +59,10 @@ def compare_tracks(
     Raises:
         LogError: One of them does not move, the second does not follow the first, or not between the times.
     """
-    frame = first.frame
-    recorded, flown = movement_of(first, frame), movement_of(second, frame)
-    for movement in (recorded, flown):
-        if len(movement) < 2 or np.ptp(movement.north_east_m, axis=0).max() < _END_M:
-            raise LogError("one of the recordings does not move; name another to compare")
+    for name, track in (("first", first), ("second", second)):
+        if len(track) < 2 or np.ptp(track.north_east_m(), axis=0).max() < _END_M:
+            raise LogError(f"the {name} recording does not move over the ground; name another to compare")
+    recorded, flown = movement_of(first, first.frame), movement_of(second, first.frame)
     wanted = select(first, None, from_s, to_s)
     wanted_s = wanted.time_s[[0, -1]] - first.time_s[0]
     if len(wanted) < len(first):

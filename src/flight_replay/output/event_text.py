@@ -50,7 +50,7 @@ def is_problem(event: Event) -> bool:
     """Whether the event is shown with ``-q`` too."""
     return (
         isinstance(event, LinkLost)
-        or (isinstance(event, Notice) and event.warning)
+        or (isinstance(event, Notice) and (event.warning or event.asked_for))
         or (isinstance(event, ReturnCommanded) and not event.confirmed)
     )
 

@@ -79,8 +79,10 @@ def check_moves(mission: Mission, track: Track, chosen_by: str) -> None:
             f"the recording moves up and down, by {climb_m:.0f} m, but {close}; fly its heights, with "
             "--altitude recorded and a --floor below them"
         )
+    followed = ", or follow where it hovers and points with --mode guided" if track.timed else ""
     raise MissionError(
-        f"the recording does not move: {close}; choose another log, or another flight of it with --flight"
+        f"the recording does not move: {close}; choose another log, another flight of it with --flight"
+        f"{followed}"
     )
 
 

@@ -18,6 +18,7 @@ _LEVEL_M = 0.05
 """A first waypoint so near to the take-off altitude is at it."""
 _KEPT_M = 0.5
 """Heights that are nearer to the wanted ones than this are kept."""
+_SIDES = " too high", " too low"
 _LONGEST_SIMULATED_CLIMB_M = 500.0
 _STEP_S = 0.05
 _BESIDE_DEG = 1e-4
@@ -41,8 +42,8 @@ def route_heights(
     asked_m = route.recorded.alt_m + raise_m
     below_m = np.zeros(len(asked_m)) if floor_m is None else np.nan_to_num(floor_m - asked_m)
     raised = (below_m > 0) & (route.wanted.up_m == floor_m)
-    off_m = np.abs(route.planned_up_m - route.wanted.up_m)
-    off = off_m > _KEPT_M
+    off_m = route.planned_up_m - route.wanted.up_m
+    off = np.abs(off_m) > _KEPT_M
     notes = [
         _climb_note(takeoff_m, first_m, climb_s, followed=route.reference is not None) if climbs else "",
         _floor_note(floor_m or 0.0, below_m[raised], len(raised), raise_m) if raised.any() else "",
@@ -54,7 +55,7 @@ def route_heights(
         climb_s,
         floor_m,
         _change(raised, below_m),
-        _change(off, off_m),
+        _change(off, np.abs(off_m)),
         tuple(filter(None, notes)),
     )
 
@@ -103,5 +104,5 @@ def _limited_note(off: Flags, off_m: Floats, time_s: Floats) -> str:
     """A sentence on the stretches where heights are farthest off."""
     return (
         "The vehicle cannot climb and descend as fast as recorded everywhere: it begins sooner and ends "
-        f"later, off the recorded height by up to {worst_stretches(off, off_m, time_s, 1)}."
+        f"later, up to {worst_stretches(off, off_m, time_s, 1, _SIDES)}."
     )

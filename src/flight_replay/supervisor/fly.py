@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -144,7 +145,7 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
         ended, problem = end.ended, end.problem
         monitor.emit(Notice(problem, warning=True))
     problem = _both(problem, "; ".join(monitor.progress.jumps) or None)
-    end_s, flown = monitor.time_s, tuple(monitor.flown)
+    seen = _Seen.until_now(monitor, way)
     confirmed = monitor.mode == "RTL" and ended in _TAKEN_OVER
     if not monitor.taken_over:
         confirmed, rtl_problem = _return(monitor)
@@ -160,16 +161,38 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
         except FlightEnded as end:
             problem = _both(end.problem, problem)
             ended = end.ended if end.ended in _FALLEN else ended
-    track = _track(flown)
+    record = _record(seen, way, start_s)
+    return replace(record, ended=ended, problem=problem, rtl_confirmed=confirmed, landed=landed)
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """What was flown when the flight was over: a vehicle that hears of RTL late flies on, but not for it."""
+
+    end_s: float
+    flown: tuple[VehicleState, ...]
+    reached: tuple[tuple[int, float], ...]
+    waypoints_reached: int
+
+    @classmethod
+    def until_now(cls, monitor: VehicleMonitor, way: WayOfFlying) -> _Seen:
+        """Copies, made at once: RTL waits for them."""
+        reached = tuple(monitor.progress.reached.items())
+        return cls(monitor.time_s, tuple(monitor.flown), reached, way.waypoints_reached)
+
+
+def _record(seen: _Seen, way: WayOfFlying, start_s: float) -> FlightRecord:
+    """The record of a flight, but for how it ended."""
+    track = _track(seen.flown)
     return FlightRecord(
-        waypoints_reached=way.waypoints_reached,
-        ended=ended,
-        problem=problem,
+        waypoints_reached=seen.waypoints_reached,
+        ended="",
+        problem=None,
         auto_start_s=start_s,
-        auto_s=end_s - start_s,
-        rtl_confirmed=confirmed,
-        landed=landed,
-        reached=tuple((seq, time_s) for seq, time_s in monitor.progress.reached.items() if seq >= FIRST_SEQ),
+        auto_s=seen.end_s - start_s,
+        rtl_confirmed=False,
+        landed=False,
+        reached=tuple((seq, time_s) for seq, time_s in seen.reached if seq >= FIRST_SEQ),
         flown=track,
         recording_s=way.recording_s(track.time_s),
     )

@@ -15,7 +15,7 @@ import numpy as np
 from flight_replay.events import VehicleState
 from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.geodesy import LocalFrame
+from flight_replay.geometry.geodesy import LocalFrame, distance_m
 from flight_replay.mission.fence import FenceArea, active_fence_types
 from flight_replay.mission.items import Frame, Mission, MissionItem
 from flight_replay.vehicle.identity import RTL_END_PARAMETERS, Identity
@@ -170,11 +170,9 @@ def _check_waypoint(place: str, item: MissionItem) -> None:
 
 
 def _distances_m(mission: Mission, state: VehicleState) -> Floats:
-    """Ground distance of each waypoint from the vehicle, metres."""
+    """Distance of each waypoint from the vehicle, metres: in a local frame other continents would be near."""
     places = [item for _, item in mission.waypoints]
-    frame = LocalFrame(state.lat_deg, state.lon_deg)
-    north_east_m = frame.to_metres([p.lat_deg for p in places], [p.lon_deg for p in places])
-    return np.asarray(np.hypot(north_east_m[:, 0], north_east_m[:, 1]))
+    return distance_m(state.lat_deg, state.lon_deg, [p.lat_deg for p in places], [p.lon_deg for p in places])
 
 
 def _check_areas(

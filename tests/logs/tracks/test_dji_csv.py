@@ -69,9 +69,9 @@ def test_a_stray_character_costs_its_own_row(stray: bytes) -> None:
 
 
 def test_a_table_in_a_single_column_is_no_table_of_a_flight() -> None:
-    """As spreadsheets save it that part cells by another character."""
+    """As spreadsheets save it that part cells by another character; the columns are told."""
     lines = (b'"' + line.replace(b'"', b'""') + b'"' for line in airdata().split(b"\n"))
-    with pytest.raises(LogError, match="is text that holds no flight"):
+    with pytest.raises(LogError, match="is a table without the columns"):
         read_bytes(b"\n".join(lines))
 
 

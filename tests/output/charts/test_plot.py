@@ -13,12 +13,14 @@ from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.charts.plot import replay_figure, save_plot, scale_bar_m
 from flight_replay.output.charts.series import FLOWN_COLOUR
 from flight_replay.output.outcome import Outcome, compare_flight
+from flight_replay.planning.following.followed_route import FollowOptions, followed_route
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.supervisor.flight_plan import FlightRecord
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
+from tests.helpers.made_tracks import straight_track
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
 
@@ -31,6 +33,14 @@ def test_the_suffix_decides_the_format(tmp_path: Path, suffix: str) -> None:
     save_plot(again, *made_replay())
     assert path.read_bytes().startswith(MAGIC[suffix])
     assert path.read_bytes() == again.read_bytes()
+
+
+@pytest.mark.parametrize(("speed_m_s", "marker"), [(0.0, "o"), (4.0, "None")])
+def test_a_flight_straight_up_is_a_dot_on_the_map(speed_m_s: float, marker: str) -> None:
+    """A line without length is not drawn; followed in GUIDED, it has no waypoint either."""
+    track = straight_track(speed_m_s, altitudes_m=np.linspace(10.0, 40.0, 51).tolist())
+    recorded = replay_figure(followed_route(track, track.alt_m, Limits(), FollowOptions())).axes[0].lines[0]
+    assert (recorded.get_label(), recorded.get_marker()) == ("recorded", marker)
 
 
 def texts(path: Path, monkeypatch: pytest.MonkeyPatch, *, flown: bool) -> list[str]:

@@ -40,25 +40,27 @@ def lines_of(*events: Event, quiet: bool = False, verbose: bool = False) -> list
 
 
 def test_verbose_shows_details_and_quiet_only_problems() -> None:
-    """The autopilot's words are shown as in DroneKit's example; -q leaves the warnings."""
+    """The autopilot's words are shown as in DroneKit's example; -q leaves warnings and what was asked for."""
     events: list[Event] = [
         StatusText(6, "Mission: 1 WP"),
         WaypointReached(1, 12.34),
         Notice("one thing"),
         Notice("another", warning=True),
+        Notice("an address", asked_for=True),
         PhaseStarted(Phase.MISSION),
     ]
     assert lines_of(*events) == [
         ">>> Mission: 1 WP",
         "one thing",
         "Warning: another",
+        "an address",
         "Starting mission",
     ]
     assert lines_of(*events, verbose=True)[:2] == [
         ">>> Mission: 1 WP",
         " Reached waypoint (1) at 12.3 s",
     ]
-    assert lines_of(*events, quiet=True) == ["Warning: another"]
+    assert lines_of(*events, quiet=True) == ["Warning: another", "an address"]
 
 
 def test_a_reading_is_repeated_once_a_second_or_when_it_is_new() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 
@@ -125,6 +126,13 @@ def test_every_message_can_be_requested() -> None:
         kind = dialect.mavlink_map[message_id].msgname
         assert (station.of(kind) == []) == (kind in missing), kind
     assert station.command(REQUEST, 12345) == 4
+
+
+def test_above_the_air_there_is_no_pressure() -> None:
+    """Where the formula of the standard atmosphere has no real value."""
+    _, station = sim(start=replace(START, alt_amsl_m=50_000.0))
+    assert station.command(REQUEST, dialect.MAVLINK_MSG_ID_SCALED_PRESSURE) == 0
+    assert [each.press_abs for each in station.of("SCALED_PRESSURE")] == [0.0]
 
 
 def test_streams_are_made_of_messages_that_exist() -> None:

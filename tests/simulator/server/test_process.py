@@ -275,6 +275,7 @@ def test_southern_homes_need_no_equals_sign(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize(
     "arguments",
     [["--home", "91,0"], ["--home", "0"], ["--home", "a,b"], ["--home", "1,2,3,4,5"], ["--home", "1,2,nan"],
+     ["--home", "1,2,1e7"], ["--home", "1,2,-1e9"],
      ["--listen", "5760"], ["--speedup", "0"], ["--speedup", "0.009"], ["--speedup", "fast"],
      ["--speedup", "inf"]],
     ids=" ".join,

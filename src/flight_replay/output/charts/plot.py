@@ -42,6 +42,8 @@ _PNG_DOTS_PER_IN = 150
 _MARGIN_SHARE = 0.05  # Above the highest line, also where there is one height only.
 _SCALE_BAR_SHARE, _SCALE_BAR_IN = 0.075, 0.31
 """So far below the map is the scale bar, as a share of its height, at most: beside the name of its axis."""
+_POINT_M = 0.01
+"""A line that extends less than this, as of a flight straight up, is nowhere to be seen on a map."""
 _SCALE_TEXT_SHARE = 0.085 / 0.075
 _STYLE: dict[Any, Any] = {
     "font.size": 8,
@@ -169,16 +171,13 @@ def _dot(values: Floats) -> str:
 
 def _draw_map(axes: Axes, series: ReplaySeries) -> None:
     for name, track in series.recorded_lines:
-        north_m, east_m = track.north_east_m.T
-        axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=4, label=name, solid_capstyle="round")
+        _draw_line(axes, track.north_east_m, name, 4, solid_capstyle="round")
     if series.predicted_unflown is not None:
-        north_m, east_m = series.predicted_unflown.north_east_m.T
-        axes.plot(east_m, north_m, color=PREDICTED_COLOUR, linewidth=2.2, label="predicted")
+        _draw_line(axes, series.predicted_unflown.north_east_m, "predicted", 2.2)
     north_m, east_m = series.planned_m.T
     axes.plot(east_m, north_m, "--", color=PLANNED_COLOUR, linewidth=1.2, label="planned")
     if series.flown is not None:
-        north_m, east_m = series.flown.north_east_m.T
-        axes.plot(east_m, north_m, color=FLOWN_COLOUR, linewidth=1.2, label="flown")
+        _draw_line(axes, series.flown.north_east_m, "flown", 1.2)
     if series.waypoint_seqs:
         north_m, east_m = series.waypoints_m.T
         axes.plot(east_m, north_m, ".", color=PLANNED_COLOUR, ms=3, label="waypoints")
@@ -188,6 +187,14 @@ def _draw_map(axes: Axes, series: ReplaySeries) -> None:
     axes.margins(0.08)
     axes.set_xlabel("east of the first fix (m)")
     axes.set_ylabel("north of the first fix (m)")
+
+
+def _draw_line(axes: Axes, north_east_m: Floats, name: str, width: float, **style: Any) -> None:
+    """Where somebody flew (n, 2), as a line, or as a dot of more than its width where it would be none."""
+    is_point = len(north_east_m) > 0 and np.ptp(north_east_m, axis=0).max() < _POINT_M
+    dot: dict[str, Any] = {"marker": "o", "markevery": [0], "ms": 2 * width} if is_point else {}
+    north_m, east_m = north_east_m.T
+    axes.plot(east_m, north_m, color=LINE_COLOURS[name], linewidth=width, label=name, **dot, **style)
 
 
 def scale_bar_m(width_m: float) -> float:

@@ -89,8 +89,8 @@ def _scaled_imu3(autopilot: Autopilot) -> Message:
 
 
 def _pressure_hpa(autopilot: Autopilot) -> float:
-    """The standard atmosphere's pressure at the copter's height."""
-    return float(1013.25 * (1 - 2.25577e-5 * autopilot.location.alt_mm / 1000) ** 5.25588)
+    """The standard atmosphere's pressure at the copter's height; none above 44 km."""
+    return float(1013.25 * max(1 - 2.25577e-5 * autopilot.location.alt_mm / 1000, 0.0) ** 5.25588)
 
 
 def _scaled_pressure(autopilot: Autopilot) -> Message:

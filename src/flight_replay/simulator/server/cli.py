@@ -19,6 +19,8 @@ DEFAULT_LISTEN = "tcp:127.0.0.1:5760"
 # Where ArduPilot's own SITL starts: the Canberra Model Aircraft Club.
 DEFAULT_HOME = Start(-35.363262, 149.165237, 584.0, 353.0)
 _MIN_SPEEDUP, _MAX_SPEEDUP = 0.01, 1000.0
+_LOWEST_M, _HIGHEST_M = -1_000.0, 10_000.0
+"""No ground is lower or higher; what the copter tells of its height has its bounds, too."""
 
 
 def home(text: str) -> Start:
@@ -28,8 +30,8 @@ def home(text: str) -> Start:
         alt_m, heading_deg = (*rest, 0.0, 0.0)[:2]
     except ValueError:
         raise argparse.ArgumentTypeError(f"'{text}' is not LAT,LON,ALT,HDG in degrees and metres") from None
-    valid = abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and all(map(math.isfinite, (alt_m, heading_deg)))
-    if not valid or len(rest) > 2:
+    valid = abs(lat_deg) <= 90 and abs(lon_deg) <= 180 and _LOWEST_M <= alt_m <= _HIGHEST_M
+    if not valid or not math.isfinite(heading_deg) or len(rest) > 2:
         raise argparse.ArgumentTypeError(
             f"'{text}' is not a valid position; use LAT,LON,ALT,HDG in degrees and metres"
         )
