@@ -22,20 +22,21 @@ class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AU
         self.problem = problem
 
 
-def link_lost(silence: str, chosen_mode: str | None = None) -> FlightEnded:
+def link_lost(silence: str, chosen_mode: str | None = None, *, may_be_armed: bool = True) -> FlightEnded:
     """No data came from the vehicle until the deadline; ``silence`` says for how long.
 
-    ``chosen_mode`` is that of the last heartbeat if somebody else chose it.
+    ``chosen_mode`` is that of the last heartbeat if somebody else chose it. A vehicle that was never
+    asked to arm has no failsafe to wait for.
     """
-    now = "its own failsafe takes over"
+    now = (
+        "; its own failsafe takes over: watch it, and check the link" if may_be_armed else "; check the link"
+    )
     if chosen_mode:
         now = (
-            f"its last heartbeat showed {chosen_mode}, which somebody else chose, "
-            "and flight-replay sends no more commands"
+            f"; its last heartbeat showed {chosen_mode}, which somebody else chose, "
+            "and flight-replay sends no more commands: watch it, and check the link"
         )
-    return FlightEnded(
-        "link lost", f"link to the vehicle lost: {silence}; {now}: watch it, and check the link"
-    )
+    return FlightEnded("link lost", f"link to the vehicle lost: {silence}{now}")
 
 
 def pilot(mode: str | None) -> FlightEnded:

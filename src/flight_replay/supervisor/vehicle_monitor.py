@@ -219,7 +219,8 @@ class VehicleMonitor:
             self._process_next()
         if not self._backlog and self._link.check(self.emit):
             self.taken_over = self.taken_over or self.unexpected_mode
-            raise flight_ended.link_lost(self.silence, self.mode if self.unexpected_mode else None)
+            chosen_mode = self.mode if self.unexpected_mode else None
+            raise flight_ended.link_lost(self.silence, chosen_mode, may_be_armed=self.may_be_armed)
 
     def catch_up(self) -> None:
         """Process all reports that have arrived.
