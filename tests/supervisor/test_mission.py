@@ -210,6 +210,20 @@ def test_what_is_not_a_fall_goes_on(alt_m: float, for_s: float) -> None:
     assert (record.ended, record.problem) == ("duration", None)
 
 
+def test_a_vehicle_that_somebody_else_lands_has_not_fallen() -> None:
+    """Only one heartbeat showed LAND: whoever lands it has it."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def land() -> None:
+        vehicle.mode, vehicle.altitude_m = "LAND", 2.0
+        vehicle.queue.append(Heartbeat("LAND", True))
+        vehicle.heartbeat_s = vehicle.time_s + 4.0
+
+    vehicle.schedule.append((30.0, land))
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, "RTL" in vehicle.requested) == ("failsafe", False)
+
+
 def test_why_it_cannot_be_armed_again_is_not_why_a_vehicle_disarmed() -> None:
     vehicle = FakeVehicle(FakeClock(), points=40)
 

@@ -236,7 +236,8 @@ class _Climb:
         """
         monitor, highest_m = self._monitor, self.highest_m
         now_m, up_s = monitor.altitude_m, monitor.link_up_s
-        if highest_m - now_m <= max((highest_m - self._ground_m) / 2, _SUNK_M):
+        enough_m = max((highest_m - self._ground_m) / 2, _SUNK_M)
+        if monitor.unexpected_mode or highest_m - now_m <= enough_m:
             self._sunk_s = None
         elif self._sunk_s is None:
             self._sunk_s = up_s

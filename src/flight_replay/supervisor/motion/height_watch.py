@@ -20,13 +20,13 @@ class HeightWatch:
         self._since_s: float | None = None
 
     def check(self) -> None:
-        """The flight ends if the vehicle is far below that for some time.
+        """The flight ends if the vehicle is far below that for some time, and nobody else lands it.
 
         Raises:
             FlightEnded: It is.
         """
         monitor = self._monitor
-        if monitor.state is None or monitor.altitude_m >= self._too_low_m:
+        if monitor.unexpected_mode or monitor.altitude_m >= self._too_low_m:
             self._since_s = None
         elif self._since_s is None:
             self._since_s = monitor.link_up_s
