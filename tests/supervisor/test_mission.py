@@ -303,6 +303,19 @@ def test_a_long_landing_is_awaited_while_the_vehicle_moves() -> None:
     assert waits[-1].endswith(" m above home, 150 m away")
 
 
+def test_a_vehicle_that_the_wind_drives_off_slowly_on_its_way_home_is_told() -> None:
+    """At 0.1 m/s it would take an hour to be far away."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def drift(step_s: float) -> None:
+        vehicle.place_m = vehicle.place_m + np.array([0.1 * step_s, 0.0])
+
+    vehicle._land = drift  # type: ignore[method-assign]
+    record = fake_flight(vehicle, land=True, duration_s=20.0).fly()
+    assert (record.ended, record.rtl_confirmed, record.landed) == ("duration", True, False)
+    assert "does not come home, 57 m away and 30 m above home; check the wind" in str(record.problem)
+
+
 def test_land_on_the_way_home_is_a_landing_too() -> None:
     """A failsafe may land the vehicle sooner: that is not somebody else's choice."""
     vehicle = FakeVehicle(FakeClock(), points=40)

@@ -197,14 +197,11 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
         taken_over.check()
         if monitor.from_home_m > began_m + _LOST_M:
             raise _driven_away(monitor)
-        if monitor.state and before and _moved_m(monitor.state, before) > _MIN_MOVE_M:
+        if monitor.state and before and _comes_home(before, monitor.state):
             before = monitor.state
             deadline.restart()
         if deadline.passed:
-            reason = f': it says "{monitor.reason}"' if monitor.reason else ""
-            raise FlightEnded(
-                "no progress", f"the vehicle did not land and disarm{reason}; watch it until it has landed"
-            )
+            raise _not_landed(monitor)
         if progress.due():
             where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"
             monitor.emit(Waiting(Phase.RETURN, where))
@@ -230,6 +227,26 @@ class _TakenOverOnTheWay:
         if at_once or monitor.failsafe_text or monitor.link_up_s - self._since_s > _REASON_S:
             self._told = True
             monitor.emit(Notice(flight_ended.not_rtl("LAND", monitor.failsafe_text), warning=True))
+
+
+def _comes_home(before: VehicleState, now: VehicleState) -> bool:
+    """Whether a vehicle flies or lands; slower over the ground than that the wind drives it, or it hovers."""
+    moved_m = float(distance_m(before.lat_deg, before.lon_deg, now.lat_deg, now.lon_deg))
+    return moved_m > _ASTRAY_M or abs(now.alt_m - before.alt_m) > _MIN_MOVE_M
+
+
+def _not_landed(monitor: VehicleMonitor) -> FlightEnded:
+    reason = f': it says "{monitor.reason}"' if monitor.reason else ""
+    if monitor.from_home_m > _ASTRAY_M and monitor.altitude_m > _THERE_M:
+        where = f"{monitor.from_home_m:.0f} m away and {monitor.altitude_m:.0f} m above home"
+        return FlightEnded(
+            "no progress",
+            f"the vehicle does not come home, {where}{reason}; check the wind, and take control with the "
+            "transmitter or another ground station",
+        )
+    return FlightEnded(
+        "no progress", f"the vehicle did not land and disarm{reason}; watch it until it has landed"
+    )
 
 
 def _driven_away(monitor: VehicleMonitor) -> FlightEnded:
