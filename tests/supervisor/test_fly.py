@@ -190,7 +190,7 @@ def test_a_landing_that_does_not_end_is_a_problem() -> None:
     flight.vehicle._move = lambda step_s: None if flight.vehicle.mode == "RTL" else move(step_s)  # type: ignore[method-assign]
     record = flight.fly()
     assert (record.rtl_confirmed, record.landed) == (True, False)
-    assert "did not land and disarm" in (record.problem or "")
+    assert "does not come home" in (record.problem or "")
 
 
 def test_a_landing_is_awaited_as_long_as_rtl_waits_over_home() -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
-from flight_replay.events import Following, PassFlown, Phase, PhaseStarted, ReturnCommanded
+from flight_replay.events import Following, Notice, PassFlown, Phase, PhaseStarted, ReturnCommanded
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.supervisor.vehicle_interface import Heartbeat
 from tests.helpers.fake_vehicle import FRAME, FakeClock, FakeVehicle
@@ -113,19 +115,43 @@ def test_the_reference_waits_for_a_vehicle_that_does_not_follow() -> None:
     assert record.auto_s > RECORDED_S + 6.0
 
 
-def test_a_vehicle_far_off_course_is_sent_home() -> None:
+def _move(vehicle: FakeVehicle, *, east_m: float = 0.0, up_m: float = 0.0) -> None:
+    vehicle.follows = False
+    vehicle.place_m = vehicle.place_m + np.array([0.0, east_m])
+    vehicle.altitude_m += up_m
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        ({"east_m": 1.5}, "m from where it was to be; check wind, .*--max-error"),
+        ({"up_m": -1.5}, "m below where it was to be; check its motors"),
+        ({"up_m": 1.5}, "m above where it was to be; check its barometer"),
+    ],
+    ids=["blown away", "falling", "rising"],
+)
+def test_a_vehicle_far_off_course_is_sent_home(step: dict[str, float], words: str) -> None:
     vehicle = _vehicle()
     flight = fake_following(vehicle, duration_s=None)
-
-    def blow_away() -> None:
-        vehicle.follows = False
-        vehicle.place_m = vehicle.place_m + np.array([0.0, 30.0])
-
-    vehicle.schedule.append((50.0, blow_away))
+    vehicle.schedule += [(50.0 + 0.1 * i, lambda: _move(vehicle, **step)) for i in range(20)]
     record = flight.fly()
     assert record.ended == "off course"
     assert record.rtl_confirmed
-    assert "--max-error" in str(record.problem)
+    assert re.search(words, str(record.problem))
+    assert not any("jumped" in notice.text for notice in flight.of(Notice))
+
+
+def test_a_jump_of_the_position_is_told_and_named_as_what_led_off_course() -> None:
+    """Wind and load did not move the vehicle there."""
+    vehicle = _vehicle()
+    flight = fake_following(vehicle, duration_s=None)
+    vehicle.schedule.append((50.0, lambda: _move(vehicle, east_m=30.0)))
+    record = flight.fly()
+    assert (record.ended, record.rtl_confirmed) == ("off course", True)
+    assert "position estimate jumped by 30 m, and it was" in str(record.problem)
+    assert "check its GPS" in str(record.problem)
+    assert "wind" not in str(record.problem)
+    assert "jumped by 30 m" in flight.of(Notice)[0].text
 
 
 def test_a_silent_vehicle_gets_no_targets_and_rejoins_where_it_is() -> None:
@@ -153,6 +179,18 @@ def test_a_vehicle_that_does_not_get_to_the_beginning_is_sent_home() -> None:
     with pytest.raises(PhaseTimeoutError, match="m from where the recording begins"):
         flight.fly()
     assert vehicle.requested[-1] == "RTL"
+
+
+def test_a_vehicle_that_falls_on_the_way_to_the_beginning_is_told_soon() -> None:
+    """Not after a minute as one that stopped."""
+    vehicle = _vehicle()
+    vehicle.request_position = lambda *_: None  # type: ignore[method-assign]
+    vehicle.schedule.append((20.0, lambda: setattr(vehicle, "target_m", 0.0)))
+    flight = fake_following(vehicle)
+    with pytest.raises(VehicleError, match=r"has fallen: it is 0\.0 m above home, and was to be at 30 m"):
+        flight.fly()
+    assert vehicle.requested[-1] == "RTL"
+    assert flight.wall_s < 30.0
 
 
 def test_a_vehicle_that_does_not_tell_its_local_position_is_not_followed() -> None:
@@ -244,7 +282,7 @@ def test_a_vehicle_that_stays_armed_on_the_ground_is_told_first() -> None:
 
     def crash() -> None:
         vehicle.follows = False
-        vehicle.place_m = vehicle.place_m + np.array([0.0, 30.0])
+        vehicle.place_m, vehicle.altitude_m = vehicle.place_m + np.array([0.0, 30.0]), 0.0
         vehicle._move = lambda step_s: None  # type: ignore[method-assign]
 
     vehicle.schedule.append((50.0, crash))
@@ -254,7 +292,7 @@ def test_a_vehicle_that_stays_armed_on_the_ground_is_told_first() -> None:
     assert record.problem.startswith(
         "the vehicle did not land and disarm; watch it until it has landed; before "
     )
-    assert "before that the vehicle was 27" in record.problem
+    assert "before that the vehicle's position estimate jumped by 30 m" in record.problem
 
 
 def test_the_way_to_the_beginning_is_flown_at_the_asked_speed() -> None:

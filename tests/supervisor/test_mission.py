@@ -23,7 +23,7 @@ from flight_replay.supervisor.vehicle_interface import (
 )
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
-from tests.helpers.supervised import fake_flight
+from tests.helpers.supervised import FakeFlight, fake_flight
 
 
 @pytest.mark.parametrize(("item_s", "ended"), [(1100.0, "duration"), (1400.0, "no progress")])
@@ -181,6 +181,61 @@ def test_a_mode_change_at_the_end_of_the_duration_is_the_pilots() -> None:
     assert "RTL" not in vehicle.requested
 
 
+def _fallen(alt_m: float, for_s: float = 60.0, points: int = 40) -> tuple[FakeFlight, FlightRecord]:
+    """A flight of a vehicle that is at a height, 10 s after AUTO began, for some seconds."""
+    vehicle = FakeVehicle(FakeClock(), points=points)
+    flight = fake_flight(vehicle)
+    vehicle.schedule += [
+        (30.0, lambda: setattr(vehicle, "altitude_m", alt_m)),
+        (30.0, lambda: vehicle.send_text("Potential Thrust Loss (1)", 0)),
+        (30.0 + for_s, lambda: setattr(vehicle, "altitude_m", 30.0)),
+    ]
+    return flight, flight.fly()
+
+
+def test_a_vehicle_that_fell_and_stays_armed_does_not_end_as_asked() -> None:
+    """Its motors run on the ground, and the one who goes there has to know."""
+    flight, record = _fallen(0.2)
+    assert (record.ended, record.rtl_confirmed) == ("off course", True)
+    assert record.problem is not None
+    assert 'it is 0.2 m above home, and was to be at 30 m or higher: it says "Potential' in record.problem
+    assert "keep away until it is disarmed" in record.problem
+    assert flight.wall_s < 35.0
+
+
+@pytest.mark.parametrize(("alt_m", "for_s"), [(15.0, 60.0), (2.0, 1.0)], ids=["half as high", "for a moment"])
+def test_what_is_not_a_fall_goes_on(alt_m: float, for_s: float) -> None:
+    """Heights step for a moment where the estimator changes its mind."""
+    _, record = _fallen(alt_m, for_s)
+    assert (record.ended, record.problem) == ("duration", None)
+
+
+def test_a_vehicle_that_somebody_else_lands_has_not_fallen() -> None:
+    """Only one heartbeat showed LAND: whoever lands it has it."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def land() -> None:
+        vehicle.mode, vehicle.altitude_m = "LAND", 2.0
+        vehicle.queue.append(Heartbeat("LAND", True))
+        vehicle.heartbeat_s = vehicle.time_s + 4.0
+
+    vehicle.schedule.append((30.0, land))
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, "RTL" in vehicle.requested) == ("failsafe", False)
+
+
+def test_why_it_cannot_be_armed_again_is_not_why_a_vehicle_disarmed() -> None:
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def terminate() -> None:
+        vehicle.send_text("Battery Failsafe", 4)
+        vehicle.armed = False
+        vehicle.send_text("PreArm: Battery 1 low voltage failsafe", 2)
+
+    vehicle.schedule.append((30.0, terminate))
+    assert 'it says "Battery Failsafe"' in str(fake_flight(vehicle).fly().problem)
+
+
 def test_disarming_without_a_status_text_has_no_reason() -> None:
     """The message says so by leaving it out."""
     vehicle = FakeVehicle(FakeClock(), points=40)
@@ -248,6 +303,19 @@ def test_a_long_landing_is_awaited_while_the_vehicle_moves() -> None:
     assert waits[-1].endswith(" m above home, 150 m away")
 
 
+def test_a_vehicle_that_the_wind_drives_off_slowly_on_its_way_home_is_told() -> None:
+    """At 0.1 m/s it would take an hour to be far away."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+
+    def drift(step_s: float) -> None:
+        vehicle.place_m = vehicle.place_m + np.array([0.1 * step_s, 0.0])
+
+    vehicle._land = drift  # type: ignore[method-assign]
+    record = fake_flight(vehicle, land=True, duration_s=20.0).fly()
+    assert (record.ended, record.rtl_confirmed, record.landed) == ("duration", True, False)
+    assert "does not come home, 57 m away and 30 m above home; check the wind" in str(record.problem)
+
+
 def test_land_on_the_way_home_is_a_landing_too() -> None:
     """A failsafe may land the vehicle sooner: that is not somebody else's choice."""
     vehicle = FakeVehicle(FakeClock(), points=40)
@@ -262,6 +330,31 @@ def test_land_on_the_way_home_is_a_landing_too() -> None:
     vehicle.request_mode = request  # type: ignore[method-assign]
     record = fake_flight(vehicle, land=True).fly()
     assert (record.rtl_confirmed, record.landed, record.problem) == (True, True, None)
+
+
+@pytest.mark.parametrize("text", ["EKF Failsafe: changed to LAND Mode", ""], ids=["failsafe", "unknown"])
+def test_land_on_the_way_home_is_told_with_its_reason(text: str) -> None:
+    """Which follows the heartbeat with the mode."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    flight = fake_flight(vehicle, land=True, duration_s=10.0)
+    request_mode = vehicle.request_mode
+
+    def land() -> None:
+        vehicle.mode, vehicle.heartbeat_s = "LAND", 0.0
+        now_s = vehicle.clock.now_s - vehicle.began_s
+        if text:
+            vehicle.schedule.append((now_s + 0.3, lambda: vehicle.send_text(text, 2)))
+
+    def request(mode: str) -> None:
+        request_mode(mode)
+        if mode == "RTL":
+            vehicle.schedule.append((vehicle.clock.now_s - vehicle.began_s + 3.0, land))
+
+    vehicle.request_mode = request  # type: ignore[method-assign]
+    assert flight.fly().landed
+    told = [notice.text for notice in flight.of(events.Notice)]
+    why = f'it says "{text}"' if text else "the pilot, another ground station or a failsafe changed it"
+    assert [why in each for each in told] == [True]
 
 
 def on_the_way_home(vehicle: FakeVehicle, after_s: float, *actions: tuple[float, Callable[[], None]]) -> None:

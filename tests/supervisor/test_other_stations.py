@@ -98,10 +98,11 @@ def test_rtl_without_a_reason_is_reported_as_such(mode: str) -> None:
     flight = fake_flight(FakeVehicle(FakeClock(), points=40))
     flight.vehicle.schedule.append((30.0, lambda: setattr(flight.vehicle, "mode", mode)))
     record = flight.fly()
+    now = "take control, the vehicle hovers there" if mode == "BRAKE" else "watch the vehicle"
     assert (record.ended, record.problem) == (
         "failsafe",
         f"the mode was changed to {mode} by the pilot, a failsafe or another ground station, and no reason "
-        "was given; flight-replay sends no more commands: watch the vehicle",
+        f"was given; flight-replay sends no more commands: {now}",
     )
 
 

@@ -161,6 +161,27 @@ def test_a_gain_of_less_than_half_a_metre_is_not_a_climb() -> None:
         fake_flight(vehicle).fly()
 
 
+@pytest.mark.parametrize("text", ["Potential Thrust Loss (1)", ""])
+def test_a_vehicle_that_loses_what_it_climbed_is_told_soon(text: str) -> None:
+    """A motor that failed: it does not climb any more, and 25 s at full throttle on the ground are long."""
+    flight = fake_flight()
+    vehicle = flight.vehicle
+
+    def fall() -> None:
+        vehicle.climbs, vehicle.altitude_m = False, 1.0
+        if text:
+            vehicle.send_text(text, 0)
+
+    vehicle.schedule.append((12.0, fall))
+    said = r': it says "Potential Thrust Loss \(1\)"' if text else ""
+    with pytest.raises(
+        VehicleError, match=rf"sank from \d+\.\d m to 1\.0 m during take-off{said}; keep away"
+    ):
+        flight.fly()
+    assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(True)]
+    assert flight.wall_s < 12 + 5
+
+
 @pytest.mark.parametrize(
     ("altitude_m", "problem"),
     [(0.99, "was disarmed before take-off by"), (1.0, "disarmed during take-off, after climbing to 1.0 m")],

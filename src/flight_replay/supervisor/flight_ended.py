@@ -4,9 +4,13 @@ from __future__ import annotations
 
 _NOW = {
     "ALT_HOLD": "take control, the vehicle drifts",
+    "BRAKE": "take control, the vehicle hovers there",
     "AVOID_ADSB": "watch the vehicle, it may fly on by itself",
 }
 """What a person has to do where the vehicle chose a mode."""
+
+_STRAIGHT = 0.8
+"""With so much of the distance it is above or below, not beside."""
 
 
 class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AUTO
@@ -18,20 +22,21 @@ class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AU
         self.problem = problem
 
 
-def link_lost(silence: str, chosen_mode: str | None = None) -> FlightEnded:
+def link_lost(silence: str, chosen_mode: str | None = None, *, may_be_armed: bool = True) -> FlightEnded:
     """No data came from the vehicle until the deadline; ``silence`` says for how long.
 
-    ``chosen_mode`` is that of the last heartbeat if somebody else chose it.
+    ``chosen_mode`` is that of the last heartbeat if somebody else chose it. A vehicle that was never
+    asked to arm has no failsafe to wait for.
     """
-    now = "its own failsafe takes over"
+    now = (
+        "; its own failsafe takes over: watch it, and check the link" if may_be_armed else "; check the link"
+    )
     if chosen_mode:
         now = (
-            f"its last heartbeat showed {chosen_mode}, which somebody else chose, "
-            "and flight-replay sends no more commands"
+            f"; its last heartbeat showed {chosen_mode}, which somebody else chose, "
+            "and flight-replay sends no more commands: watch it, and check the link"
         )
-    return FlightEnded(
-        "link lost", f"link to the vehicle lost: {silence}; {now}: watch it, and check the link"
-    )
+    return FlightEnded("link lost", f"link to the vehicle lost: {silence}{now}")
 
 
 def pilot(mode: str | None) -> FlightEnded:
@@ -55,12 +60,15 @@ def failsafe(mode: str | None, reason: str) -> FlightEnded:
     return FlightEnded("failsafe", f"{what}; flight-replay sends no more commands: {now}")
 
 
-def not_rtl(mode: str | None) -> str:
-    """Told of a vehicle that was in RTL, until somebody or a failsafe chose another mode."""
-    return (
-        f"RTL became {mode}: the pilot, another ground station or a failsafe changed it; "
-        "flight-replay sends no more commands: watch the vehicle until it has landed"
-    )
+def not_rtl(mode: str | None, failsafe: str = "") -> str:
+    """Told of a vehicle that was in RTL, until somebody or a failsafe chose another mode.
+
+    ``failsafe`` is the vehicle's status text of one, or empty.
+    """
+    why = "the pilot, another ground station or a failsafe changed it"
+    why = f'it says "{failsafe}"' if failsafe else why
+    now = "flight-replay sends no more commands: watch the vehicle until it has landed"
+    return f"RTL became {mode}: {why}; {now}"
 
 
 def left_alone(mode: str | None) -> str:
@@ -82,6 +90,37 @@ def no_position(heartbeats: int) -> FlightEnded:
         "no progress",
         f"the vehicle has told no position for {heartbeats} s, and its flight cannot be supervised; "
         "check its stream rates, the link and its GPS",
+    )
+
+
+def jumped(jump: str) -> str:
+    """Told in flight where ``jump`` tells of one of the position estimate: its GPS is, or was, wrong."""
+    return f"{jump}: it flies, returns and lands that far from where it seems to; check its GPS and watch it"
+
+
+def off_course(apart_m: float, higher_m: float, jump: str) -> FlightEnded:
+    """The vehicle was too far from where it was to be, of which ``higher_m`` above it.
+
+    ``jump`` is the beginning of a sentence where its position estimate has just jumped, or empty.
+    """
+    where, check = "from", "wind, fence, limits and load"
+    if -higher_m > _STRAIGHT * apart_m:
+        where, check = "below", "its motors, battery, load and limits"
+    elif higher_m > _STRAIGHT * apart_m:
+        where, check = "above", "its barometer, wind and limits"
+    who, what_now = "the vehicle was", f"check {check}, or allow more with --max-error"
+    if jump:
+        who, what_now = f"{jump}, and it was", "check its GPS, and watch where it lands"
+    return FlightEnded("off course", f"{who} {apart_m:.1f} m {where} where it was to be; {what_now}")
+
+
+def sank(altitude_m: float, lowest_m: float, reason: str) -> FlightEnded:
+    """The vehicle came far below all that it is to fly; ``reason`` is its status text, or empty."""
+    why = f': it says "{reason}"' if reason else ""
+    return FlightEnded(
+        "off course",
+        f"the vehicle sinks, or has fallen: it is {altitude_m:.1f} m above home, and was to be at "
+        f"{lowest_m:.0f} m or higher{why}; keep away until it is disarmed, its motors may start again",
     )
 
 

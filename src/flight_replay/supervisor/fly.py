@@ -127,10 +127,10 @@ def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
 
 def _rtl_unless_left(monitor: VehicleMonitor, limit_wall_s: float) -> None:
     """Command RTL, but not of a vehicle that a pilot or a failsafe has taken over, from RTL too."""
-    if monitor.taken_over:
+    if monitor.rtl_confirmed and monitor.mode != "RTL":
+        monitor.emit(Notice(flight_ended.not_rtl(monitor.mode, monitor.failsafe_text), warning=True))
+    elif monitor.taken_over:
         monitor.emit(Notice(flight_ended.left_alone(monitor.mode), warning=True))
-    elif monitor.rtl_confirmed and monitor.mode != "RTL":
-        monitor.emit(Notice(flight_ended.not_rtl(monitor.mode), warning=True))
     else:
         command_rtl(monitor, limit_wall_s)
 

@@ -18,6 +18,7 @@ from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import FollowPlan
 from flight_replay.supervisor.follower import LONGEST_GAP_S, OFF_COURSE, TARGET_S, Follower, MotionTarget
+from flight_replay.supervisor.motion.height_watch import HeightWatch
 from flight_replay.supervisor.speedup_keeper import SpeedupKeeper
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_clock import VehicleClock
@@ -39,15 +40,17 @@ def approach(monitor: VehicleMonitor, plan: FollowPlan) -> None:
 
     Raises:
         PhaseTimeoutError: The vehicle stops on the way, or does not tell where its frame is.
-        FlightEnded: It disarms, or somebody else takes over.
+        FlightEnded: It disarms or falls, or somebody else takes over.
     """
     monitor.emit(PhaseStarted(Phase.APPROACH))
     reference = plan.reference
     start_m = reference.state(reference.begin_s).position_m
     progress, retry = ProgressTimer(monitor), RetryTimer(monitor)
+    height = HeightWatch(monitor, min(plan.takeoff_altitude_m, float(start_m[2])))
     deadline, nearest_m = Deadline(monitor, monitor.deadlines.no_progress_s), np.inf
     while True:
         _check_still_ours(monitor)
+        height.check()
         apart_m = float(np.linalg.norm(_position_m(reference, monitor.state) - start_m))
         if _at_rest(monitor, apart_m) and monitor.vehicle.takes_targets:
             break
@@ -114,11 +117,7 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
 def _check_still_following(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> None:
     _check_still_ours(monitor)
     if follower.apart_m > OFF_COURSE * plan.max_error_m:
-        raise FlightEnded(
-            "off course",
-            f"the vehicle was {follower.apart_m:.1f} m from where it was to be; "
-            "check wind, fence, limits and load, or allow more with --max-error",
-        )
+        raise flight_ended.off_course(follower.apart_m, follower.higher_m, monitor.position_jump)
 
 
 def _check_still_ours(monitor: VehicleMonitor) -> None:

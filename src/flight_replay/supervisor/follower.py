@@ -145,6 +145,8 @@ class Follower:
         """How far the vehicle was from its target when it was last looked at."""
         self.apart_m = 0.0
         """How far it was from the reference itself, wherever its targets were."""
+        self.higher_m = 0.0
+        """How far above the reference; negative if below."""
 
     @property
     def offset_m(self) -> float:
@@ -195,7 +197,8 @@ class Follower:
         if wanted_m is None:
             return
         self.error_m = float(np.linalg.norm(position_m - wanted_m))
-        self.apart_m = float(np.linalg.norm(position_m - wanted_m + self._offset_m))
+        apart_m = position_m - wanted_m + self._offset_m
+        self.apart_m, self.higher_m = float(np.linalg.norm(apart_m)), float(apart_m[2])
         self._behind = self.error_m > self.max_error_m * (_CAUGHT_UP if self._behind else 1.0)
         if self.rate == 1.0 and self.offset_m == 0.0:
             self._learn(time_s, wanted_m - position_m, velocity_m_s)
@@ -237,7 +240,7 @@ class Follower:
         best = int(np.argmin((apart_m**2).sum(axis=1) + (_STOPPING_S * aside_m_s**2).sum(axis=1)))
         self.recording_s, self.rate, self._change = float(times_s[best]), float(pace[best]), 0.0
         self._offset_m, self._rejoin_m_s = -apart_m[best], 0.0
-        self.apart_m = self.offset_m
+        self.apart_m, self.higher_m = self.offset_m, float(self._offset_m[2])
         self._settling_s = _SETTLING_S
         self._behind = False
         self._past.clear()

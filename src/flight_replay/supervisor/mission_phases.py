@@ -18,6 +18,7 @@ from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import Plan
+from flight_replay.supervisor.motion.height_watch import HeightWatch
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
@@ -25,6 +26,7 @@ from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
 _ASTRAY_M, _LOST_M = 10.0, 400.0
 """So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
+_REASON_S = 2.0  # A reason that is not told by then is not told.
 _THERE_M, _LONG_REST_S = 3.0, 10.0  # A waypoint is reached within 2 m, by default.
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _AT_REST_S = 1.5  # ArduCopter's land detector waits 1 s, and the motors spin down, before it disarms.
@@ -46,8 +48,12 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
     progress = ProgressTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + _longest_wait_s(plan))
     total, way, rest = None, _Way(), _RestAtTheEnd(monitor, plan)
+    height = HeightWatch(
+        monitor, min(plan.takeoff_altitude_m, *(at.alt_m for _, at in plan.mission.waypoints))
+    )
     while True:
         rest.check()
+        height.check()
         ended = _planned_end(monitor, plan, start_s)
         if ended and not monitor.unexpected_mode:
             return ended
@@ -184,28 +190,63 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
             ``VehicleMonitor.step`` ends the flight.
     """
     monitor.modes.expect("RTL", "LAND")
-    progress, told = ProgressTimer(monitor), False
+    progress, taken_over = ProgressTimer(monitor), _TakenOverOnTheWay(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + loiter_s)
     before, began_m = monitor.state, monitor.from_home_m
     while not monitor.certainly_disarmed:
-        if monitor.mode == "LAND" and not told:
-            told = monitor.taken_over = True
-            monitor.emit(Notice(flight_ended.not_rtl("LAND"), warning=True))
+        taken_over.check()
         if monitor.from_home_m > began_m + _LOST_M:
             raise _driven_away(monitor)
-        if monitor.state and before and _moved_m(monitor.state, before) > _MIN_MOVE_M:
+        if monitor.state and before and _comes_home(before, monitor.state):
             before = monitor.state
             deadline.restart()
         if deadline.passed:
-            reason = f': it says "{monitor.reason}"' if monitor.reason else ""
-            raise FlightEnded(
-                "no progress", f"the vehicle did not land and disarm{reason}; watch it until it has landed"
-            )
+            raise _not_landed(monitor)
         if progress.due():
             where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"
             monitor.emit(Waiting(Phase.RETURN, where))
         monitor.step()
+    taken_over.check(at_once=True)
     _check_landed(monitor)
+
+
+class _TakenOverOnTheWay:
+    """Who made LAND of RTL: the status text with a failsafe's reason follows the heartbeat."""
+
+    def __init__(self, monitor: VehicleMonitor) -> None:
+        self._monitor = monitor
+        self._since_s, self._told = math.inf, False
+
+    def check(self, *, at_once: bool = False) -> None:
+        """Tell of it once: when the reason is known, and soon if none is."""
+        monitor = self._monitor
+        if monitor.mode != "LAND" or self._told:
+            return
+        monitor.taken_over = True
+        self._since_s = min(self._since_s, monitor.link_up_s)
+        if at_once or monitor.failsafe_text or monitor.link_up_s - self._since_s > _REASON_S:
+            self._told = True
+            monitor.emit(Notice(flight_ended.not_rtl("LAND", monitor.failsafe_text), warning=True))
+
+
+def _comes_home(before: VehicleState, now: VehicleState) -> bool:
+    """Whether a vehicle flies or lands; slower over the ground than that the wind drives it, or it hovers."""
+    moved_m = float(distance_m(before.lat_deg, before.lon_deg, now.lat_deg, now.lon_deg))
+    return moved_m > _ASTRAY_M or abs(now.alt_m - before.alt_m) > _MIN_MOVE_M
+
+
+def _not_landed(monitor: VehicleMonitor) -> FlightEnded:
+    reason = f': it says "{monitor.reason}"' if monitor.reason else ""
+    if monitor.from_home_m > _ASTRAY_M and monitor.altitude_m > _THERE_M:
+        where = f"{monitor.from_home_m:.0f} m away and {monitor.altitude_m:.0f} m above home"
+        return FlightEnded(
+            "no progress",
+            f"the vehicle does not come home, {where}{reason}; check the wind, and take control with the "
+            "transmitter or another ground station",
+        )
+    return FlightEnded(
+        "no progress", f"the vehicle did not land and disarm{reason}; watch it until it has landed"
+    )
 
 
 def _driven_away(monitor: VehicleMonitor) -> FlightEnded:

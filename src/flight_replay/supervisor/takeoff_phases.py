@@ -23,6 +23,9 @@ _POSITION_WALL_S = 10.0
 _PREARM_CHECKS_S = 5.0
 _OFF_GROUND_M = 1.0
 _MIN_CLIMB_M = 0.5  # A smaller gain of height is no climb.
+_SUNK_M, _SUNK_S = 3.0, 2.5
+"""Half of its height, and so much, for so long, a vehicle that climbs does not lose; heartbeats tell within
+that of one that disarmed."""
 _LEVEL_M_S, _LEVELLING_S = 0.1, 10.0
 _MAX_ARMINGS = 3
 _IDLE_S, _IDLE_TOLERANCE_S = 10.0, 1.5
@@ -177,6 +180,7 @@ def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
                 raise _disarmed_in_the_air(monitor, climb.highest_m)
             _check_disarmed_itself(monitor, monitor.modes.disarmed_at_s - began_s)
             return False
+        climb.check_not_sunk()
         if deadline.passed:
             reason = _refusal(monitor, Request.TAKEOFF)
             raise PhaseTimeoutError(_timeout(climb.failure, monitor.deadlines.no_climb_s, reason))
@@ -202,6 +206,7 @@ class _Climb:
         self._ground_m = self.highest_m = monitor.altitude_m
         self.begun = False
         """Whether there is a position after arming."""
+        self._sunk_s: float | None = None
 
     def goes_on(self) -> bool:
         """Whether the vehicle is higher than before."""
@@ -222,6 +227,25 @@ class _Climb:
         """Whether it has climbed, and is as high as that above home."""
         now_m = self._monitor.altitude_m
         return self.begun and now_m > self._ground_m + _MIN_CLIMB_M and now_m >= enough_m
+
+    def check_not_sunk(self) -> None:
+        """Check that it has not lost what it climbed.
+
+        Raises:
+            VehicleError: It has, as one whose motor fails.
+        """
+        monitor, highest_m = self._monitor, self.highest_m
+        now_m, up_s = monitor.altitude_m, monitor.link_up_s
+        enough_m = max((highest_m - self._ground_m) / 2, _SUNK_M)
+        if monitor.unexpected_mode or highest_m - now_m <= enough_m:
+            self._sunk_s = None
+        elif self._sunk_s is None:
+            self._sunk_s = up_s
+        elif up_s - self._sunk_s > _SUNK_S:
+            raise VehicleError(
+                f"the vehicle sank from {highest_m:.1f} m to {now_m:.1f} m during take-off"
+                f"{_quoted(monitor.reason)}; keep away from it until it is disarmed, and find out why"
+            )
 
     @property
     def failure(self) -> str:

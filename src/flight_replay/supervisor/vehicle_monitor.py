@@ -19,6 +19,7 @@ from flight_replay.supervisor.flight_plan import Deadlines
 from flight_replay.supervisor.link_monitor import LinkMonitor
 from flight_replay.supervisor.mission_progress import MissionProgress
 from flight_replay.supervisor.mode_monitor import ModeMonitor
+from flight_replay.supervisor.motion.position_jumps import PositionJumps
 from flight_replay.supervisor.request_tracker import RequestTracker
 from flight_replay.supervisor.vehicle_interface import (
     Clock,
@@ -37,6 +38,7 @@ from flight_replay.supervisor.vehicle_interface import (
 _STEP_WALL_S = 0.1  # The longest wait for a report in one step.
 _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
+_PREARM_TEXT = "PreArm:"
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
 _NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
 _NO_POSITION_WALL_S = 5.0  # A fast simulator sends ten in no time, and a link asks for positions anew.
@@ -65,6 +67,7 @@ class VehicleMonitor:
         self.modes = ModeMonitor()
         self.armed: bool | None = None
         self.state: VehicleState | None = None
+        self._jumps = PositionJumps()
         self._before_auto: VehicleState | None = None  # When it was last heard in another mode.
         self._held: list[MissionCurrent | MissionItemReached] = []
         self._heartbeats_since_state = 0
@@ -118,6 +121,16 @@ class VehicleMonitor:
         if here is None or home is None:
             return 0.0
         return float(distance_m(here.lat_deg, here.lon_deg, home.lat_deg, home.lon_deg))
+
+    @property
+    def failsafe_text(self) -> str:
+        """The status text of a failsafe in the last seconds, or empty."""
+        return self._failsafe_text if self.time_s - self._failsafe_s <= _REASON_VALID_S else ""
+
+    @property
+    def position_jump(self) -> str:
+        """The position estimate's jump of the last seconds, as the beginning of a sentence; empty without."""
+        return self._jumps.latest(self.time_s)
 
     @property
     def silence(self) -> str:
@@ -206,7 +219,8 @@ class VehicleMonitor:
             self._process_next()
         if not self._backlog and self._link.check(self.emit):
             self.taken_over = self.taken_over or self.unexpected_mode
-            raise flight_ended.link_lost(self.silence, self.mode if self.unexpected_mode else None)
+            chosen_mode = self.mode if self.unexpected_mode else None
+            raise flight_ended.link_lost(self.silence, chosen_mode, may_be_armed=self.may_be_armed)
 
     def catch_up(self) -> None:
         """Process all reports that have arrived.
@@ -227,7 +241,7 @@ class VehicleMonitor:
 
     def _process_next(self) -> None:
         self._process(self._backlog.popleft())
-        reason = self._failsafe_text if self.time_s - self._failsafe_s <= _REASON_VALID_S else ""
+        reason = self.failsafe_text
         if self.modes.taken_over(self.wall_s, explained=bool(reason)):
             self.taken_over = True
             if self.modes.is_failsafe or self._is_named(reason):
@@ -264,6 +278,7 @@ class VehicleMonitor:
     def _(self, state: VehicleState) -> None:
         if self.state is not None and self.wall_s - self._state_wall_s < _LINK_GAP_WALL_S:
             self.link_up_s += max(state.time_s - self.state.time_s, 0.0)
+        self._check_jump(state)
         self.state, self._state_wall_s = state, self.wall_s
         self._heartbeats_since_state = 0
         self.modes.clock(state.time_s, self.wall_s)
@@ -274,15 +289,23 @@ class VehicleMonitor:
         for report in held:
             self._process(report)
 
+    def _check_jump(self, state: VehicleState) -> None:
+        if self.armed and self.state is not None and self._jumps.observe(self.state, state):
+            self.emit(Notice(flight_ended.jumped(self._jumps.latest(state.time_s)), warning=True))
+
     @_process.register
     def _(self, text: StatusText) -> None:
-        if text.severity <= Severity.WARNING:
+        if text.severity <= Severity.WARNING and not self._is_of_next_arming(text.text):
             self.reason = text.text
         lower = text.text.lower()
         if any(word in lower for word in _FAILSAFE_TEXTS):
             self._failsafe_text, self._failsafe_s = text.text, self.time_s
         self.mission_replaced = self.mission_replaced or _NEW_MISSION_TEXT in lower
         self.emit(text)
+
+    def _is_of_next_arming(self, text: str) -> bool:
+        """Whether a text tells why the vehicle cannot be armed again, which is not why it disarmed."""
+        return self.was_armed and text.startswith(_PREARM_TEXT)
 
     @_process.register
     def _(self, ack: RequestAck) -> None:

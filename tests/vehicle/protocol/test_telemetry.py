@@ -198,13 +198,17 @@ NO_FIX = SimpleNamespace(is_armable=False, gps_0=SimpleNamespace(fix_type=1), ba
 NO_ESTIMATE = SimpleNamespace(is_armable=False, gps_0=SimpleNamespace(fix_type=3), battery=None)
 
 
+EKF_STATUS = dialect.MAVLink_ekf_status_report_message(0, 0, 0, 0, 0, 0)
+GPS_RAW = dialect.MAVLink_gps_raw_int_message(0, 1, 0, 0, 0, 0, 0, 0, 0, 0)
+
+
 @pytest.mark.parametrize(
     ("drone", "health", "ready", "words"),
     [
         (GOOD, PREARM, True, ""),
-        (GOOD, 0, False, "checks"),
-        (NO_FIX, PREARM, False, "GPS"),
-        (NO_ESTIMATE, PREARM, False, "estimate"),
+        (GOOD, 0, False, "pre-arm checks fail"),
+        (NO_FIX, PREARM, False, "no GPS fix yet"),
+        (NO_ESTIMATE, PREARM, False, "no EKF position estimate yet"),
     ],
     ids=["ready", "checks", "no fix", "no estimate"],
 )
@@ -212,10 +216,17 @@ def test_prearm_status_needs_position_and_prearm_checks(
     drone: Any, health: int, ready: bool, words: str
 ) -> None:
     """The reason where the autopilot's own text has not come yet."""
-    (readiness,) = news_of(system_status(PREARM, health), drone=drone)
-    assert isinstance(readiness, PrearmStatus)
-    assert readiness.ready is ready
-    assert words in readiness.reason
+    *_, readiness = news_of(sent(EKF_STATUS), sent(GPS_RAW), system_status(PREARM, health), drone=drone)
+    assert readiness == PrearmStatus(ready, words)
+
+
+@pytest.mark.parametrize(("drone", "name"), [(NO_FIX, "GPS_RAW_INT"), (NO_ESTIMATE, "EKF_STATUS_REPORT")])
+def test_a_message_that_never_came_is_not_taken_for_a_position_that_is_not_there(
+    drone: Any, name: str
+) -> None:
+    """A slow link, or a station that stopped its stream, keeps it away for good."""
+    (readiness,) = news_of(system_status(PREARM, PREARM), drone=drone)
+    assert readiness == PrearmStatus(False, f"no {name} message yet")
 
 
 def test_firmware_without_prearm_bit_is_ready_with_its_position() -> None:

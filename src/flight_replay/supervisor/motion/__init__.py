@@ -1,1 +1,1 @@
-"""How targets brake for a vehicle that gets no more of them, and how fast one with much drag can follow."""
+"""How targets brake, how fast one with much drag follows, and motions that nothing asked for."""

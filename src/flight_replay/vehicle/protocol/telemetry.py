@@ -33,6 +33,7 @@ _DUPLICATE_FRAMES = 64  # Sequence numbers go up to 255, so a frame sent anew is
 _DUPLICATE_S = 0.9  # ... nor is the next heartbeat of an autopilot that does not number its frames.
 _TOTAL_UNKNOWN = frozenset({0, 65535})  # Values of MISSION_CURRENT.total.
 _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
+_GPS, _EKF = "GPS_RAW_INT", "EKF_STATUS_REPORT"
 _UNKNOWN_HEADING = 65535
 _UNKNOWN_V = 65.535  # UINT16_MAX millivolts; without a battery monitor ArduPilot sends 0.
 
@@ -68,7 +69,7 @@ class Telemetry:
             "MISSION_CURRENT": self._mission_current,
             "MISSION_ITEM_REACHED": lambda message: MissionItemReached(message.seq),
             "SYS_STATUS": self._system_status,
-            "EKF_STATUS_REPORT": lambda message: self._prearm_status(),
+            _EKF: lambda message: self._prearm_status(),
         }
 
     def receive(self, message: Message) -> None:
@@ -183,13 +184,14 @@ class Telemetry:
 
     def _prearm_status(self) -> PrearmStatus:
         """Position and EKF as DroneKit reports them, and the autopilot's pre-arm checks (since 4.0)."""
-        gps = self._drone.gps_0
         if not self._drone.is_armable:
-            fix = gps.fix_type or 0
-            return PrearmStatus(
-                False,
-                "no GPS fix yet" if fix < dialect.GPS_FIX_TYPE_3D_FIX else "no EKF position estimate yet",
-            )
+            return PrearmStatus(False, self._missing())
         if self._prearm_reported and not self._prearm_ok:
             return PrearmStatus(False, "pre-arm checks fail")
         return PrearmStatus(True)
+
+    def _missing(self) -> str:
+        """What the position needs that is not there."""
+        if (self._drone.gps_0.fix_type or 0) < dialect.GPS_FIX_TYPE_3D_FIX:
+            return "no GPS fix yet" if _GPS in self.received_s else f"no {_GPS} message yet"
+        return "no EKF position estimate yet" if _EKF in self.received_s else f"no {_EKF} message yet"
