@@ -206,8 +206,10 @@ time.sleep(60)
 
 @pytest.mark.usefixtures("no_tiles")
 @pytest.mark.parametrize("knows_token", [False, True], ids=["a stranger", "a page"])
-def test_a_flood_delays_neither_the_flight_nor_the_exit(knows_token: bool) -> None:
-    """Requests as fast as they can be sent, and connections that send half a request."""
+def test_a_flood_delays_neither_the_flight_nor_the_exit(
+    knows_token: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Requests as fast as they can be sent, and connections that send half a request; nothing is logged."""
     with ExitStack() as stack:
         live = stack.enter_context(LiveMap(made_replay()[0]))
         path = f"/{token_of(live)}/" if knows_token else "/"
@@ -222,11 +224,13 @@ def test_a_flood_delays_neither_the_flight_nor_the_exit(knows_token: bool) -> No
                 began_s = time.monotonic()
                 stack.close()
                 exit_s = time.monotonic() - began_s
+                live._thread.join(10)
             finally:
                 flood.kill()
     assert slowest_s < 0.5
     assert exit_s < 5.0
     assert opened < 80
+    assert caplog.records == []
 
 
 def descriptors() -> int:

@@ -105,7 +105,7 @@ class LiveMap:
         self._loop.add_callback(self._ready.set)
         self._loop.start()
         server.unlisten()
-        server.stop()
+        server.stop(wait=False)  # Else Bokeh 3.10 serves requests on, and each is an error.
         http.drop_connections()
         end_tasks(self._loop.asyncio_loop)
         self._loop.close(all_fds=True)
