@@ -11,6 +11,7 @@ from contextlib import suppress
 from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, VehicleState, Waiting
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
+from flight_replay.supervisor.motion.height_watch import SUNK_M, Sinking
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
@@ -23,9 +24,6 @@ _POSITION_WALL_S = 10.0
 _PREARM_CHECKS_S = 5.0
 _OFF_GROUND_M = 1.0
 _MIN_CLIMB_M = 0.5  # A smaller gain of height is no climb.
-_SUNK_M, _SUNK_S = 3.0, 2.5
-"""Half of its height, and so much, for so long, a vehicle that climbs does not lose; heartbeats tell within
-that of one that disarmed."""
 _LEVEL_M_S, _LEVELLING_S = 0.1, 10.0
 _MAX_ARMINGS = 3
 _IDLE_S, _IDLE_TOLERANCE_S = 10.0, 1.5
@@ -206,7 +204,7 @@ class _Climb:
         self._ground_m = self.highest_m = monitor.altitude_m
         self.begun = False
         """Whether there is a position after arming."""
-        self._sunk_s: float | None = None
+        self._sinking = Sinking(monitor)
 
     def goes_on(self) -> bool:
         """Whether the vehicle is higher than before."""
@@ -234,17 +232,12 @@ class _Climb:
         Raises:
             VehicleError: It has, as one whose motor fails.
         """
-        monitor, highest_m = self._monitor, self.highest_m
-        now_m, up_s = monitor.altitude_m, monitor.link_up_s
-        enough_m = max((highest_m - self._ground_m) / 2, _SUNK_M)
-        if monitor.unexpected_mode or highest_m - now_m <= enough_m:
-            self._sunk_s = None
-        elif self._sunk_s is None:
-            self._sunk_s = up_s
-        elif up_s - self._sunk_s > _SUNK_S:
+        now_m, highest_m = self._monitor.altitude_m, self.highest_m
+        enough_m = max((highest_m - self._ground_m) / 2, SUNK_M)
+        if self._sinking.lasts(too_low=highest_m - now_m > enough_m):
             raise VehicleError(
                 f"the vehicle sank from {highest_m:.1f} m to {now_m:.1f} m during take-off"
-                f"{_quoted(monitor.reason)}; keep away from it until it is disarmed, and find out why"
+                f"{_quoted(self._monitor.reason)}; keep away from it until it is disarmed, and find out why"
             )
 
     @property
