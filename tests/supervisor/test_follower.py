@@ -150,7 +150,12 @@ def test_the_recordings_time_is_known_between_two_targets() -> None:
     for time_s in (50.0, 50.1, 50.2):
         follower.target(time_s)
     assert follower.recording_at_s(50.15) == pytest.approx(-4.85)
-    assert follower.recording_at_s(60.0) == pytest.approx(follower.recording_s)
+
+
+def test_the_recordings_time_runs_on_where_the_next_target_is_late() -> None:
+    follower = Follower(s_curve(), max_error_m=3.0)
+    follower.target(50.0)
+    assert follower.recording_at_s(50.3) == pytest.approx(-4.7)
 
 
 def test_a_vehicle_that_is_always_late_gets_its_targets_earlier() -> None:

@@ -176,11 +176,15 @@ class Follower:
         return target
 
     def recording_at_s(self, time_s: float) -> float:
-        """The recording's time at the vehicle's time ``time_s``, which is a little before the last target."""
+        """The recording's time at the vehicle's time ``time_s``, which is a little before the last target.
+
+        Where that target was late, it is a little after it: the recording's time ran on.
+        """
         if not self._past:
             return self.recording_s
         times_s, recordings_s = zip(*[each[:2] for each in self._past], strict=True)
-        return float(np.interp(time_s, times_s, recordings_s))
+        late_s = max(time_s - times_s[-1], 0.0)
+        return float(np.interp(time_s, times_s, recordings_s) + self.rate * late_s)
 
     @property
     def begun(self) -> bool:
