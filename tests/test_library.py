@@ -155,6 +155,15 @@ def test_a_replay_has_the_arguments_that_options_may_have(arguments: dict[str, A
     assert str(refused.value) == message
 
 
+def test_what_is_no_route_or_vehicle_is_refused() -> None:
+    """A track is no route yet, a port no connection string."""
+    track = flight_replay.read_log(sample_log()).track
+    with pytest.raises(MissionError, match=r"such as plan\(track\) makes, not Track"):
+        flight_replay.replay(track)  # type: ignore[arg-type]
+    with pytest.raises(MissionError, match="vehicle must be a connection string or None, not int"):
+        flight_replay.replay(flight_replay.plan(track, max_points=5), 5760)  # type: ignore[arg-type]
+
+
 def test_only_what_is_used_is_imported() -> None:
     """The face costs the command line nothing."""
     code = "import sys, flight_replay; flight_replay.__version__; print('numpy' in sys.modules)"

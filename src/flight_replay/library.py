@@ -124,6 +124,7 @@ def replay(  # noqa: PLR0913
     from flight_replay.cli.flight_step import fly
     from flight_replay.output.console.console import open_console
 
+    _check_flying(route, vehicle)
     mode = "auto" if route.reference is None else "guided"
     where = {"mode": mode, "connect": vehicle, "speedup": speedup, "takeoff_altitude_m": takeoff_altitude_m}
     options = keyword_options({**where, "duration_s": duration_s, "land": land, "yes": yes})
@@ -131,6 +132,13 @@ def replay(  # noqa: PLR0913
         _, flown = fly(options, _home(route), lambda _limits: route, console, listener)
     assert flown is not None  # Only a dry run has no flight.
     return flown
+
+
+def _check_flying(route: object, vehicle: object) -> None:
+    if not isinstance(route, Route):
+        raise MissionError(f"route must be a Route, such as plan(track) makes, not {type(route).__name__}")
+    if not isinstance(vehicle, str | None):
+        raise MissionError(f"vehicle must be a connection string or None, not {type(vehicle).__name__}")
 
 
 def _home(route: Route) -> Home:
