@@ -47,10 +47,14 @@ def test_half_the_pace_takes_twice_as_long() -> None:
     assert speed.max() == pytest.approx(2.0, abs=0.2)
 
 
-def test_what_cannot_be_followed_is_said() -> None:
-    track = _track(speed_m_s=12.0)
+@pytest.mark.parametrize(("speed_m_s", "next_step"), [(8.7, None), (12.0, "--speed 0.5x.")])
+def test_what_cannot_be_followed_is_said_and_what_to_do(speed_m_s: float, next_step: str | None) -> None:
+    track = _track(speed_m_s=speed_m_s)
     route = followed_route(track, track.alt_m, Limits(), FollowOptions())
-    assert any("limits do not let it follow" in note for note in route.notes)
+    notes = [note for note in route.notes if "limits do not let it follow" in note]
+    assert len(notes) == 1
+    assert (" m off, at " in notes[0]) and ("follow slower" in notes[0]) == (next_step is not None)
+    assert notes[0].endswith(next_step or " s.")
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,8 @@ from flight_replay.planning.following.reference_planner import RecordedMotion
 from flight_replay.planning.following.samples import Bridge
 
 _WORTH_TELLING_M, _WORTH_TELLING_DEG = 1.0, 30.0
+_WORTH_SLOWING_M = 3.0
+"""A motion that is farther off somewhere may be followed slower."""
 _GAP_S, _MOST_GAPS = 5.0, 3
 """Recorded time: shorter gaps are hardly worth telling; of others the longest are told."""
 
@@ -37,7 +39,7 @@ def follow_notes(
         f"The way to the first fix is flown at {approach_m_s:g} m/s.",
         *(_jump_note(motion, bridge) for bridge in bridges),
         _gaps_note(motion, bridges, pace),
-        _positions_note(motion, reference),
+        _positions_note(motion, reference, pace),
         _headings_note(motion, reference),
     )
     return tuple(filter(None, notes))
@@ -67,14 +69,21 @@ def _gaps_note(motion: RecordedMotion, bridges: tuple[Bridge, ...], pace: float)
     return f"The vehicle flies straight on where nothing is recorded: {', '.join(told)}."
 
 
-def _positions_note(motion: RecordedMotion, reference: ReferenceMotion) -> str:
+def slower(pace: float) -> str:
+    """What to do about a motion that is too fast for the vehicle."""
+    return f"follow slower, such as with --speed {pace / 2:g}x"
+
+
+def _positions_note(motion: RecordedMotion, reference: ReferenceMotion, pace: float) -> str:
     off_m = np.linalg.norm(reference.positions_m(motion.time_s) - motion.position_m, axis=1)
     share, worst = _share_and_worst(off_m, _WORTH_TELLING_M)
     if not share:
         return ""
+    next_step = f"; {slower(pace)}" if off_m[worst] > _WORTH_SLOWING_M else ""
     return (
         f"The vehicle's limits do not let it follow {share:.1f} % of the fixes within "
-        f"{_WORTH_TELLING_M:.0f} m; the worst is {off_m[worst]:.1f} m off, at {motion.time_s[worst]:.0f} s."
+        f"{_WORTH_TELLING_M:.0f} m; the worst is {off_m[worst]:.1f} m off, "
+        f"at {motion.time_s[worst]:.0f} s{next_step}."
     )
 
 

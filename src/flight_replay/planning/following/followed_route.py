@@ -20,7 +20,7 @@ from flight_replay.planning.altitude import FLOOR_M, home_of
 from flight_replay.planning.drag import Drag, DragModel, sitl_drag
 from flight_replay.planning.flown_part import flown_fixes, flown_part
 from flight_replay.planning.following.controller_lag import acceleration_lag, drag_lag
-from flight_replay.planning.following.follow_notes import follow_notes
+from flight_replay.planning.following.follow_notes import follow_notes, slower
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
 from flight_replay.planning.route import Route
@@ -97,7 +97,7 @@ def _check_beside(errors: Errors, pace: float) -> None:
     if beside_m > _FARTHEST_M:
         raise MissionError(
             f"the vehicle is too slow for the recording: its way would lead {beside_m:.0f} m beside it, "
-            f"at {at_s:.0f} s; follow slower, such as with --speed {pace / 2:g}x"
+            f"at {at_s:.0f} s; {slower(pace)}"
         )
 
 
