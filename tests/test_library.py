@@ -3,8 +3,9 @@
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -107,6 +108,30 @@ def test_a_plan_has_the_arguments_that_options_may_have(arguments: dict[str, Any
     with pytest.raises(MissionError) as refused:
         flight_replay.plan(track, **arguments)
     assert str(refused.value) == message
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda read, _: flight_replay.replay(read), "route must be a Route, such as plan"),
+        (
+            lambda _, route: flight_replay.replay(route, vehicle=cast(Any, 14550)),
+            "vehicle must be a str, such as 'udpin:",
+        ),
+        (lambda read, _: flight_replay.errors(read.track, read), "flown must be a Track, such as read_log"),
+        (lambda read, _: flight_replay.figure(read), "route must be a Route"),
+        (
+            lambda _, route: flight_replay.figure(route, route),
+            "flight must be a FlightResult, such as replay",
+        ),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused(call: Callable[[Any, Any], object], message: str) -> None:
+    """As where what was read is flown, not what was planned."""
+    read = flight_replay.read_log(sample_log())
+    with pytest.raises(MissionError) as refused:
+        call(read, flight_replay.plan(read.track, max_points=5))
+    assert message in str(refused.value)
 
 
 def test_what_is_no_track_is_refused() -> None:
