@@ -144,10 +144,10 @@ def _searched(recorded: Movement, flown: Movement, wanted_s: Floats) -> Movement
 
 
 def _reached(recorded: Movement, flown: Movement) -> Movement:
-    """What of a recording a flight goes along, which may end long before it, begin elsewhere, or go on behind it.
+    """What of a recording a flight goes along, which may end long before it or after it, or begin elsewhere.
 
-    Matched with a recording that ends first, all places of the rest of a flight are drawn to one of its places,
-    and those before with them; then the recording has counterparts in the flight, and is taken whole.
+    Matched with a recording that ends first, the rest of a flight is drawn to one of its places, and what is
+    before with it; but all of that recording has counterparts in the flight.
     """
     matching = match_in_order(flown.north_east_m, recorded.north_east_m)
     other_way = match_in_order(recorded.north_east_m, flown.north_east_m)
