@@ -50,7 +50,8 @@ def test_half_the_pace_takes_twice_as_long() -> None:
 def test_what_cannot_be_followed_is_said() -> None:
     track = _track(speed_m_s=12.0)
     route = followed_route(track, track.alt_m, Limits(), FollowOptions())
-    assert any("limits do not let it follow" in note for note in route.notes)
+    (note,) = (note for note in route.notes if "limits do not let it follow" in note)
+    assert note.endswith(" s. To follow closer, fly slower, such as with --speed 0.5x.")
 
 
 @pytest.mark.parametrize(

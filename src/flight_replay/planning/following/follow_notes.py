@@ -37,7 +37,7 @@ def follow_notes(
         f"The way to the first fix is flown at {approach_m_s:g} m/s.",
         *(_jump_note(motion, bridge) for bridge in bridges),
         _gaps_note(motion, bridges, pace),
-        _positions_note(motion, reference),
+        _positions_note(motion, reference, pace),
         _headings_note(motion, reference),
     )
     return tuple(filter(None, notes))
@@ -67,14 +67,15 @@ def _gaps_note(motion: RecordedMotion, bridges: tuple[Bridge, ...], pace: float)
     return f"The vehicle flies straight on where nothing is recorded: {', '.join(told)}."
 
 
-def _positions_note(motion: RecordedMotion, reference: ReferenceMotion) -> str:
+def _positions_note(motion: RecordedMotion, reference: ReferenceMotion, pace: float) -> str:
     off_m = np.linalg.norm(reference.positions_m(motion.time_s) - motion.position_m, axis=1)
     share, worst = _share_and_worst(off_m, _WORTH_TELLING_M)
     if not share:
         return ""
     return (
         f"The vehicle's limits do not let it follow {share:.1f} % of the fixes within "
-        f"{_WORTH_TELLING_M:.0f} m; the worst is {off_m[worst]:.1f} m off, at {motion.time_s[worst]:.0f} s."
+        f"{_WORTH_TELLING_M:.0f} m; the worst is {off_m[worst]:.1f} m off, at {motion.time_s[worst]:.0f} s. "
+        f"To follow closer, fly slower, such as with --speed {pace / 2:g}x."
     )
 
 
