@@ -3,8 +3,9 @@
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -109,6 +110,30 @@ def test_a_plan_has_the_arguments_that_options_may_have(arguments: dict[str, Any
     assert str(refused.value) == message
 
 
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda read, _: flight_replay.replay(read), "route must be a Route, such as plan"),
+        (
+            lambda _, route: flight_replay.replay(route, vehicle=cast(Any, 14550)),
+            "vehicle must be a str, such as 'udpin:",
+        ),
+        (lambda read, _: flight_replay.errors(read.track, read), "flown must be a Track, such as read_log"),
+        (lambda read, _: flight_replay.figure(read), "route must be a Route"),
+        (
+            lambda _, route: flight_replay.figure(route, route),
+            "flight must be a FlightResult, such as replay",
+        ),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused(call: Callable[[Any, Any], object], message: str) -> None:
+    """As where what was read is flown, not what was planned."""
+    read = flight_replay.read_log(sample_log())
+    with pytest.raises(MissionError) as refused:
+        call(read, flight_replay.plan(read.track, max_points=5))
+    assert message in str(refused.value)
+
+
 def test_what_is_no_track_is_refused() -> None:
     """A recording is not one, but has one; a selection may be empty."""
     recording = flight_replay.read_log(sample_log())
@@ -153,15 +178,6 @@ def test_a_replay_has_the_arguments_that_options_may_have(arguments: dict[str, A
     with pytest.raises(MissionError) as refused:
         flight_replay.replay(route, "/dev/no-such-port", **arguments)
     assert str(refused.value) == message
-
-
-def test_what_is_no_route_or_vehicle_is_refused() -> None:
-    """A track is no route yet, a port no connection string."""
-    track = flight_replay.read_log(sample_log()).track
-    with pytest.raises(MissionError, match=r"such as plan\(track\) makes, not Track"):
-        flight_replay.replay(track)  # type: ignore[arg-type]
-    with pytest.raises(MissionError, match="vehicle must be a connection string or None, not int"):
-        flight_replay.replay(flight_replay.plan(track, max_points=5), 5760)  # type: ignore[arg-type]
 
 
 def test_only_what_is_used_is_imported() -> None:

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
-from flight_replay.cli.keyword_options import check_planning, keyword_options
+from flight_replay.cli.keyword_options import check_kind, check_planning, keyword_options
 from flight_replay.cli.plan_step import Planner
 from flight_replay.events import Event, ignore
 from flight_replay.exceptions import MissionError
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
 
 Recorded = Literal["recorded"]
+_TRACK, _ROUTE = "read_log(path).track", "plan(read_log(path).track)"
+"""Where arguments come from."""
 
 
 def plan(  # noqa: PLR0913
@@ -124,7 +126,7 @@ def replay(  # noqa: PLR0913
     from flight_replay.cli.flight_step import fly
     from flight_replay.output.console.console import open_console
 
-    _check_flying(route, vehicle)
+    _check_flown(route, vehicle)
     mode = "auto" if route.reference is None else "guided"
     where = {"mode": mode, "connect": vehicle, "speedup": speedup, "takeoff_altitude_m": takeoff_altitude_m}
     options = keyword_options({**where, "duration_s": duration_s, "land": land, "yes": yes})
@@ -134,11 +136,11 @@ def replay(  # noqa: PLR0913
     return flown
 
 
-def _check_flying(route: object, vehicle: object) -> None:
-    if not isinstance(route, Route):
-        raise MissionError(f"route must be a Route, such as plan(track) makes, not {type(route).__name__}")
-    if not isinstance(vehicle, str | None):
-        raise MissionError(f"vehicle must be a connection string or None, not {type(vehicle).__name__}")
+def _check_flown(route: object, vehicle: object) -> None:
+    """Refuse what is no route, and what is no connection string."""
+    check_kind(route, Route, "route", _ROUTE)
+    if vehicle is not None:
+        check_kind(vehicle, str, "vehicle", "'udpin:127.0.0.1:14550'")
 
 
 def _home(route: Route) -> Home:
@@ -151,13 +153,24 @@ def errors(recorded: Track, flown: Track) -> FlightErrors:
     """The errors of a flown track against a recorded one, over what it covers of that.
 
     Raises:
+        MissionError: One of them is not a Track.
         LogError: One of them does not move, or they are not of one motion.
     """
+    for name, track in (("recorded", recorded), ("flown", flown)):
+        check_kind(track, Track, name, _TRACK)
     return compare_tracks(recorded, flown).errors
 
 
 def figure(route: Route, flight: FlightResult | None = None) -> Figure:
-    """A page of plots: paths, errors, altitude and speed; shown by notebooks, or saved with ``savefig``."""
+    """A page of plots: paths, errors, altitude and speed; shown by notebooks, or saved with ``savefig``.
+
+    Raises:
+        MissionError: An argument is not what it may be.
+    """
+    from flight_replay.cli.flight_step import FlightResult
     from flight_replay.output.charts.plot import replay_figure
 
+    check_kind(route, Route, "route", _ROUTE)
+    if flight is not None:
+        check_kind(flight, FlightResult, "flight", "replay(route)")
     return replay_figure(route, *((flight.record, flight.outcome) if flight else (None, None)))

@@ -107,6 +107,12 @@ def test_wrong_usage_is_exit_status_2(capsys: pytest.CaptureFixture[str]) -> Non
     assert capsys.readouterr().err == told
     assert main(["--flihgt", "2"]) == 2
     assert capsys.readouterr().err.endswith("; did you mean --flight?\n")
+    assert main(["--quiet"]) == 2  # is not like --wait
+    assert capsys.readouterr().err.endswith("; see flight-replay --help\n")
+    assert main(["my", "flight.tlog"]) == 2
+    assert capsys.readouterr().err.endswith(
+        "flight.tlog; name one file, in quotes if there are spaces in its name\n"
+    )
 
 
 def test_a_dry_run_tells_what_it_does_not_need(capsys: pytest.CaptureFixture[str]) -> None:

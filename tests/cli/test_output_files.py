@@ -60,8 +60,11 @@ def test_a_link_to_itself_is_one_clear_error(
 def test_no_file_is_written_twice(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Two options with one file would leave only one of the two."""
     assert main(["--tlog", str(log), "--save", "a.kml", "--save", "./a.kml", *DRY]) == 1
-    assert "a.kml is written by another option" in capsys.readouterr().err
+    assert "a.kml is written by another option; choose" in capsys.readouterr().err
     assert not Path("a.kml").exists()
+    Path("b.kml").symlink_to("a.kml")
+    assert main(["--tlog", str(log), "--save", "a.kml", "--save", "b.kml", *DRY]) == 1
+    assert "b.kml is written by another option, as a.kml; choose" in capsys.readouterr().err
 
 
 def test_a_file_that_exists_is_replaced_only_with_force(

@@ -13,6 +13,7 @@ from flight_replay.logs.track import Track
 from flight_replay.planning.route import Route
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
+from tests.helpers.fit_tracks import sped_up, wander
 from tests.helpers.log_writer import LogWriter
 
 
@@ -44,6 +45,31 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
     assert route.objective_m is not None
     assert any(isinstance(event, Progress) and event.what == "fit" for event in events)
     assert any(isinstance(event, Notice) and "left out" in event.text for event in events)
+
+
+@pytest.mark.usefixtures("brief_search")
+@pytest.mark.parametrize(
+    ("argv", "times_as_fast", "told"),
+    [
+        ([], 2.0, "To let it keep up on a simulator, add --limits recorded."),
+        (
+            ["--connect", "udpin:"],
+            2.0,
+            "add --limits recorded if it is simulated, else fly slower, with --speed",
+        ),
+        (["--limits", "recorded"], 8.0, "To let it keep up, fly slower, with --speed M_PER_S."),
+        ([], 0.5, None),
+    ],
+)
+def test_what_lets_a_vehicle_keep_up_is_said(argv: list[str], times_as_fast: float, told: str | None) -> None:
+    """Limits are raised for simulated vehicles only, and once."""
+    options = parse_options(["--route", "fit", "--speed", "recorded", "--max-points", "12", *argv])
+    track = sped_up(wander(3), times_as_fast)
+    notes = plan_step.Planner(options, track, ignore).route(VehicleLimits()).notes
+    assert [note for note in notes if "keep up, " in note or "simulator, add" in note] == (
+        [] if told is None else [notes[-1]]
+    )
+    assert told is None or told in notes[-1]
 
 
 def test_a_speed_that_is_not_reached_is_said() -> None:

@@ -51,6 +51,15 @@ def test_a_replay_of_a_part_is_measured_over_that() -> None:
     assert result.errors.path_m.path_to_recorded.error.max() < 0.7
 
 
+def test_a_replay_that_goes_on_is_measured_over_all_of_a_shorter_one() -> None:
+    """As one of the whole flight against one of its first minute."""
+    shorter = loops(3).select(slice(0, 120))
+    result = compare_tracks(shorter, loops(3, beside_m=0.5))
+    assert 90 < result.fixes < 120
+    assert result.errors.path_m.recorded_to_path.error.mean() == pytest.approx(0.5, abs=0.1)
+    assert result.errors.path_m.path_to_recorded.error.max() < 0.7
+
+
 def test_a_copy_beside_is_beside_at_every_time() -> None:
     """Where it passes the first fix is not when: the motion there may be towards it."""
     first = loops(2)

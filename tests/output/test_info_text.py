@@ -31,6 +31,16 @@ def test_the_sample_flight_is_told() -> None:
     assert lines[-1].split() == ["1", "22:14:02", "0:10:35", "1560", "m", "26", "m", "9.8", "m/s", "2541"]
 
 
+def test_a_flight_just_below_home_is_not_minus_nothing(tmp_path: Path) -> None:
+    """Its highest point is 0 m."""
+    log = LogWriter()
+    for number in range(20):
+        log.heartbeat(armed=True).position(1_000 + 500 * number, 47.0 + number * 1e-5, 8.0, -0.1)
+    path = tmp_path / "low.tlog"
+    path.write_bytes(log.data)
+    assert lines_of(path)[-1].split()[5] == "0"
+
+
 def test_a_log_without_a_flight_says_so(tmp_path: Path) -> None:
     """A vehicle that neither was armed nor moved."""
     log = LogWriter()

@@ -40,8 +40,7 @@ def check_planning(options: Options, track: Track) -> None:
     Raises:
         MissionError: There are some.
     """
-    if not isinstance(track, Track):
-        _refuse(f"track must be a Track, such as read_log(path).track, not {_quoted(track)}")
+    check_kind(track, Track, "track", "read_log(path).track")
     if not len(track):
         _refuse("the track has no fix; choose another part of the recording")
     # A function cannot tell a default that was typed from one that was not.
@@ -51,6 +50,16 @@ def check_planning(options: Options, track: Track) -> None:
     needs = needs_times(options, KEYWORDS)
     if needs and not track.timed:
         _refuse(f"the track has no times: leave out {needs}")
+
+
+def check_kind(value: object, kind: type, name: str, example: str) -> None:
+    """Refuse an argument that is of another kind, as a recording where its track is wanted.
+
+    Raises:
+        MissionError: It is.
+    """
+    if not isinstance(value, kind):
+        _refuse(f"{name} must be a {kind.__name__}, such as {example}, not {_quoted(value)}")
 
 
 def _refuse(why: str) -> NoReturn:

@@ -69,14 +69,16 @@ def check_outputs(options: Options) -> None:
 def _check_files(options: Options) -> None:
     """Refuse an output that is the log itself or another output, or that exists without ``--force``."""
     log = default_log() if options.log is None else options.log
-    seen = {_identity(log): "the log that is replayed"}
+    seen: dict[object, Path] = {}
     for file in (*options.save, options.plot, options.report, options.record):
         if file is None:
             continue
-        other = seen.get(_identity(file))
-        if other is not None:
-            raise FlightReplayError(f"{file} is {other}; choose another file for it")
-        seen[_identity(file)] = f"written by another option: {file}"
+        if _identity(file) == _identity(log):
+            raise FlightReplayError(f"{file} is the log that is replayed; choose another file for it")
+        other = seen.setdefault(_identity(file), file)
+        if other is not file:
+            named = "" if other == file else f", as {other}"
+            raise FlightReplayError(f"{file} is written by another option{named}; choose another file for it")
         if file.expanduser().is_file() and not options.force:
             raise FlightReplayError(f"{file} exists; choose another name, or replace it with --force")
 

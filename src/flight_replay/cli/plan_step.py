@@ -297,4 +297,15 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         recording=track,
         predicted_duration_s=result.predicted_duration_s,
     )
-    return replace(route, objective_m=result.objective_m, notes=result.notes)
+    notes = (*result.notes, _to_keep_up(options)) if result.is_behind else result.notes
+    return replace(route, objective_m=result.objective_m, notes=notes)
+
+
+def _to_keep_up(options: Options) -> str:
+    """What to change for a vehicle that is behind the recording; only simulated ones have limits raised."""
+    slower = "fly slower, with --speed M_PER_S"
+    if options.limits == "recorded":
+        return f"To let it keep up, {slower}."
+    if options.connect is None:
+        return "To let it keep up on a simulator, add --limits recorded."
+    return f"To let it keep up, add --limits recorded if it is simulated, else {slower}."

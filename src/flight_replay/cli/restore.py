@@ -23,6 +23,7 @@ from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
 from flight_replay.output.console.terminal import flush_or_discard, write_error, write_line
 from flight_replay.writing.output_files import unused_path
+from flight_replay.writing.terminal_text import Parser
 
 
 class HasMissionOnBoard(Protocol):
@@ -76,7 +77,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="python -m flight_replay.cli.restore",
         description="Upload a mission that was saved before a replay, or put parameters (.parm) back.",
         allow_abbrev=False,

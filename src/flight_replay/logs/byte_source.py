@@ -49,7 +49,8 @@ class OpenLog:
         self.is_packed = magic == _GZIP_MAGIC
         self.file = None if self.is_packed else file
         plain = _Prefixed(magic, counted)
-        stream: Stream = _GzipStream(plain) if self.is_packed else plain
+        self._gzip = _GzipStream(plain) if self.is_packed else None
+        stream: Stream = self._gzip or plain
         self.head = _first_bytes(stream, HEAD_LENGTH)
         self.stream: Stream = _Prefixed(self.head, stream)
 
@@ -57,6 +58,11 @@ class OpenLog:
     def position(self) -> int:
         """How many stored bytes were taken."""
         return self._counted.position
+
+    @property
+    def ends_early(self) -> bool:
+        """Whether gzip data that was read to its end is damaged there, or cut off."""
+        return self._gzip is not None and self._gzip.ends_early
 
 
 class _CountedStream:
@@ -125,6 +131,8 @@ class _GzipStream:
         self._buffer = bytearray(_PACKED_STEP)
         self._pending = b""
         self._step = _PACKED_STEP  # bytes to unpack at once, halved before a fault until none are left
+        self._is_within_member = False
+        self.ends_early = False
 
     def readinto(self, buffer: memoryview, /) -> int:
         """The next decompressed bytes; a torn or damaged end reads like an end."""
@@ -135,7 +143,9 @@ class _GzipStream:
             data = self._unpack(len(buffer))
             if data or is_last:
                 buffer[: len(data)] = data
+                self.ends_early = not data and self._is_within_member
                 return len(data)
+        self.ends_early = self._is_within_member
         return 0
 
     def _unpack(self, size: int) -> bytes:
@@ -148,6 +158,7 @@ class _GzipStream:
             self._step //= 2
             return b""
         rest = self._pending[len(taken) :]
+        self._is_within_member = not self._inflate.eof and (self._is_within_member or bool(data))
         if self._inflate.eof:
             self._pending = self._inflate.unused_data + rest
             self._inflate = zlib.decompressobj(wbits=31)

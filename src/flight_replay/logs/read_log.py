@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from flight_replay.exceptions import LogError
@@ -10,6 +11,8 @@ from flight_replay.logs.byte_source import OpenLog, Progress, open_log
 from flight_replay.logs.log_formats import LogFormat, recognised
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.vehicles import VehicleId
+
+_ENDS_EARLY = "Its gzip data is damaged or cut off: the rest of the log cannot be read"
 
 
 def read_log(
@@ -46,6 +49,8 @@ def read_open_log(
     if opened:
         opened(kind)
     recording = kind.read(log, vehicle, progress)
+    if log.ends_early:
+        recording = replace(recording, notes=(*recording.notes, _ENDS_EARLY))
     if vehicle is not None:
         _check_vehicle(recording, vehicle)
     return recording

@@ -17,7 +17,7 @@ def describe(head: bytes, *, is_packed: bool = False) -> str:
         if head.startswith(magic):
             return kind
     if _is_text(head, "utf-8-sig"):
-        return _OTHER_TABLE if _is_table_of_positions(head) else "is text that holds no flight"
+        return _text_kind(head)
     is_half_zeros = head.count(0) > len(head) // 3  # as UTF-16 is but for the alphabets of the East
     if is_half_zeros and (_is_text(head, "utf-16-le") or _is_text(head, "utf-16-be")):
         return _UTF_16
@@ -28,6 +28,12 @@ def _is_text(head: bytes, encoding: str) -> bool:
     """Whether all but a last, cut character can be read as text."""
     text = head.decode(encoding, "replace")[:-1]
     return "\ufffd" not in text and all(each.isprintable() or each in "\t\r\n\f" for each in text)
+
+
+def _text_kind(head: bytes) -> str:
+    if _PLAN.search(head):
+        return _MISSION
+    return _OTHER_TABLE if _is_table_of_positions(head) else "is text that holds no flight"
 
 
 def _is_table_of_positions(head: bytes) -> bool:
@@ -43,6 +49,8 @@ _OTHER_TABLE = (
     "DJI CsvView"
 )
 _LATITUDE = re.compile("latitude|(?<![a-z])lat(?![a-z])", re.IGNORECASE)
+_MISSION = "is a mission, not a recorded flight"
+_PLAN = re.compile(rb'"fileType"\s*:\s*"Plan"')
 _UTF_16 = "is text in UTF-16, not a log"
 _UNKNOWN = "holds no MAVLink position, heartbeat or GPS record, and is no other log that can be read"
 _KINDS = (
@@ -54,5 +62,5 @@ _KINDS = (
     (b"\x28\xb5\x2f\xfd", "is packed with zstd: unpack it first"),
     (b"7z\xbc\xaf\x27\x1c", "is a 7z archive: unpack it first"),
     (b"Rar!\x1a\x07", "is a RAR archive: unpack it first"),
-    (b"QGC WPL", "is a mission, not a recorded flight"),
+    (b"QGC WPL", _MISSION),
 )

@@ -144,8 +144,16 @@ def _searched(recorded: Movement, flown: Movement, wanted_s: Floats) -> Movement
 
 
 def _reached(recorded: Movement, flown: Movement) -> Movement:
-    """What of a recording a flight goes along, which may end long before it, or begin elsewhere."""
-    along_m = match_in_order(flown.north_east_m, recorded.north_east_m).along_m
+    """What of a recording a flight goes along, which may end long before it or after it, or begin elsewhere.
+
+    Matched with a recording that ends first, the rest of a flight is drawn to one of its places, and what is
+    before with it; but all of that recording has counterparts in the flight.
+    """
+    matching = match_in_order(flown.north_east_m, recorded.north_east_m)
+    other_way = match_in_order(recorded.north_east_m, flown.north_east_m)
+    if other_way.distance_m.mean() < matching.distance_m.mean():
+        return recorded
+    along_m = matching.along_m
     lengths_m = lengths_along_m(recorded.north_east_m)
     first = int(np.searchsorted(lengths_m, along_m[0], "left"))
     return recorded.select(slice(first, int(np.searchsorted(lengths_m, along_m[-1], "right"))))

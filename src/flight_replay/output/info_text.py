@@ -65,7 +65,7 @@ def _cells(recording: Recording, flight: Flight) -> tuple[str, ...]:
         start,
         _clock(flight.end_s - flight.start_s) if timed else "-",
         f"{flight.length_m:.0f} m",
-        "-" if flight.highest_m is None else f"{flight.highest_m:.0f} m",
+        "-" if flight.highest_m is None else f"{round(flight.highest_m)} m",
         "-" if flight.top_speed_m_s is None else f"{flight.top_speed_m_s:.1f} m/s",
         str(flight.fixes),
     )

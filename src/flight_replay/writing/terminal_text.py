@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from _typeshed import SupportsWrite
 
 
+_ALIKE = 0.7
+"""Of 1; below it are other words, such as --quiet and --wait."""
+
+
 def escaped(text: str) -> str:
     r"""The text with Python escapes, such as ``\x1b``, for all but printable characters and the blank.
 
@@ -52,9 +56,13 @@ class Parser(argparse.ArgumentParser):
         super().exit(status, message)
 
     def _meant(self, message: str) -> str | None:
-        """The option that is most like one that does not exist."""
+        """The option that is most like one that does not exist, or what a second file name comes of."""
         unknown = message.removeprefix("unrecognized arguments: ").split("=")[0].split()
-        if not message.startswith("unrecognized") or not unknown[0].startswith("--"):
+        if not message.startswith("unrecognized"):
             return None
-        close = difflib.get_close_matches(unknown[0], self._option_string_actions, 1)
+        if not unknown[0].startswith("-") and self._get_positional_actions():
+            return "name one file, in quotes if there are spaces in its name"
+        if not unknown[0].startswith("--"):
+            return None
+        close = difflib.get_close_matches(unknown[0], self._option_string_actions, 1, _ALIKE)
         return f"did you mean {close[0]}?" if close else None

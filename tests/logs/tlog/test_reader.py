@@ -266,6 +266,7 @@ def test_packed_logs_are_read_as_they_are(tmp_path: Path, cut: int) -> None:
     read = read_log(path)
     assert read.bytes <= len(data)
     assert len(read.track) == 4_000 if cut < 2 else 3_000 < len(read.track) < 4_000
+    assert (read.notes == ()) == (cut == 0)
 
 
 @pytest.mark.parametrize("behind", [b"", b"\0" * 512, b"left by another program"])
@@ -276,8 +277,9 @@ def test_damaged_packed_logs_are_read_up_to_the_damage(tmp_path: Path, behind: b
     spoiled = packed[:-8] + bytes([packed[-8] ^ 0xFF]) + packed[-7:]  # the checksum behind the data
     read = read_log(write(tmp_path, spoiled + gzip.compress(data[100_000:]) + behind))
     assert read.bytes == 100_000
+    assert read.notes == ("Its gzip data is damaged or cut off: the rest of the log cannot be read",)
     read = read_log(write(tmp_path, packed + gzip.compress(data[100_000:]) + behind))
-    assert (read.bytes, len(read.track)) == (len(data), 4_000)
+    assert (read.bytes, len(read.track), read.notes) == (len(data), 4_000, ())
 
 
 def test_torn_packed_logs_are_unpacked_to_their_last_byte() -> None:
@@ -370,6 +372,7 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
         ("Übersetzung\r\n".encode("utf-16-le"), "is text in UTF-16"),
         ("1>  Übersetzung läuft\n".encode(), "is text that holds no flight"),
         ("\ufeff1>  Übersetzung läuft\n".encode(), "is text that holds no flight"),
+        (b'{\n  "fileType": "Plan",\n  "mission": {}}', "is a mission, not a recorded flight"),
         (b"a,b\n1,2\nlat,lon\n", "is text that holds no flight"),
         (b"time,lat,lon\n0,47.1,8.1\n", r'without the columns .*: kind \(the first, "track" .* AirData'),
         (b"Time;Latitude [deg];Longitude\n0;47.1;8.1\n", "without the columns"),
@@ -397,6 +400,7 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
             "utf-16 not of ASCII",
             "text",
             "text with mark",
+            "plan",
             "text with commas",
             "table",
             "table parted by semicolons",

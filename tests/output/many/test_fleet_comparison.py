@@ -41,6 +41,13 @@ def test_what_failed_before_and_flies_now_is_better() -> None:
     assert [each.worse for each in comparison.changes] == [False]
 
 
+def test_a_motion_that_was_followed_has_no_waypoints_to_tell() -> None:
+    """How it ended says what changed."""
+    followed = row(waypoints=0, waypoints_reached=0)
+    (change,) = compare_tables([followed], [{**followed, "ended": "recording complete"}], Tolerance()).changes
+    assert change.text == "duration, now recording complete"
+
+
 def test_a_missing_flight_is_worse_and_a_new_one_is_told() -> None:
     comparison = compare_tables([row(), row(2)], [row(), row(3)], Tolerance())
     assert ["missing" in each.text for each in comparison.worse] == [True]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from flight_replay.output.many.fleet_report import save_fleet_report
-from flight_replay.output.many.fleet_summary import summary_json, summary_lines, summary_of
+from flight_replay.output.many.fleet_summary import reason, summary_json, summary_lines, summary_of
 from flight_replay.output.many.flight_columns import COLUMNS, Row
 from tests.helpers.paths import ROOT
 
@@ -43,6 +43,13 @@ def test_the_summary_counts_each_flight_once() -> None:
     assert (error["flights"], error["median"]) == (7, 3.0)
     assert [each["error"] for each in error["worst"]] == [6.0, 5.0, 4.0, 3.0, 2.0]
     assert any("3 x LOG holds N" in line for line in summary_lines(summary_of(ROWS)))
+
+
+def test_numbers_in_addresses_are_no_reason_to_tell_failures_apart() -> None:
+    """They are kept, and what is counted or measured is not."""
+    text = "cannot download from https://s3.host.com/copter4.tar.gz: 12 s passed, 0.5 of -3 files"
+    kept = "cannot download from https://s3.host.com/copter4.tar.gz: N s passed, N of N files"
+    assert reason({"log": "a.tlog", "problem": text}) == kept
 
 
 def test_the_report_is_one_file_that_shows_all(tmp_path: Path) -> None:

@@ -310,6 +310,8 @@ def test_files_that_are_named_must_exist(tmp_path: Path) -> None:
         find_binary(tmp_path / "none", None, {})
     with pytest.raises(SimulatorError, match="named by SITL_BINARY, does not exist"):
         find_binary(None, None, {"SITL_BINARY": "/no/such/file"})
+    with pytest.raises(SimulatorError, match="named by --sitl, is a folder; name the SITL binary in it"):
+        find_binary(tmp_path, None, {})
     plain = tmp_path / "plain"
     plain.write_text("")
     if os.geteuid() != 0 or not os.access(plain, os.X_OK):

@@ -143,7 +143,7 @@ def _add_replay_groups(parser: argparse.ArgumentParser) -> None:
         choices=FLY_WITH,
         default="none",
         help="none: plan only; model: fly in the flight model; builtin: on the built-in copter, through "
-        "DroneKit; sitl: on ArduPilot SITL (default: %(default)s)",
+        "DroneKit; sitl: on ArduPilot SITL, downloaded if there is none (default: %(default)s)",
     )
     group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary, for --fly sitl")
     option_groups.add_flight(group)

@@ -109,9 +109,11 @@ def _outcome(row: Row) -> str:
     """How a flight went, in words."""
     if row.get("status") not in GOOD:
         return f"{row.get('status')}: {row.get('problem', 'no reason known')}"
+    waypoints = row.get("waypoints", 0)  # none where a motion was followed
     if "flown_by" not in row:
-        return f"planned in {row.get('waypoints', 0)} waypoints"
-    return f"{row.get('ended')}, {row.get('waypoints_reached', 0)} of {row.get('waypoints', 0)} waypoints"
+        return f"planned in {waypoints} waypoints" if waypoints else "planned"
+    reached = f", {row.get('waypoints_reached', 0)} of {waypoints} waypoints" if waypoints else ""
+    return f"{row.get('ended')}{reached}"
 
 
 def _less_flown(old: Row, new: Row) -> bool:

@@ -18,7 +18,8 @@ from flight_replay.output.result_text import duration_text
 WORST = 5
 _WORTH_TELLING = 0.005
 _REASONS = 10
-_NUMBER = re.compile(r"-?\d+(\.\d+)?")
+_NUMBER = re.compile(r"(?<![\w.-])-?\d+(\.\d+)?\b")
+"""By itself, not in an address or a name."""
 _PREFIXES = ("flown", "predicted", "planned")
 
 

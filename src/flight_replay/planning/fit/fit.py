@@ -89,8 +89,8 @@ def fit(  # noqa: PLR0913
     problem = replace(problem_for(recording, max_points, limits, timed=timed), frame=flat_frame(flown))
     budget = _budget(problem, len(flown), progress)
     best, stopped = _searched(problem, recording, max_points, speed_m_s, budget)
-    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
-    return _result(best, flown, heights, notes)
+    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.")
+    return _result(best, problem, flown, heights, notes)
 
 
 def _searched(
@@ -150,7 +150,10 @@ def _starts(problem: FitProblem, recording: LocalTrack, max_points: int) -> list
     return [*selected, FirstDraft(corners, {})]
 
 
-def _result(best: Evaluation, flown: Track, heights: Heights, notes: tuple[str, ...]) -> FitResult:
+def _result(
+    best: Evaluation, problem: FitProblem, flown: Track, heights: Heights, notes: tuple[str, ...]
+) -> FitResult:
+    behind, ahead = lag_notes(best, problem)
     return FitResult(
         mission=best.draft.mission(flat_frame(flown)).with_home(home_of(flown)),
         flown=flown,
@@ -158,5 +161,6 @@ def _result(best: Evaluation, flown: Track, heights: Heights, notes: tuple[str, 
         flight=best.flight,
         predicted_duration_s=float(best.passed_s[-1]),
         objective_m=best.objective_m,
-        notes=notes,
+        notes=(*notes, *filter(None, (behind, ahead))),
+        is_behind=behind is not None,
     )

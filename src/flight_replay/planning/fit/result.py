@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flight_replay.geometry.arrays import Flags
 from flight_replay.geometry.polyline import lengths_m
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
@@ -18,11 +19,8 @@ from flight_replay.planning.stretches import worst_stretches
 
 MIN_LAG_M = 5.0
 """Nearer behind or ahead than this is keeping to the recorded times."""
-_OFF_TIME = (
-    ("The vehicle cannot keep up everywhere: it is expected to be behind by", 1),
-    ("It is expected to be ahead of the recording by", -1),
-)
-"""What is said of being late (1) and early (-1)."""
+_BEHIND = "The vehicle cannot keep up everywhere: it is expected to be behind by"
+_AHEAD = "It is expected to be ahead of the recording by"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +30,8 @@ class FitResult:
     ``flown`` is the part of the log that it follows, the clock running on from flight to flight,
     ``heights`` those of its fixes. ``flight`` is the predicted one, in the metres of ``flat_frame(flown)``;
     ``predicted_duration_s`` runs from reaching the first waypoint to the end. ``notes`` are sentences for a
-    person; ``objective_m`` is what the fit made small, see ``objective``.
+    person, one of them on where the vehicle ``is_behind`` the recording, if it is; ``objective_m`` is what
+    the fit made small, see ``objective``.
     """
 
     mission: Mission
@@ -42,23 +41,25 @@ class FitResult:
     predicted_duration_s: float
     objective_m: float
     notes: tuple[str, ...]
+    is_behind: bool
 
 
-def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
-    """Sentences on where the vehicle is farthest behind the recording, and ahead of it, if that counts.
+def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str | None, str | None]:
+    """Sentences on where the vehicle is farthest behind the recording, and ahead of it; None if nowhere.
 
     Args:
         best: the predicted flight.
         problem: what it was compared with.
     """
     if not problem.timed:
-        return ()
+        return None, None
     recorded_s = problem.recording.time_s
     apart_m = lengths_m(position_offsets_m(best.flight, problem.recording))
-    notes = []
-    for said, sign in _OFF_TIME:
-        off_m = np.where(sign * (best.flown_s - recorded_s) > 0, apart_m, 0.0)
+
+    def note(said: str, is_off: Flags) -> str | None:
+        off_m = np.where(is_off, apart_m, 0.0)
         off = off_m > MIN_LAG_M
-        if off.any():
-            notes.append(f"{said} up to {worst_stretches(off, off_m, recorded_s, 0)}.")
-    return tuple(notes)
+        return f"{said} up to {worst_stretches(off, off_m, recorded_s, 0)}." if off.any() else None
+
+    late_s = best.flown_s - recorded_s
+    return note(_BEHIND, late_s > 0), note(_AHEAD, late_s < 0)

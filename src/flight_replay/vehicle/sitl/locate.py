@@ -62,6 +62,8 @@ def _defaults(environment: Mapping[str, str]) -> tuple[Path, ...]:
 
 
 def _runnable(path: Path, where: str) -> Path:
+    if path.is_dir():
+        raise SimulatorError(f"{path}, named by {where}, is a folder; name the SITL binary in it")
     if not path.is_file():
         raise SimulatorError(f"the SITL binary {path}, named by {where}, does not exist; check the path")
     if not os.access(path, os.X_OK):
