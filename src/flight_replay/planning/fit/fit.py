@@ -90,7 +90,7 @@ def fit(  # noqa: PLR0913
     budget = _budget(problem, len(flown), progress)
     best, stopped = _searched(problem, recording, max_points, speed_m_s, budget)
     notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.", *lag_notes(best, problem))
-    return _result(best, flown, heights, notes)
+    return _result(best, flown, heights, limits, notes)
 
 
 def _searched(
@@ -150,9 +150,11 @@ def _starts(problem: FitProblem, recording: LocalTrack, max_points: int) -> list
     return [*selected, FirstDraft(corners, {})]
 
 
-def _result(best: Evaluation, flown: Track, heights: Heights, notes: tuple[str, ...]) -> FitResult:
+def _result(
+    best: Evaluation, flown: Track, heights: Heights, limits: Limits, notes: tuple[str, ...]
+) -> FitResult:
     return FitResult(
-        mission=best.draft.mission(flat_frame(flown)).with_home(home_of(flown)),
+        mission=best.draft.mission(flat_frame(flown), limits).with_home(home_of(flown)),
         flown=flown,
         heights=heights,
         flight=best.flight,
