@@ -24,7 +24,8 @@ SLOWEST_M_S = 0.35
 SLOWEST_BETWEEN_WAITS_M_S = 0.7
 """A vehicle's estimate of its velocity is centimetres a second off: from rest to rest at 0.35 m/s a real one
 came 0.2 s late, with all that followed. It waits instead."""
-SLOWEST_CLIMB_M_S = 0.2
+SLOWEST_CLIMB_M_S = 0.25
+"""Of steep legs; it is their ground speed, too."""
 FASTEST_M_S = 30.0
 LEAST_HOLD_S = 1.0
 _LAG_S = 0.5
