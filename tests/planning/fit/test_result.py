@@ -7,7 +7,7 @@ import numpy as np
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.reference import LocalTrack, local_track
-from flight_replay.planning.fit.result import lag_notes
+from flight_replay.planning.fit.result import few_waypoints_note, lag_notes
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, sped_up, wander
 
@@ -30,6 +30,22 @@ def test_a_vehicle_that_runs_ahead_of_a_slow_recording_is_told_of() -> None:
     """Along a straight leg at 0.05 m/s it is at the end long before the recording."""
     (early,) = _notes(local_track(along([(0, 0), (60, 0)], 0.05), 20.0))
     assert "ahead of the recording by up to" in early
+
+
+def test_too_few_waypoints_are_told() -> None:
+    """Where they lead past the recording; it is then not the vehicle that does not keep up."""
+    recording = local_track(wander(3), 20.0)
+    line = straight_draft(recording, douglas_peucker(recording.north_east_m, 4))
+    problem = problem_for(recording, 4, Limits(), timed=True)
+    best = problem.evaluate(line)
+    note = few_waypoints_note(best, 4)
+    assert note.startswith("With 4 waypoints the vehicle is expected to fly")
+    assert "--max-points" in note
+    assert few_waypoints_note(best, 12) == ""
+    (late, *_) = lag_notes(best, problem, few=True)
+    assert "cannot keep up" not in late
+    close = problem.evaluate(straight_draft(recording, douglas_peucker(recording.north_east_m, 40)))
+    assert few_waypoints_note(close, 40) == ""
 
 
 def test_nothing_is_said_of_a_vehicle_that_keeps_to_the_recorded_times() -> None:

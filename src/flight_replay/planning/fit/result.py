@@ -18,11 +18,11 @@ from flight_replay.planning.stretches import worst_stretches
 
 MIN_LAG_M = 5.0
 """Nearer behind or ahead than this is keeping to the recorded times."""
-_OFF_TIME = (
-    ("The vehicle cannot keep up everywhere: it is expected to be behind by", 1),
-    ("It is expected to be ahead of the recording by", -1),
-)
-"""What is said of being late (1) and early (-1)."""
+_CANNOT_KEEP_UP = "The vehicle cannot keep up everywhere: it is expected to be behind by"
+_BEHIND = "It is expected to be behind the recording by"
+_AHEAD = "It is expected to be ahead of the recording by"
+_FEW_SHARE, _FEW_ERROR_M = 0.9, 1.0
+"""With about as many waypoints as there may be, and farther beside the recording, there are too few."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,19 +44,37 @@ class FitResult:
     notes: tuple[str, ...]
 
 
-def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str, ...]:
+def few_waypoints_note(best: Evaluation, most: int) -> str:
+    """A sentence where more than so many waypoints would follow the recording more closely, else nothing."""
+    places, beside_m = len(best.draft), float(best.flown[0].apart_m.mean())
+    if places < _FEW_SHARE * most or beside_m < _FEW_ERROR_M:
+        return ""
+    return (
+        f"With {places} waypoint{'s' if places > 1 else ''} the vehicle is expected to fly {beside_m:.1f} m "
+        "beside the recording on average; more of them follow it more closely (--max-points)."
+    )
+
+
+def fit_notes(best: Evaluation, problem: FitProblem, most: int) -> tuple[str, ...]:
+    """Sentences on how the predicted flight of a draft of at most so many waypoints is off the recording."""
+    few = few_waypoints_note(best, most)
+    return (*filter(None, [few]), *lag_notes(best, problem, few=bool(few)))
+
+
+def lag_notes(best: Evaluation, problem: FitProblem, *, few: bool = False) -> tuple[str, ...]:
     """Sentences on where the vehicle is farthest behind the recording, and ahead of it, if that counts.
 
     Args:
         best: the predicted flight.
         problem: what it was compared with.
+        few: whether it has too few waypoints: then it is not the vehicle that does not keep up.
     """
     if not problem.timed:
         return ()
     recorded_s = problem.recording.time_s
     apart_m = lengths_m(position_offsets_m(best.flight, problem.recording))
     notes = []
-    for said, sign in _OFF_TIME:
+    for said, sign in ((_BEHIND if few else _CANNOT_KEEP_UP, 1), (_AHEAD, -1)):
         off_m = np.where(sign * (best.flown_s - recorded_s) > 0, apart_m, 0.0)
         off = off_m > MIN_LAG_M
         if off.any():
