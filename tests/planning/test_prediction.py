@@ -57,7 +57,7 @@ def test_a_mission_with_a_leg_that_ardupilot_does_not_plan_is_told() -> None:
     longer_m = draft.places_m.copy()
     longer_m[1] *= 2.0
     bad, good = (
-        with_prediction(replace(route, mission=each.mission(FlatFrame(47.3, 8.5))), Limits(), 20.0)
+        with_prediction(replace(route, mission=each.mission(FlatFrame(47.3, 8.5), Limits())), Limits(), 20.0)
         for each in (asked, replace(asked, places_m=longer_m))
     )
     assert any("reports an internal error on a short straight leg" in note for note in bad.notes)

@@ -28,6 +28,7 @@ from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.planning.top_speed import with_speed_note
+from flight_replay.planning.unrecorded_ways import unrecorded_notes
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
 
@@ -192,6 +193,7 @@ def _planned_route(
     if options.heading == "recorded":
         route = _with_recorded_headings(options, route, limits)
     route = with_prediction(route, limits, options.takeoff_altitude_m)
+    route = replace(route, notes=(*route.notes, *unrecorded_notes(route.covered)))
     if isinstance(options.speed_m_s, float):
         route = with_speed_note(route, options.speed_m_s, limits)
     return replace(route, required_limits=required_limits)
@@ -297,7 +299,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         recording=track,
         predicted_duration_s=result.predicted_duration_s,
     )
-    notes = (*result.notes, _to_keep_up(options)) if result.is_behind else result.notes
+    notes = (*result.notes, _to_keep_up(options)) if result.cannot_keep_up else result.notes
     return replace(route, objective_m=result.objective_m, notes=notes)
 
 

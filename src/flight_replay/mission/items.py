@@ -48,6 +48,10 @@ WAYPOINT_COMMANDS = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT})
 """Commands that count as waypoints."""
 
 
+_CLIMB_SPEED, _DESCENT_SPEED = 2, 3
+"""Kinds (param1) of DO_CHANGE_SPEED that are no ground speed."""
+
+
 @dataclass(frozen=True, slots=True)
 class MissionItem:
     """One mission item: ``params`` are MAVLink's param1 to param4."""
@@ -70,6 +74,13 @@ class MissionItem:
         return self.command == Command.SPLINE_WAYPOINT
 
     @property
+    def ground_speed_m_s(self) -> float | None:
+        """The horizontal speed that this item sets, None where it sets none."""
+        if self.command != Command.CHANGE_SPEED or int(self.params[0]) in (_CLIMB_SPEED, _DESCENT_SPEED):
+            return None
+        return self.params[1] if self.params[1] > 0 else None
+
+    @property
     def hold_s(self) -> float:
         """Seconds that the vehicle holds its position at this waypoint."""
         return self.params[0] if self.is_waypoint else 0.0
@@ -90,6 +101,13 @@ def waypoint(
 def change_speed(speed_m_s: float) -> MissionItem:
     """DO_CHANGE_SPEED of the horizontal speed (param1 1: ground speed), metres per second."""
     return MissionItem(Command.CHANGE_SPEED, Frame.MISSION, (1.0, float(speed_m_s), 0.0, 0.0), 0.0, 0.0, 0.0)
+
+
+def change_climb_speed(climb_m_s: float) -> MissionItem:
+    """DO_CHANGE_SPEED of the climb speed (param1 2), metres per second; below 0 of the descent speed (3)."""
+    kind = _CLIMB_SPEED if climb_m_s > 0 else _DESCENT_SPEED
+    params = (float(kind), abs(float(climb_m_s)), 0.0, 0.0)
+    return MissionItem(Command.CHANGE_SPEED, Frame.MISSION, params, 0.0, 0.0, 0.0)
 
 
 def speed_from_the_start(speed_m_s: float) -> tuple[MissionItem, MissionItem]:

@@ -47,8 +47,7 @@ def _at_the_speeds_asked_for_s(mission: Mission, path: Path, limits: Limits) -> 
     leg_m = np.bincount(path.seq[1:] - FIRST_SEQ, segment_lengths_m(path.north_east_m), minlength=items)
     speed_m_s, total_s = limits.wp_speed_m_s, 0.0
     for item, length_m in zip(mission.items, leg_m.tolist(), strict=True):
-        if item.command == Command.CHANGE_SPEED and item.params[1] > 0:
-            speed_m_s = item.params[1]
+        speed_m_s = item.ground_speed_m_s or speed_m_s
         total_s += length_m / speed_m_s + item.hold_s
     return total_s
 

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from flight_replay.exceptions import FlightReplayError
+from flight_replay.mission.items import change_climb_speed
 from flight_replay.output.charts.report import ReportText, _time_charts, save_report
 from flight_replay.output.charts.series import replay_series
 from flight_replay.output.event_log import LoggedEvent
@@ -135,6 +136,17 @@ def test_a_plan_has_a_report(tmp_path: Path) -> None:
     assert "Events" not in page.texts
     assert ["1", "wait here for 1 s"] in page.rows
     assert ["2", "change speed to 3 m/s"] in page.rows
+
+
+def test_climb_speeds_are_told_from_ground_speeds(tmp_path: Path) -> None:
+    """A mission may change each."""
+    route = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60)
+    items = (change_climb_speed(0.5), change_climb_speed(-1.5), *route.mission.items)
+    slow = replace(route, mission=replace(route.mission, items=items))
+    save_report(tmp_path / "a.html", ReportText(summary(flown=False)), slow)
+    page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
+    assert ["1", "change climb speed to 0.5 m/s"] in page.rows
+    assert ["2", "change descent speed to 1.5 m/s"] in page.rows
 
 
 def test_altitude_and_speed_are_shown_from_0() -> None:

@@ -49,7 +49,7 @@ def test_places_are_where_items_hold_them() -> None:
     frame = flat_frame(along([(0, 0), (40, 0)], 4.0))
     draft = draft_of([(0, 0), (20.0051, 3.0049), (40, -7.123456)], [False, True, False], [1, 0, 0])
     held = draft.as_items_hold_it(frame)
-    items = [item for _, item in held.mission(frame).waypoints]
+    items = [item for _, item in held.mission(frame, Limits()).waypoints]
     lat, lon = ([round(getattr(item, each), 7) for item in items] for each in ("lat_deg", "lon_deg"))
     assert held.places_m[:, :2] == pytest.approx(frame.to_metres(lat, lon), abs=1e-6)
     assert 0 < np.abs(held.places_m - draft.places_m).max() < 0.01

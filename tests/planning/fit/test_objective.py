@@ -85,6 +85,18 @@ def test_creeping_costs_and_stopping_does_not() -> None:
         assert not creeping_s(draft, time_s, at_end_m).any()
 
 
+def test_a_slow_climb_is_no_creeping() -> None:
+    """Where heights count the vehicle moves as it climbs, away from the stops below and above."""
+    draft = replace(
+        straight_draft(local_track(along([(0, 0), (1, 0)], 1.0), 20.0), np.array([0, 4])),
+        places_m=np.array([(0, 0, 10), (0, 0, 40)], float),
+    )
+    time_s = np.arange(0.0, 60.0, 0.1)
+    climb_m = np.column_stack([np.zeros((len(time_s), 2)), 10.0 + 0.5 * time_s])
+    assert not creeping_s(draft, time_s, climb_m).any()
+    assert creeping_s(draft, time_s, climb_m * (1.0, 1.0, 0.5)).any()
+
+
 def test_the_objective_is_a_sum_with_fixed_shares() -> None:
     """Where the speed is kept the flown path error whole, 0.3 of the planned one, 0.25 of position error."""
     assert evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]).objective_m == pytest.approx(2.0)

@@ -29,8 +29,8 @@ def test_a_flight_begins_at_the_first_place_and_passes_all() -> None:
 
 def test_speeds_before_every_leg_change_the_numbers_of_the_places() -> None:
     """Items count from 1; with a speed for every leg but the first, places are every second one."""
-    assert items_of(DRAFT)[1] == [1, 2, 3, 4]
-    assert items_of(DRAFT, every_speed=True)[1] == [1, 3, 5, 7]
+    assert items_of(DRAFT, Limits())[1] == [1, 2, 3, 4]
+    assert items_of(DRAFT, Limits(), every_speed=True)[1] == [1, 3, 5, 7]
 
 
 @pytest.mark.parametrize("every_speed", [False, True])
@@ -38,7 +38,7 @@ def test_items_of_a_changed_draft_are_made_of_those_before(every_speed: bool) ->
     """They are as if made anew, whichever column differs; those that do not differ are kept."""
     speeds, others = np.array([np.nan, 3.0, 5.0, 7.0]), np.array([np.nan, 3.0, 4.0, 7.0])
     before = replace(DRAFT, speed_m_s=speeds)
-    items, seqs = items_of(before, every_speed=every_speed)
+    items, seqs = items_of(before, Limits(), every_speed=every_speed)
     for change in (
         {"places_m": DRAFT.places_m + np.array([0.0, 1.0, 0.0])},
         {"spline": ~DRAFT.spline},
@@ -46,15 +46,16 @@ def test_items_of_a_changed_draft_are_made_of_those_before(every_speed: bool) ->
         {"speed_m_s": others},
     ):
         after = replace(before, **change)
-        assert items_changed(items, seqs, before, after) == items_of(after, every_speed=every_speed)[0]
-    assert items_changed(items, seqs, before, replace(before)) == items
+        anew, _ = items_of(after, Limits(), every_speed=every_speed)
+        assert items_changed(items, seqs, before, after, Limits()) == anew
+    assert items_changed(items, seqs, before, replace(before), Limits()) == items
 
 
 @pytest.mark.parametrize("takeoff_m", [2.0, 80.0])
 def test_what_follows_a_climb_or_descent_begins_later(takeoff_m: float) -> None:
     """From take-off at another height the first leg lasts longer, as it does after all of that way."""
     level, after = (simulate_draft(DRAFT, Limits(), 0.02, Takeoff(0.0, up_m)) for up_m in (None, takeoff_m))
-    mission = DRAFT.mission(FRAME)
+    mission = DRAFT.mission(FRAME, Limits())
     whole = simulate(mission, Limits(), start_m=(0.0, 0.0, takeoff_m), step_s=0.02)
     reached_s = [whole.reached_s[seq] for seq, _ in mission.waypoints[:2]]
     assert after.passed_s[1] == pytest.approx(reached_s[1] - reached_s[0], abs=0.1)

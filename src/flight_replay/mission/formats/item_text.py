@@ -49,8 +49,8 @@ def speeds_m_s(mission: Mission) -> dict[int, float]:
     speeds: dict[int, float] = {}
     asked = math.nan
     for seq, item in enumerate(mission.items, FIRST_SEQ):
-        if item.command == Command.CHANGE_SPEED and item.params[1] > 0:
-            asked = item.params[1]
+        if item.ground_speed_m_s is not None:
+            asked = item.ground_speed_m_s
         elif item.is_waypoint and math.isfinite(asked):
             speeds[seq] = asked
     return speeds

@@ -14,7 +14,7 @@ from typing import Any
 from flight_replay.exceptions import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.formats.validation import checked_home, checked_item, finite
-from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Home, Mission, MissionItem
+from flight_replay.mission.items import FIRST_SEQ, Frame, Home, Mission, MissionItem
 
 _ARDUPILOT = 3  # MAV_AUTOPILOT_ARDUPILOTMEGA
 _QUADROTOR = 2  # MAV_TYPE_QUADROTOR
@@ -55,8 +55,8 @@ def _home_at_first_waypoint(mission: Mission) -> Home:
 
 
 def _first_speed_m_s(mission: Mission) -> float:
-    speeds = (item.params[1] for item in mission.items if item.command == Command.CHANGE_SPEED)
-    return next((speed for speed in speeds if speed > 0), _HOVER_SPEED_M_S)
+    speeds = (item.ground_speed_m_s for item in mission.items)
+    return next((speed for speed in speeds if speed is not None), _HOVER_SPEED_M_S)
 
 
 def _simple_item(seq: int, item: MissionItem) -> dict[str, Any]:

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".html", ".htm")
 Summary = Mapping[str, Any]
+_SPEEDS = {2: "climb speed", 3: "descent speed"}
 _SUMMARIES = {
     None: "Plan only: nothing was flown.",
     "duration": "Flown for the requested duration.",
@@ -328,7 +329,8 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
 
 def _item_text(item: MissionItem) -> str:
     if item.command == Command.CHANGE_SPEED:
-        return f"change speed to {item.params[1]:g} m/s"
+        which = _SPEEDS.get(int(item.params[0]), "speed")
+        return f"change {which} to {item.params[1]:g} m/s"
     if item.command == Command.LOITER_TIME:
         return f"wait here for {item.params[0]:g} s"
     if item.command == Command.CONDITION_YAW:

@@ -13,12 +13,15 @@ from flight_replay.mission.items import (
     Home,
     Mission,
     MissionItem,
+    change_climb_speed,
     change_speed,
     speed_from_the_start,
     waypoint,
 )
 from flight_replay.mission.path import Destination, Path, path_through
+from flight_replay.planning.fit.climb_speeds import leg_climbs_m_s
 from flight_replay.planning.fit.reference import DECIMALS
+from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.navigation.hermite import MAX_TANGENTS_PER_CHORD
 
 _DEGREE_DECIMALS = 7
@@ -55,12 +58,15 @@ class Draft:
         halts[-1] = True
         return halts
 
-    def mission(self, frame: LocalFrame | FlatFrame) -> Mission:
-        """The mission items of this route, with home at the origin of ``frame``."""
+    def mission(self, frame: LocalFrame | FlatFrame, limits: Limits) -> Mission:
+        """The mission items for a vehicle of such limits, with home at the origin of ``frame``."""
         lat, lon = frame.to_degrees(self.places_m[:, :2])
+        climbs_m_s, speeds_m_s = self.speed_changes(limits)
         items: list[MissionItem] = []
         for i in range(len(self)):
-            speed_m_s = round(float(self.speed_m_s[i]), 2)
+            if np.isfinite(climbs_m_s[i]):
+                items.append(change_climb_speed(round(float(climbs_m_s[i]), 2)))
+            speed_m_s = round(float(speeds_m_s[i]), 2)
             if np.isfinite(speed_m_s):
                 items += speed_from_the_start(speed_m_s) if i == 0 else [change_speed(speed_m_s)]
             items.append(
@@ -73,6 +79,20 @@ class Draft:
                 )
             )
         return Mission(tuple(items), Home(frame.lat_deg, frame.lon_deg, 0.0))
+
+    def climbs_m_s(self, limits: Limits) -> Floats:
+        """The climb speed of the leg to each place (n,), see ``climb_speeds``."""
+        asked_m_s = with_every_speed(replace(self, speed_m_s=np.append(np.nan, self.speed_m_s[1:]))).speed_m_s
+        return leg_climbs_m_s(self.places_m, asked_m_s, limits)
+
+    def speed_changes(self, limits: Limits) -> tuple[Floats, Floats]:
+        """Climb speeds and ground speeds (n,) to ask for, not a number where the one before goes on.
+
+        Firmware that knows no climb speeds takes them for ground speeds, so that those follow them.
+        """
+        climbs_m_s = self.climbs_m_s(limits)
+        every_m_s = with_every_speed(self).speed_m_s
+        return climbs_m_s, np.where(np.isfinite(climbs_m_s), every_m_s, self.speed_m_s)
 
     def as_items_hold_it(self, frame: FlatFrame) -> Draft:
         """The draft with its places at degrees to 1e-7, in steps of a centimetre; itself if they are there.

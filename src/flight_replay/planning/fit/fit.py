@@ -28,7 +28,7 @@ from flight_replay.planning.fit.reference import (
     hovers,
     local_track,
 )
-from flight_replay.planning.fit.result import FitResult, lag_notes
+from flight_replay.planning.fit.result import FitResult, fit_notes
 from flight_replay.planning.fit.search import search
 from flight_replay.planning.flown_part import flown_part
 from flight_replay.planning.heights import Heights, heights_of
@@ -88,9 +88,9 @@ def fit(  # noqa: PLR0913
     recording = local_track(flown, heights.planned_m, takeoff_m)
     problem = replace(problem_for(recording, max_points, limits, timed=timed), frame=flat_frame(flown))
     budget = _budget(problem, len(flown), progress)
-    best, stopped = _searched(problem, recording, max_points, speed_m_s, budget)
-    notes = (*notes, f"Fitted in {budget.spent:.0f} simulations: {stopped}.")
-    return _result(best, problem, flown, heights, notes)
+    best, spent = _searched(problem, recording, max_points, speed_m_s, budget)
+    said, too_late = fit_notes(best, problem, max_points)
+    return replace(_result(best, flown, heights, limits, (*notes, spent, *said)), cannot_keep_up=too_late)
 
 
 def _searched(
@@ -100,11 +100,12 @@ def _searched(
     speed_m_s: float | Recorded | None,
     budget: Budget,
 ) -> tuple[Evaluation, str]:
-    """The best draft that comes of all starts, and why the search stopped."""
+    """The best draft that comes of all starts, and a sentence on what it took and why it stopped."""
     # For matrices so small a second thread of the library waits more than it computes, and it waits busily.
     with threadpool_limits(1, user_api="blas"):
         starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
-        return search(problem, starts, max_points, budget)
+        best, stopped = search(problem, starts, max_points, budget)
+    return best, f"Fitted in {budget.spent:.0f} simulations: {stopped}."
 
 
 def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed: bool) -> FitProblem:
@@ -151,16 +152,14 @@ def _starts(problem: FitProblem, recording: LocalTrack, max_points: int) -> list
 
 
 def _result(
-    best: Evaluation, problem: FitProblem, flown: Track, heights: Heights, notes: tuple[str, ...]
+    best: Evaluation, flown: Track, heights: Heights, limits: Limits, notes: tuple[str, ...]
 ) -> FitResult:
-    behind, ahead = lag_notes(best, problem)
     return FitResult(
-        mission=best.draft.mission(flat_frame(flown)).with_home(home_of(flown)),
+        mission=best.draft.mission(flat_frame(flown), limits).with_home(home_of(flown)),
         flown=flown,
         heights=heights,
         flight=best.flight,
         predicted_duration_s=float(best.passed_s[-1]),
         objective_m=best.objective_m,
-        notes=(*notes, *filter(None, (behind, ahead))),
-        is_behind=behind is not None,
+        notes=notes,
     )

@@ -192,19 +192,20 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     late_off_m = counted_offsets_m(off_m, recording, matched.flown_s)
     if not timed:
         late_off_m = np.where((matched.flown_s > recording.time_s)[:, None], late_off_m, 0.0)
-    slow_s = creeping_s(flight.draft, flight.time_s, flight.place_m[:, :2]) if timed else np.empty(0)
+    place_m = flight.place_m[:, : recording.axes]
+    slow_s = creeping_s(flight.draft, flight.time_s, place_m) if timed else np.empty(0)
     return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_off_m, slow_s, timed)
 
 
-def creeping_s(draft: Draft, time_s: Floats, north_east_m: Floats) -> Floats:
-    """How long of each step (k - 1,) a vehicle creeps that is at such places (k, 2) at such times (k,)."""
+def creeping_s(draft: Draft, time_s: Floats, place_m: Floats) -> Floats:
+    """How long of each step (k - 1,) a vehicle creeps that is at such places (k, axes) at such times (k,)."""
     steps_s = np.diff(time_s)
-    slow = np.flatnonzero(segment_lengths_m(north_east_m) < CREEPING_SPEED_M_S * steps_s)
+    slow = np.flatnonzero(segment_lengths_m(place_m) < CREEPING_SPEED_M_S * steps_s)
     creeping = np.zeros_like(steps_s)
     if len(slow):
         stops = draft.hold_s > 0
         stops[0] = stops[-1] = True
-        apart_m = lengths_m(north_east_m[slow, None] - draft.places_m[stops, :2])
+        apart_m = lengths_m(place_m[slow, None] - draft.places_m[stops, : place_m.shape[1]])
         away = slow[apart_m.min(axis=1) > _AT_STOP_M]
         creeping[away] = steps_s[away]
     return creeping

@@ -87,6 +87,13 @@ class LocalTrack:
         """Ground speed at every fix, from the places alone."""
         return speeds_m_s(self.time_s, self.north_east_m)
 
+    @property
+    def fastest_m_s(self) -> Floats:
+        """Ground speed at every fix, or how fast it climbs or descends there, if that is faster."""
+        if self.axes == 2:
+            return self.speed_m_s
+        return np.maximum(self.speed_m_s, speeds_m_s(self.time_s, self.up_m[:, None]))
+
 
 @dataclass(frozen=True, slots=True)
 class Hover:

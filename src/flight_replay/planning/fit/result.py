@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags
 from flight_replay.geometry.polyline import lengths_m
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Mission
@@ -19,8 +18,11 @@ from flight_replay.planning.stretches import worst_stretches
 
 MIN_LAG_M = 5.0
 """Nearer behind or ahead than this is keeping to the recorded times."""
-_BEHIND = "The vehicle cannot keep up everywhere: it is expected to be behind by"
+_CANNOT_KEEP_UP = "The vehicle cannot keep up everywhere: it is expected to be behind by"
+_BEHIND = "It is expected to be behind the recording by"
 _AHEAD = "It is expected to be ahead of the recording by"
+_FEW_SHARE, _FEW_ERROR_M = 0.9, 1.0
+"""With about as many waypoints as there may be, and farther beside the recording, there are too few."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,8 +32,8 @@ class FitResult:
     ``flown`` is the part of the log that it follows, the clock running on from flight to flight,
     ``heights`` those of its fixes. ``flight`` is the predicted one, in the metres of ``flat_frame(flown)``;
     ``predicted_duration_s`` runs from reaching the first waypoint to the end. ``notes`` are sentences for a
-    person, one of them on where the vehicle ``is_behind`` the recording, if it is; ``objective_m`` is what
-    the fit made small, see ``objective``.
+    person, one of them where the vehicle ``cannot_keep_up`` with the recording; ``objective_m`` is what the
+    fit made small, see ``objective``.
     """
 
     mission: Mission
@@ -41,25 +43,41 @@ class FitResult:
     predicted_duration_s: float
     objective_m: float
     notes: tuple[str, ...]
-    is_behind: bool
+    cannot_keep_up: bool = False
 
 
-def lag_notes(best: Evaluation, problem: FitProblem) -> tuple[str | None, str | None]:
-    """Sentences on where the vehicle is farthest behind the recording, and ahead of it; None if nowhere.
+def few_waypoints_note(best: Evaluation, most: int) -> str:
+    """A sentence where more than so many waypoints would follow the recording more closely, else nothing."""
+    places, beside_m = len(best.draft), float(best.flown[0].apart_m.mean())
+    if places < _FEW_SHARE * most or beside_m < _FEW_ERROR_M:
+        return ""
+    return (
+        f"With {places} waypoint{'s' if places > 1 else ''} the vehicle is expected to fly {beside_m:.1f} m "
+        "beside the recording on average; more of them follow it more closely (--max-points)."
+    )
+
+
+def fit_notes(best: Evaluation, problem: FitProblem, most: int) -> tuple[tuple[str, ...], bool]:
+    """Sentences on how a predicted flight is off the recording, and whether the vehicle cannot keep up.
 
     Args:
         best: the predicted flight.
         problem: what it was compared with.
+        most: how many waypoints there may be: with too few it is not the vehicle that does not keep up.
     """
+    few = few_waypoints_note(best, most)
+    behind, ahead = _off_time(best, problem, 1), _off_time(best, problem, -1)
+    late = f"{_BEHIND if few else _CANNOT_KEEP_UP} {behind}" if behind else ""
+    early = f"{_AHEAD} {ahead}" if ahead else ""
+    return tuple(filter(None, [few, late, early])), bool(behind and not few)
+
+
+def _off_time(best: Evaluation, problem: FitProblem, sign: int) -> str:
+    """Where the vehicle is farthest behind the recording (1) or ahead of it (-1), if that counts."""
     if not problem.timed:
-        return None, None
+        return ""
     recorded_s = problem.recording.time_s
     apart_m = lengths_m(position_offsets_m(best.flight, problem.recording))
-
-    def note(said: str, is_off: Flags) -> str | None:
-        off_m = np.where(is_off, apart_m, 0.0)
-        off = off_m > MIN_LAG_M
-        return f"{said} up to {worst_stretches(off, off_m, recorded_s, 0)}." if off.any() else None
-
-    late_s = best.flown_s - recorded_s
-    return note(_BEHIND, late_s > 0), note(_AHEAD, late_s < 0)
+    off_m = np.where(sign * (best.flown_s - recorded_s) > 0, apart_m, 0.0)
+    off = off_m > MIN_LAG_M
+    return f"up to {worst_stretches(off, off_m, recorded_s, 0)}." if off.any() else ""

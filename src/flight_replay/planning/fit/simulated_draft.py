@@ -54,7 +54,7 @@ def simulate_draft(
     Raises:
         MissionError: the vehicle neither reaches the last place nor the ground.
     """
-    items, seqs = items_of(draft)
+    items, seqs = items_of(draft, limits)
     copter = copter_after_takeoff(draft, limits, step_s, takeoff)
     copter.start_auto(items)
     positions = [*copter.position_m, *positions_to_end(copter)]
@@ -92,13 +92,16 @@ def copter_after_takeoff(draft: Draft, limits: Limits, step_s: float, takeoff: T
     return Copter(limits, position_m=(north_m, east_m, up_m), step_s=step_s, home_amsl_m=takeoff.amsl_m)
 
 
-def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[list[LocalItem], list[int]]:
+def items_of(draft: Draft, limits: Limits, *, every_speed: bool = False) -> tuple[list[LocalItem], list[int]]:
     """Mission items with the draft's speed changes, or one before each leg, and the numbers of the places."""
     items: list[LocalItem] = []
     seqs = []
-    columns = (draft.places_m, draft.speed_m_s, draft.hold_s, draft.spline)
+    climbs_m_s, speeds_m_s = draft.speed_changes(limits)
+    columns = (draft.places_m, climbs_m_s, speeds_m_s, draft.hold_s, draft.spline)
     rows = zip(*(column.tolist() for column in columns), strict=True)
-    for i, (place, speed_m_s, hold_s, is_spline) in enumerate(rows):
+    for i, (place, climb_m_s, speed_m_s, hold_s, is_spline) in enumerate(rows):
+        if isfinite(climb_m_s):
+            items.append(climb_item(len(items) + FIRST_SEQ, climb_m_s))
         if isfinite(speed_m_s) or (every_speed and i > 0):
             items.append(_speed(len(items) + FIRST_SEQ, speed_m_s))
         seqs.append(len(items) + FIRST_SEQ)
@@ -106,14 +109,17 @@ def items_of(draft: Draft, *, every_speed: bool = False) -> tuple[list[LocalItem
     return items, seqs
 
 
-def items_changed(items: list[LocalItem], seqs: list[int], before: Draft, after: Draft) -> list[LocalItem]:
+def items_changed(
+    items: list[LocalItem], seqs: list[int], before: Draft, after: Draft, limits: Limits
+) -> list[LocalItem]:
     """The mission items of a draft that has as many places and speed changes as one before it.
 
     Args:
-        items: those of the draft before.
+        items: those of the draft before; where heights change, with the speeds of each leg.
         seqs: the numbers of its places.
         before: the draft before.
-        after: the draft.
+        after: the draft, its places at the same heights.
+        limits: what the vehicle may do.
     """
     changed = items.copy()
     new_place = (before.places_m != after.places_m).any(axis=1) | (before.hold_s != after.hold_s)
@@ -127,12 +133,24 @@ def items_changed(items: list[LocalItem], seqs: list[int], before: Draft, after:
     for i in np.flatnonzero((before.speed_m_s != after.speed_m_s) & np.isfinite(after.speed_m_s)).tolist():
         seq = seqs[i] - 1
         changed[seq - FIRST_SEQ] = _speed(seq, float(after.speed_m_s[i]))
+    if np.ptp(after.places_m[:, 2]) > 0:
+        old_m_s, new_m_s = before.climbs_m_s(limits), after.climbs_m_s(limits)
+        for i in np.flatnonzero((old_m_s != new_m_s) & np.isfinite(old_m_s + new_m_s)).tolist():
+            seq = seqs[i] - 2
+            changed[seq - FIRST_SEQ] = climb_item(seq, float(new_m_s[i]))
     return changed
 
 
 @lru_cache(maxsize=4096)
 def _speed(seq: int, speed_m_s: float) -> LocalItem:
     return LocalItem(seq, Command.CHANGE_SPEED, (1.0, speed_m_s, 0.0, 0.0), None, None)
+
+
+@lru_cache(maxsize=4096)
+def climb_item(seq: int, climb_m_s: float) -> LocalItem:
+    """The item that changes the climb speed, or the descent speed of one below 0."""
+    kind = 2.0 if climb_m_s > 0 else 3.0
+    return LocalItem(seq, Command.CHANGE_SPEED, (kind, abs(climb_m_s), 0.0, 0.0), None, None)
 
 
 @lru_cache(maxsize=4096)

@@ -14,6 +14,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.polyline import segment_lengths_m
+from flight_replay.planning.fit.climb_speeds import steep_legs
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, Offsets
 from flight_replay.planning.fit.reference import Hover, LocalTrack
@@ -23,6 +24,8 @@ SLOWEST_M_S = 0.35
 SLOWEST_BETWEEN_WAITS_M_S = 0.7
 """A vehicle's estimate of its velocity is centimetres a second off: from rest to rest at 0.35 m/s a real one
 came 0.2 s late, with all that followed. It waits instead."""
+SLOWEST_CLIMB_M_S = 0.25
+"""Of steep legs; it is their ground speed, too."""
 FASTEST_M_S = 30.0
 LEAST_HOLD_S = 1.0
 _LAG_S = 0.5
@@ -101,7 +104,7 @@ def speed_caps_m_s(planned: Offsets, legs: int, recording: LocalTrack) -> Floats
         legs: how many there are.
         recording: at least one fix.
     """
-    speed = recording.speed_m_s
+    speed = recording.fastest_m_s
     caps = np.full(legs, np.nan)
     for here in np.unique(planned.leg):
         caps[here] = speed[planned.leg == here].max()
@@ -113,7 +116,8 @@ def slowest_m_s(draft: Draft) -> Floats:
     """Lowest speed to ask for on each leg (n,)."""
     waits = draft.hold_s > 0
     between = waits & np.append(False, waits[:-1])
-    return np.where(between, SLOWEST_BETWEEN_WAITS_M_S, SLOWEST_M_S)
+    slowest = np.where(between, SLOWEST_BETWEEN_WAITS_M_S, SLOWEST_M_S)
+    return np.where(steep_legs(draft.places_m), SLOWEST_CLIMB_M_S, slowest)
 
 
 def with_speeds(draft: Draft, speeds_m_s: Floats) -> Draft:

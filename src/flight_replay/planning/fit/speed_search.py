@@ -13,10 +13,12 @@ from math import isfinite, log
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.planning.fit.climb_speeds import leg_climbs_m_s, steep_legs
 from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.reference import DECIMALS, Takeoff
 from flight_replay.planning.fit.simulated_draft import (
     SimulatedDraft,
+    climb_item,
     copter_after_takeoff,
     flight_of,
     items_of,
@@ -80,10 +82,12 @@ class SpeedSearch:
         self._leave_s = plan.leave_s.round(DECIMALS)
         self._slowest_m_s = slowest_m_s(plan.draft)
         self._guesses = with_every_speed(plan.draft).speed_m_s
-        self._items, self._seqs = items_of(replace(plan.draft, speed_m_s=caps_m_s), every_speed=True)
+        fastest = replace(plan.draft, speed_m_s=caps_m_s)
+        self._items, self._seqs = items_of(fastest, limits, every_speed=True)
         self._copter = copter_after_takeoff(plan.draft, limits, step_s, takeoff)
         self._copter.start_auto(self._items)
         self._positions = [*self._copter.position_m]
+        self._steep = steep_legs(plan.draft.places_m)
         self._begin_s = 0.0
         self.steps = 0
 
@@ -132,15 +136,23 @@ class SpeedSearch:
 
     def _tried(self, copter: Copter, place: int, speed_m_s: float) -> _Trial:
         at = self._seqs[place] - 2  # The speed's item, just before the place's.
-        self._items[at] = replace(self._items[at], params=(1.0, round(speed_m_s, 2), 0.0, 0.0))
+        speed = round(speed_m_s, 2)
+        self._items[at] = replace(self._items[at], params=(1.0, speed, 0.0, 0.0))
+        if self._steep[place]:
+            leg_m = self._plan.draft.places_m[place - 1 : place + 1]
+            climb_m_s = float(leg_climbs_m_s(leg_m, np.array([np.nan, speed]), self._limits)[1])
+            self._items[at - 1] = climb_item(self._seqs[place] - 2, climb_m_s)
         leave_s = float(self._leave_s[place])
         positions = self._fly(copter, place, 3 * max(leave_s - self._now_s, 0.0) + _PATIENCE_S)
-        used_m_s = min(speed_m_s, self._top_speed_m_s(positions))
+        used_m_s = min(speed_m_s, self._top_speed_m_s(positions, climbs=bool(self._steep[place])))
         return _Trial(speed_m_s, used_m_s, copter, positions, passed_s(copter) - self._begin_s - leave_s)
 
-    def _top_speed_m_s(self, positions: list[float]) -> float:
-        """The highest ground speed of a leg."""
-        return max(longest_step_m(positions) / self._step_s, SLOWEST_M_S)
+    def _top_speed_m_s(self, positions: list[float], *, climbs: bool) -> float:
+        """The highest ground speed of a leg; of one that ``climbs``, up or down if that is more."""
+        highest_m = longest_step_m(positions)
+        if climbs:
+            highest_m = max(highest_m, float(np.abs(np.diff(positions[AXES - 1 :: AXES])).max(initial=0.0)))
+        return max(highest_m / self._step_s, SLOWEST_M_S)
 
     def _next_speed(self, place: int, trials: list[_Trial], low: float, high: float) -> float:
         """The speed at which a leg would end on time if its duration went with a power of it."""

@@ -10,12 +10,11 @@ from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.planning.following.reference_planner import RecordedMotion
 from flight_replay.planning.following.samples import Bridge
+from flight_replay.planning.unrecorded_ways import GAP_S, gaps_note
 
 _WORTH_TELLING_M, _WORTH_TELLING_DEG = 1.0, 30.0
 _WORTH_SLOWING_M = 3.0
 """A motion that is farther off somewhere may be followed slower."""
-_GAP_S, _MOST_GAPS = 5.0, 3
-"""Recorded time: shorter gaps are hardly worth telling; of others the longest are told."""
 
 
 def follow_notes(
@@ -57,16 +56,9 @@ def _jump_note(motion: RecordedMotion, bridge: Bridge) -> str:
 
 def _gaps_note(motion: RecordedMotion, bridges: tuple[Bridge, ...], pace: float) -> str:
     """Where nothing was recorded for long, though the vehicle flew; jumps are told by themselves."""
-    steps_s, steps_m = np.diff(motion.time_s), segment_lengths_m(motion.position_m[:, :2])
     jumps = np.isin(motion.time_s[:-1], [bridge.time_s for bridge in bridges])
-    gaps = np.flatnonzero((steps_s * pace > _GAP_S) & ~jumps)
-    if not len(gaps):
-        return ""
-    longest = np.sort(gaps[np.argsort(-steps_s[gaps], kind="stable")][:_MOST_GAPS])
-    told = [f"{steps_s[i]:.0f} s from {motion.time_s[i]:.0f} s on ({steps_m[i]:.0f} m)" for i in longest]
-    if len(gaps) > len(longest):
-        told.append(f"{len(gaps) - len(longest)} times more")
-    return f"The vehicle flies straight on where nothing is recorded: {', '.join(told)}."
+    gaps = (np.diff(motion.time_s) * pace > GAP_S) & ~jumps
+    return gaps_note(gaps, motion.time_s, segment_lengths_m(motion.position_m[:, :2]))
 
 
 def slower(pace: float) -> str:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.polyline import segment_lengths_m
 
 _JUMP_M = 5.0
@@ -44,14 +44,19 @@ def times_with_bridges(
     """
     steps_m = segment_lengths_m(places_m)
     steps_s = np.diff(recorded_s)
-    jumps = (steps_m > _JUMP_M) & (steps_m > _jump_speeds_m_s(steps_m, steps_s) * steps_s)
+    is_jump = jumps(steps_m, steps_s)
     needed_s = steps_m / speed_m_s + _START_AND_STOP_S
-    longer_s = np.where(jumps, np.maximum(needed_s, steps_s / pace), steps_s / pace)
+    longer_s = np.where(is_jump, np.maximum(needed_s, steps_s / pace), steps_s / pace)
     times = np.concatenate([[0.0], np.cumsum(longer_s)])
     bridges = tuple(
-        Bridge(float(times[i]), float(steps_m[i]), float(longer_s[i])) for i in np.flatnonzero(jumps)
+        Bridge(float(times[i]), float(steps_m[i]), float(longer_s[i])) for i in np.flatnonzero(is_jump)
     )
     return times, bridges
+
+
+def jumps(steps_m: Floats, steps_s: Floats) -> Flags:
+    """Which steps from fix to fix (n,), so long and in so much time, were not flown."""
+    return np.asarray((steps_m > _JUMP_M) & (steps_m > _jump_speeds_m_s(steps_m, steps_s) * steps_s))
 
 
 def _jump_speeds_m_s(steps_m: Floats, steps_s: Floats) -> Floats:

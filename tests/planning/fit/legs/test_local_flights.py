@@ -28,7 +28,7 @@ def problem(*, timed: bool = False) -> FitProblem:
 
 def test_a_copied_copter_flies_as_the_first_does() -> None:
     """Copy and original are at the same place after the same steps, to the last bit."""
-    items, _ = items_of(DRAFT)
+    items, _ = items_of(DRAFT, Limits())
     copter = copter_after_takeoff(DRAFT, Limits(), 0.05, AT_SEA_LEVEL)
     copter.start_auto(items)
     for _ in range(200):

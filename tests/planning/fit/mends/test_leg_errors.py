@@ -38,6 +38,19 @@ def test_a_leg_with_an_error_is_mended(timed: bool) -> None:
     assert len(mended.draft) in (4, 5)
 
 
+def test_a_leg_to_a_wait_is_mended() -> None:
+    """A straight leg behind a curve, at twice its speed; what is waited stays."""
+    places = [(0.0, 0.0), (2.0, 0.0), (2.6, 0.5), (2.6, 1.48), (6.0, 3.0)]
+    recording = local_track(along(places, 0.7), 20.0)
+    problem = problem_for(recording, 10, Limits(), timed=True)
+    draft = draft_of(places, [False, True, True, False, True], [6, 0, 0, 2, 0])
+    best = problem.exact.evaluate(replace(draft, speed_m_s=np.array([np.nan, 0.35, 0.35, 0.7, 2.0])))
+    assert best.flight.has_error
+    mended = without_errors(problem, best)
+    assert not mended.flight.has_error
+    assert mended.draft.hold_s.tolist() == draft.hold_s.tolist()
+
+
 def test_a_draft_without_an_error_stays_as_it_is() -> None:
     """Though it has short legs."""
     problem, best = evaluated(timed=False)

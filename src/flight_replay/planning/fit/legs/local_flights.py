@@ -84,7 +84,7 @@ class LocalFlights:
         self._problem, self._draft = problem, with_every_speed(draft) if problem.timed else draft
         self._most_steps = most_s / problem.step_s
         self.steps = 0
-        self._items, self._seqs = items_of(self._draft, every_speed=problem.timed)
+        self._items, self._seqs = items_of(self._draft, problem.limits, every_speed=problem.timed)
         copter = copter_after_takeoff(draft, problem.limits, problem.step_s, problem.recording.takeoff)
         copter.start_auto(self._items)
         # How the copter is as the leg to each place is about to begin, and what it flew on each leg before.
@@ -172,4 +172,4 @@ class LocalFlights:
         return positions
 
     def _items_of(self, draft: Draft) -> list[LocalItem]:
-        return items_changed(self._items, self._seqs, self._draft, draft)
+        return items_changed(self._items, self._seqs, self._draft, draft, self._problem.limits)

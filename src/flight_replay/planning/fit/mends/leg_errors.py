@@ -52,7 +52,7 @@ def _short_legs(draft: Draft, short_m: float) -> list[int]:
     """The places that straight legs lead to, so short, before or after a curve."""
     lengths_m = np.linalg.norm(np.diff(draft.places_m, axis=0, prepend=draft.places_m[:1]), axis=1)
     curves = np.append(draft.spline[1:], False) | np.append(False, draft.spline[:-1])
-    short = ~draft.spline & curves & (lengths_m < short_m) & (draft.hold_s == 0)
+    short = ~draft.spline & curves & (lengths_m < short_m)
     return [int(place) for place in np.flatnonzero(short) if place > 0]
 
 
@@ -71,6 +71,8 @@ def _changes(evaluation: Evaluation, short_m: float) -> Iterator[tuple[Draft, Fl
             moved[place] = moved[place - 1] + share * (moved[place] - moved[place - 1])
             yield replace(draft, places_m=moved), leave_s
         yield replace(draft, spline=curved), leave_s
+        if draft.hold_s[place] > 0:
+            continue
         yield replace(draft, hold_s=waits), leave_s
         if place < len(draft) - 1:
             yield draft.select(np.arange(len(draft)) != place), np.delete(leave_s, place)
