@@ -18,6 +18,10 @@ ALL = ("--route fit", "--duration all")
         (["--save", "m.kml"], ALL[1:], "flight-replay --save m.kml --duration all --force"),
         (["--plot=m.png", "--force"], ALL[1:], "flight-replay --plot=m.png --force --duration all"),
         (["--speedup", "9", "--", "-a"], ALL[1:], "flight-replay --speedup 9 --duration all -- -a"),
+        (["--max-points", "1", "-q"], ALL, "flight-replay -q --route fit --duration all"),
+        (["--max-points=1"], ALL, "flight-replay --route fit --duration all"),
+        (["--max-points", "9"], ALL, "flight-replay --max-points 9 --route fit --duration all"),
+        (["--max-points=9"], ALL, "flight-replay --max-points=9 --route fit --duration all"),
         (["--route", "spacing", "--spacing", "2"], ALL, "flight-replay --route fit --duration all"),
     ],
 )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
+from itertools import islice
 
 _WRITES = ("--save", "--record", "--plot", "--report")
 
@@ -28,17 +29,27 @@ def whole_flight_command(arguments: Sequence[str], fly_all: Sequence[str]) -> st
     """
     end = _end_of_options(arguments)
     replaced = {option.split()[0] for option in fly_all}
+    kept = _without(arguments[:end], replaced)
     if "--route" in replaced:
-        replaced.add("--spacing")
-    kept: list[str] = []
-    rest = iter(arguments[:end])
-    for argument in rest:
-        if argument in replaced:
-            next(rest, None)
-        elif argument.split("=")[0] not in replaced:
-            kept.append(argument)
+        kept = _without(kept, {"--spacing"})
+        kept = _without(kept, {"--max-points"}, "1")  # a fit has more
     options = [word for option in fly_all for word in option.split()]
     return shlex.join(["flight-replay", *repeat_arguments([*kept, *options, *arguments[end:]])])
+
+
+def _without(arguments: Sequence[str], options: Set[str], value: str | None = None) -> list[str]:
+    """The arguments without some options that have a value, or only without those of one value."""
+    kept: list[str] = []
+    rest = iter(arguments)
+    for argument in rest:
+        option, equals, given = argument.partition("=")
+        if option not in options:
+            kept.append(argument)
+            continue
+        words = [argument] if equals else [argument, *islice(rest, 1)]
+        if value not in (None, given if equals else words[-1]):
+            kept += words
+    return kept
 
 
 def _end_of_options(arguments: Sequence[str]) -> int:

@@ -22,7 +22,9 @@ from tests.helpers.paths import SAMPLE
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.slow
 
-MANY = [sys.executable, "-W", "ignore", "-m", "flight_replay.cli.many.many_main"]
+MANY = [
+    sys.executable, "-c", "import sys; from flight_replay.cli.many.many_main import main; sys.exit(main())"
+]  # fmt: skip
 SHORT = ["--max-points", "10", "-q"]
 LIMIT_S = 300.0
 needs_proc = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for processes in /proc")

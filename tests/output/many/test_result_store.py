@@ -61,6 +61,16 @@ def test_what_is_no_table_of_flights_is_refused(tmp_path: Path, content: str) ->
         list(rows_of(table))
 
 
+def test_nothing_is_left_beside_what_is_no_table(tmp_path: Path) -> None:
+    """The file is somebody's, and stays as it is."""
+    other = tmp_path / "budget.csv"
+    other.write_text("a,b\n1,2\n")
+    with pytest.raises(FlightReplayError, match="is it a table of flights"):
+        ResultStore(other, "x")
+    assert [each.name for each in tmp_path.iterdir()] == ["budget.csv"]
+    assert other.read_text() == "a,b\n1,2\n"
+
+
 def test_rows_are_there_after_the_end(table: Path) -> None:
     store = ResultStore(table, "x")
     store.add(row(1))

@@ -49,6 +49,7 @@ def dask_client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         with _connected(scheduler) as client:
             yield client
         return
+    _silence_resource_tracker()
     with (
         dask.config.set(_SETTINGS),
         LocalCluster(
@@ -62,6 +63,12 @@ def dask_client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         Client(cluster) as client,
     ):
         yield client
+
+
+def _silence_resource_tracker() -> None:
+    """Keep Python's process that frees semaphores from warning, after an interrupt, that it has to."""
+    given = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = ",".join(filter(None, [given, "ignore:resource_tracker:UserWarning"]))
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.many.flight_columns import GOOD, Row
 from flight_replay.output.many.journal import Journal
 from flight_replay.output.many.table_files import rows_of, write_rows
@@ -81,7 +82,11 @@ class ResultStore:
         self._written_s, self._wait_s = time.monotonic(), _LEAST_WAIT_S
         self.found = 0
         """How many rows of these options there were when it was opened."""
-        self._load(redo)
+        try:
+            self._load(redo)
+        except FlightReplayError:
+            self._journal.close(remove=next(self._journal.rows(), None) is None)
+            raise
 
     def _load(self, redo: Callable[[Row], bool] | None) -> None:
         """Put what a crash left in the journal into the table, without what is in both, or to be redone."""
