@@ -67,4 +67,4 @@ def _greatest(some: Flags, sizes: Floats) -> list[int]:
 def _listed(told: list[str], some: Flags) -> str:
     """What is told of some, and how many there are besides."""
     more = int(some.sum()) - len(told)
-    return ", ".join([*told, f"{more} times more"] if more else told)
+    return ", ".join([*told, f"{more} time{'s' if more > 1 else ''} more"] if more else told)
