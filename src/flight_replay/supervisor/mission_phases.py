@@ -18,6 +18,7 @@ from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import Plan
+from flight_replay.supervisor.motion.fallen import moved_m
 from flight_replay.supervisor.motion.height_watch import HeightWatch
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
@@ -121,7 +122,7 @@ class _RestAtTheEnd:
         if now is None or not self._is_there(now):
             self._began = None
             return
-        if self._began is None or _moved_m(now, self._began[1]) > _MIN_MOVE_M:
+        if self._began is None or moved_m(now, self._began[1]) > _MIN_MOVE_M:
             self._began = up_s, now
         if up_s - self._began[0] > self._last.hold_s + _LONG_REST_S:
             self._monitor.item_reached(self._plan.last_seq)
@@ -269,7 +270,3 @@ def _check_landed(monitor: VehicleMonitor) -> None:
     unseen_s = max(disarmed_s - armed.time_s - _AT_REST_S, 0.0)
     if armed.alt_m - now.alt_m > _SANK_M + _DESCENT_M_S * unseen_s:
         raise flight_ended.disarmed(monitor.reason)
-
-
-def _moved_m(a: VehicleState, b: VehicleState) -> float:
-    return float(distance_m(a.lat_deg, a.lon_deg, b.lat_deg, b.lon_deg)) + abs(a.alt_m - b.alt_m)
