@@ -167,17 +167,25 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
             ended, problem = fallen.ended, fallen.problem
         problem = problem if ended in _NO_RTL else _both(rtl_problem, problem)
     if confirmed and ended != "disarmed":
-        try:
-            lies = disarm_if_lying(monitor) if fell else None
-            problem = _both(lies, problem)
-            if plan.land and not lies:
-                wait_landed(monitor, plan.rtl_loiter_s)
-                landed = True
-        except FlightEnded as end:
-            problem = _both(end.problem, problem)
-            ended = end.ended if end.ended in _FALLEN else ended
+        landed, home_problem, ended_on_the_way = _see_home(monitor, plan, fell=fell)
+        problem, ended = _both(home_problem, problem), ended_on_the_way or ended
     record = _record(seen, way, start_s)
     return replace(record, ended=ended, problem=problem, rtl_confirmed=confirmed, landed=landed)
+
+
+def _see_home(
+    monitor: VehicleMonitor, plan: FlightPlan, *, fell: bool
+) -> tuple[bool, str | None, str | None]:
+    """What is waited for in RTL: whether it has landed, the problem, and how the flight ended if it did."""
+    lies = None
+    try:
+        lies = disarm_if_lying(monitor) if fell else None
+        if plan.land and not lies:
+            wait_landed(monitor, plan.rtl_loiter_s)
+            return True, None, None
+    except FlightEnded as end:
+        return False, end.problem, end.ended if end.ended in _FALLEN else None
+    return False, lies, None
 
 
 @dataclass(frozen=True, slots=True)
