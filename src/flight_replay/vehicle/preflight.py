@@ -128,9 +128,18 @@ def _briefing(
     )
 
 
-def _check_vehicle(identity: Identity, state: VehicleState) -> None:
+def check_kind(identity: Identity) -> None:
+    """Refuse what is not a multicopter.
+
+    Raises:
+        VehicleError: It is something else.
+    """
     if not identity.is_multicopter:
         raise VehicleError(f"{identity.name} is not a multicopter with ArduPilot; connect one")
+
+
+def _check_vehicle(identity: Identity, state: VehicleState) -> None:
+    check_kind(identity)
     if state.armed:
         raise VehicleError(
             f"the vehicle is already armed, in mode {state.mode}; land and disarm it, then start again"
