@@ -18,7 +18,7 @@ from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import Plan
-from flight_replay.supervisor.motion.fallen import moved_m
+from flight_replay.supervisor.motion.fallen import disarm_if_lying, moved_m
 from flight_replay.supervisor.motion.height_watch import HeightWatch
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
@@ -186,6 +186,8 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
 def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     """Follow the vehicle home until it has landed and disarmed; it waits ``loiter_s`` over home.
 
+    One that fell on its way, and lies on the ground, is told to LAND, in which it disarms.
+
     Raises:
         FlightEnded: It does not move any more, is driven away, disarmed in the air, or
             ``VehicleMonitor.step`` ends the flight.
@@ -202,7 +204,8 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
             before = monitor.state
             deadline.restart()
         if deadline.passed:
-            raise _not_landed(monitor)
+            lies = disarm_if_lying(monitor) if monitor.altitude_m < _THERE_M else None
+            raise FlightEnded("no progress", lies) if lies else _not_landed(monitor)
         if progress.due():
             where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"
             monitor.emit(Waiting(Phase.RETURN, where))

@@ -37,7 +37,7 @@ def _flight_with_a_fall(
 
     def request(mode: str) -> None:
         if mode == "RTL" and then is not None and "RTL" not in vehicle.requested:
-            vehicle.schedule.append((vehicle.clock.now_s - vehicle.began_s + 3.0, lambda: then(vehicle)))
+            vehicle.schedule.insert(0, (vehicle.clock.now_s - vehicle.began_s + 3.0, lambda: then(vehicle)))
         request_mode(mode)
 
     def stay(step_s: float) -> None:
@@ -104,6 +104,14 @@ def test_a_vehicle_that_falls_in_take_off_disarms() -> None:
     assert flight.vehicle.requested[-2:] == ["RTL", "LAND"]
     assert flight.of(ReturnCommanded) == [ReturnCommanded(True)]
     assert _warnings(flight)[-1] == _DISARMED
+
+
+def test_a_vehicle_that_falls_on_its_way_home_disarms() -> None:
+    """Whoever looks for it a minute later finds its motors at rest."""
+    flight = _flight_with_a_fall(at_s=1e9, then=_fall, land=True, duration_s=10.0)
+    record = flight.fly()
+    assert flight.vehicle.requested[-2:] == ["RTL", "LAND"]
+    assert (record.ended, record.problem, record.landed) == ("duration", _DISARMED, False)
 
 
 def test_an_interrupt_does_not_start_the_motors_again() -> None:
