@@ -195,13 +195,12 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     monitor.modes.expect("RTL", "LAND")
     progress, taken_over = ProgressTimer(monitor), _TakenOverOnTheWay(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + loiter_s)
-    before, began_m = monitor.state, monitor.from_home_m
+    way, began_m = _WayHome(monitor), monitor.from_home_m
     while not monitor.certainly_disarmed:
         taken_over.check()
         if monitor.from_home_m > began_m + _LOST_M:
             raise _driven_away(monitor)
-        if monitor.state and before and _comes_home(before, monitor.state):
-            before = monitor.state
+        if way.leads_on():
             deadline.restart()
         if deadline.passed:
             lies = disarm_if_lying(monitor) if monitor.altitude_m < _THERE_M else None
@@ -233,10 +232,29 @@ class _TakenOverOnTheWay:
             monitor.emit(Notice(flight_ended.not_rtl("LAND", monitor.failsafe_text), warning=True))
 
 
-def _comes_home(before: VehicleState, now: VehicleState) -> bool:
-    """Whether a vehicle flies or lands; slower over the ground than that the wind drives it, or it hovers."""
-    moved_m = float(distance_m(before.lat_deg, before.lon_deg, now.lat_deg, now.lon_deg))
-    return moved_m > _ASTRAY_M or abs(now.alt_m - before.alt_m) > _MIN_MOVE_M
+class _WayHome:
+    """How far the vehicle has come since RTL: what leads to and fro, or up and down, does not count.
+
+    Slower over the ground than ``_ASTRAY_M`` in the time that is left, the wind drives it, or it hovers.
+    """
+
+    def __init__(self, monitor: VehicleMonitor) -> None:
+        self._monitor, self._began = monitor, monitor.state
+        self._farthest_m = [-math.inf] * 5
+
+    def leads_on(self) -> bool:
+        """Whether it is farther from where it began, from home, nearer to it, higher or lower than before."""
+        now, from_home_m, leads_on = self._monitor.state, self._monitor.from_home_m, False
+        if now is None or self._began is None:
+            return False
+        apart_m = float(distance_m(self._began.lat_deg, self._began.lon_deg, now.lat_deg, now.lon_deg))
+        over_ground = [(value_m, _ASTRAY_M) for value_m in (apart_m, from_home_m, -from_home_m)]
+        for way, (value_m, step_m) in enumerate(
+            [*over_ground, (now.alt_m, _MIN_MOVE_M), (-now.alt_m, _MIN_MOVE_M)]
+        ):
+            if value_m > self._farthest_m[way] + step_m:
+                self._farthest_m[way], leads_on = value_m, True
+        return leads_on
 
 
 def _not_landed(monitor: VehicleMonitor) -> FlightEnded:
