@@ -116,7 +116,7 @@ def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
                 monitor.emit(Notice(str(error), warning=True))
             began_wall_s = monitor.wall_s if began_wall_s is None else began_wall_s
             _rtl_unless_left(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - began_wall_s))
-            if isinstance(error, Fallen) and monitor.mode == "RTL":
+            if isinstance(error, Fallen) and monitor.rtl_confirmed and monitor.mode == "RTL":
                 _tell(monitor, disarm_if_lying(monitor))
             break
         except FlightEnded:

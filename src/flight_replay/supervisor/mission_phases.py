@@ -203,7 +203,8 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
         if way.leads_on():
             deadline.restart()
         if deadline.passed:
-            lies = disarm_if_lying(monitor) if monitor.altitude_m < _THERE_M else None
+            is_low = monitor.altitude_m < _THERE_M
+            lies = disarm_if_lying(monitor) if is_low and not monitor.taken_over else None
             raise FlightEnded("no progress", lies) if lies else _not_landed(monitor)
         if progress.due():
             where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"

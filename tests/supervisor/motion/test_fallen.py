@@ -114,6 +114,23 @@ def test_a_vehicle_that_falls_on_its_way_home_disarms() -> None:
     assert (record.ended, record.problem, record.landed) == ("duration", _DISARMED, False)
 
 
+def test_a_vehicle_that_a_failsafe_sent_home_is_not_told_to_land() -> None:
+    """Of one that somebody else has, nothing more is commanded, though it falls on the way."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    vehicle._land = lambda step_s: None  # type: ignore[method-assign]
+
+    def failsafe() -> None:
+        vehicle.send_text("Battery Failsafe")
+        vehicle.mode = "RTL"
+
+    vehicle.schedule += [(30.0, failsafe), (36.0, lambda: _fall(vehicle))]
+    record = fake_flight(vehicle, land=True).fly()
+    assert record.ended == "failsafe"
+    assert record.problem is not None
+    assert record.problem.startswith("the vehicle did not land and disarm")
+    assert not {"RTL", "LAND"} & set(vehicle.requested)
+
+
 def test_an_interrupt_does_not_start_the_motors_again() -> None:
     """RTL would, of a vehicle that LAND is about to disarm."""
     flight = _flight_with_a_fall(disarms=False)
