@@ -15,8 +15,8 @@ _LIES = "the vehicle lies where it fell"
 _DISARMED = f"{_LIES}, and has disarmed in LAND"
 
 
-def _fall(vehicle: FakeVehicle) -> None:
-    vehicle.altitude_m, vehicle.climbs = 0.2, False
+def _fall(vehicle: FakeVehicle, to_m: float = 0.2) -> None:
+    vehicle.altitude_m, vehicle.climbs = to_m, False
 
 
 def _flight_with_a_fall(
@@ -24,15 +24,16 @@ def _flight_with_a_fall(
     *,
     rtl_m_s: float = 0.0,
     disarms: bool = True,
+    to_m: float = 0.2,
     then: Callable[[FakeVehicle], None] | None = None,
     **plan: object,
 ) -> FakeFlight:
-    """It falls ``at_s`` after the start, RTL lifts it by ``rtl_m_s``, and LAND disarms it after 5 s.
+    """It falls to ``to_m`` after ``at_s``, RTL lifts it by ``rtl_m_s``, and LAND disarms it after 5 s.
 
     ``then`` happens 3 s after RTL was requested.
     """
     vehicle = FakeVehicle(FakeClock(), points=40)
-    vehicle.schedule.append((at_s, lambda: _fall(vehicle)))
+    vehicle.schedule.append((at_s, lambda: _fall(vehicle, to_m)))
     request_mode, move, land = vehicle.request_mode, vehicle._move, vehicle._land
 
     def request(mode: str) -> None:
@@ -129,6 +130,14 @@ def test_a_vehicle_that_a_failsafe_sent_home_is_not_told_to_land() -> None:
     assert record.problem is not None
     assert record.problem.startswith("the vehicle did not land and disarm")
     assert not {"RTL", "LAND"} & set(vehicle.requested)
+
+
+def test_a_vehicle_that_waits_over_home_has_not_fallen() -> None:
+    """RTL hovers there for RTL_LOIT_TIME, which may be long, before it lands."""
+    flight = _flight_with_a_fall(at_s=16.0, to_m=8.0)
+    with pytest.raises(VehicleError, match="sank from"):
+        flight.fly()
+    assert flight.vehicle.requested[-1] == "RTL"
 
 
 def test_an_interrupt_does_not_start_the_motors_again() -> None:

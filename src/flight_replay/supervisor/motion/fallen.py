@@ -51,7 +51,8 @@ def _lies_still(monitor: VehicleMonitor) -> bool:
     since_s, there = monitor.link_up_s, monitor.state
     while not (deadline.passed or monitor.certainly_disarmed):
         now = monitor.state
-        if now is None or there is None or moved_m(there, now) > _STILL_M:
+        over_home = monitor.from_home_m < _STILL_M < monitor.altitude_m  # RTL waits there.
+        if now is None or there is None or over_home or moved_m(there, now) > _STILL_M:
             since_s, there = monitor.link_up_s, now
         if monitor.link_up_s - since_s > _STILL_S:
             return True
