@@ -138,7 +138,7 @@ def _tell(monitor: VehicleMonitor, problem: str | None) -> None:
 def _rtl_unless_left(monitor: VehicleMonitor, limit_wall_s: float) -> None:
     """Command RTL, but not of a vehicle that a pilot or a failsafe has taken over, from RTL too."""
     if monitor.told_to_land:
-        monitor.emit(Notice("no RTL is commanded: LAND was, in which it disarms", warning=True))
+        monitor.emit(Notice("no RTL is commanded: LAND was, so that it disarms", warning=True))
     elif monitor.rtl_confirmed and monitor.mode != "RTL":
         monitor.emit(Notice(flight_ended.not_rtl(monitor.mode, monitor.failsafe_text), warning=True))
     elif monitor.taken_over:

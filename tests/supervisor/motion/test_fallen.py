@@ -65,7 +65,7 @@ def test_a_vehicle_that_lies_where_it_fell_disarms(land: bool) -> None:
     assert (record.ended, record.rtl_confirmed, record.landed) == ("off course", True, False)
     assert record.problem is not None
     assert record.problem.startswith(f"{_DISARMED}; before that the vehicle sinks, or has fallen")
-    assert f"{_LIES}; LAND is commanded, in which it disarms" in _warnings(flight)
+    assert f"{_LIES}; LAND is commanded, so that it disarms" in _warnings(flight)
 
 
 def test_a_vehicle_that_rtl_lifts_flies_home() -> None:
@@ -157,7 +157,7 @@ def test_an_interrupt_does_not_start_the_motors_again() -> None:
     with pytest.raises(KeyboardInterrupt):
         flight.fly()
     assert vehicle.requested[-1] == "LAND"
-    assert "no RTL is commanded: LAND was, in which it disarms" in _warnings(flight)
+    assert "no RTL is commanded: LAND was, so that it disarms" in _warnings(flight)
 
 
 def test_a_vehicle_known_to_be_disarmed_is_told_as_that() -> None:

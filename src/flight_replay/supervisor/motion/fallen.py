@@ -11,7 +11,7 @@ _STILL_M, _STILL_S = 3.0, 6.0
 """RTL moves a vehicle that flies farther in that time, and one that lies on the ground hops: nobody has come
 near it so soon."""
 _WATCH_S = 15.0  # RTL may be confirmed while it still falls.
-_DISARM_S = 20.0  # ArduCopter 4.6, at full throttle by then, disarms 8 s after LAND is requested.
+_DISARM_S = 20.0  # ArduCopter 4.6, at full throttle by then, disarms 8 to 13 s after the request.
 _LIES = "the vehicle lies where it fell"
 _RETRY_S = 1.2  # Heartbeats show once a second what came of a request.
 
@@ -31,7 +31,7 @@ def disarm_if_lying(monitor: VehicleMonitor) -> str | None:
     """
     if not _lies_still(monitor):
         return None
-    monitor.emit(Notice(f"{_LIES}; LAND is commanded, in which it disarms", warning=True))
+    monitor.emit(Notice(f"{_LIES}; LAND is commanded, so that it disarms", warning=True))
     monitor.told_to_land = True
     monitor.begin_phase()
     monitor.modes.expect_change("LAND")
