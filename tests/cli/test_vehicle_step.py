@@ -1,6 +1,7 @@
 """vehicle_step.py: which vehicle is refused, and what is read of it."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -95,6 +96,15 @@ def test_a_real_vehicle_is_refused_what_is_for_simulators(argv: list[str]) -> No
     with pytest.raises(VehicleError, match=f"leave out {argv[2]}"):
         vehicle_step._check_options(vehicle({}, simulated=False), parse_options(argv))
     vehicle_step._check_options(vehicle({}), parse_options(argv))
+
+
+def test_another_vehicle_than_a_multicopter_is_refused_before_the_plan() -> None:
+    """A dry run plans with the limits that it has."""
+    plane = vehicle({})
+    plane.identity = replace(plane.identity, vehicle_type=1)
+    with pytest.raises(VehicleError, match="fixed wing, system 1\\) is not a multicopter"):
+        vehicle_step._check_options(plane, parse_options(["--connect", "x"]))
+    vehicle_step._check_options(plane, parse_options(["--connect", "x", "--dry-run"]))
 
 
 def test_the_signing_key_is_that_of_the_option(tmp_path: Path) -> None:

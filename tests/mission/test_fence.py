@@ -170,6 +170,15 @@ def test_legs_agree_with_places_along_them(ends: list[tuple[float, float]], stay
             assert any(shifted)
 
 
+@pytest.mark.parametrize("stay_inside", [True, False], ids=["outside of where it is kept", "in a zone"])
+def test_a_vehicle_that_stands_outside_its_fence_is_told_so(stay_inside: bool) -> None:
+    """No other part of the log would mend that."""
+    state = HERE if not stay_inside else replace(HERE, lat_deg=corner(-30, 0)[0])
+    there = Mission((waypoint(*corner(0, 90), 30.0),))
+    with pytest.raises(VehicleError, match="the vehicle stands outside its fence; move it inside"):
+        check(COPTER, there, state, takeoff_altitude_m=30.0, areas=[polygon(stay_inside)])
+
+
 def test_a_leg_that_leaves_the_fence_is_refused() -> None:
     """Both ends may be inside and the way between them not."""
     there = Mission((waypoint(*corner(90, 0), 30.0), waypoint(*corner(0, 90), 30.0)))

@@ -179,7 +179,7 @@ def test_a_vehicle_that_loses_what_it_climbed_is_told_soon(text: str) -> None:
     ):
         flight.fly()
     assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(True)]
-    assert flight.wall_s < 12 + 5
+    assert flight.wall_s < 12 + 15
 
 
 @pytest.mark.parametrize(

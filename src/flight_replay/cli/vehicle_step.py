@@ -58,7 +58,8 @@ def connected_vehicle(
     """The vehicle behind a connection string, with the ground stations of ``--gcs`` on the same link.
 
     Raises:
-        VehicleError: No vehicle is there, or it is a real one and the options are for simulated ones.
+        VehicleError: No vehicle is there, it cannot fly what is planned, or it is a real one and the
+            options are for simulated ones.
     """
     from flight_replay import vehicle
     from flight_replay.vehicle.link.ground_stations import ground_stations
@@ -82,7 +83,11 @@ def connected_vehicle(
 
 
 def _check_options(connected: ConnectedVehicle, options: Options) -> None:
-    """Refuse options that are for simulated vehicles."""
+    """Refuse a vehicle that cannot fly, before a fit of minutes, and options for simulated ones."""
+    from flight_replay.vehicle.preflight import check_kind
+
+    if not options.dry_run:
+        check_kind(connected.identity)
     if connected.identity.simulated:
         return
     if options.speedup not in (None, 1.0):

@@ -22,6 +22,10 @@ class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AU
         self.problem = problem
 
 
+class Fallen(FlightEnded):
+    """The vehicle falls, or has fallen, and may lie on the ground with its motors running."""
+
+
 def link_lost(silence: str, chosen_mode: str | None = None, *, may_be_armed: bool = True) -> FlightEnded:
     """No data came from the vehicle until the deadline; ``silence`` says for how long.
 
@@ -103,24 +107,34 @@ def off_course(apart_m: float, higher_m: float, jump: str) -> FlightEnded:
 
     ``jump`` is the beginning of a sentence where its position estimate has just jumped, or empty.
     """
-    where, check = "from", "wind, fence, limits and load"
+    kind, where, check = FlightEnded, "from", "wind, fence, limits and load"
     if -higher_m > _STRAIGHT * apart_m:
-        where, check = "below", "its motors, battery, load and limits"
+        kind, where, check = Fallen, "below", "its motors, battery, load and limits"
     elif higher_m > _STRAIGHT * apart_m:
         where, check = "above", "its barometer, wind and limits"
     who, what_now = "the vehicle was", f"check {check}, or allow more with --max-error"
     if jump:
         who, what_now = f"{jump}, and it was", "check its GPS, and watch where it lands"
-    return FlightEnded("off course", f"{who} {apart_m:.1f} m {where} where it was to be; {what_now}")
+    return kind("off course", f"{who} {apart_m:.1f} m {where} where it was to be; {what_now}")
 
 
 def sank(altitude_m: float, lowest_m: float, reason: str) -> FlightEnded:
     """The vehicle came far below all that it is to fly; ``reason`` is its status text, or empty."""
     why = f': it says "{reason}"' if reason else ""
-    return FlightEnded(
+    return Fallen(
         "off course",
         f"the vehicle sinks, or has fallen: it is {altitude_m:.1f} m above home, and was to be at "
         f"{lowest_m:.0f} m or higher{why}; keep away until it is disarmed, its motors may start again",
+    )
+
+
+def sank_in_takeoff(highest_m: float, now_m: float, reason: str) -> FlightEnded:
+    """The vehicle lost what it had climbed; ``reason`` is its status text, or empty."""
+    why = f': it says "{reason}"' if reason else ""
+    return Fallen(
+        "off course",
+        f"the vehicle sank from {highest_m:.1f} m to {now_m:.1f} m during take-off{why}; "
+        "keep away from it until it is disarmed, and find out why",
     )
 
 

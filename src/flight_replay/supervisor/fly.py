@@ -14,9 +14,10 @@ from flight_replay.exceptions import VehicleError
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.supervisor import flight_ended
-from flight_replay.supervisor.flight_ended import FlightEnded
+from flight_replay.supervisor.flight_ended import Fallen, FlightEnded
 from flight_replay.supervisor.flight_plan import FlightPlan, FlightRecord, FollowPlan, Plan
 from flight_replay.supervisor.mission_phases import command_rtl, wait_landed
+from flight_replay.supervisor.motion.fallen import disarm_if_lying
 from flight_replay.supervisor.takeoff_phases import arm_and_takeoff, change_mode, wait_prearm
 from flight_replay.supervisor.vehicle_interface import Clock, Vehicle
 from flight_replay.supervisor.vehicle_monitor import ConfirmArming, VehicleMonitor
@@ -48,6 +49,8 @@ def fly(
     mode was the last heard before the link was lost. The caller emits ``Finished``, after closing the
     vehicle. A flight that reached AUTO, or the recording's begin, returns its record even if it ended
     early: see ``FlightRecord.problem``. ``confirm_arming`` is called before each request to arm.
+
+    A vehicle that has fallen, and that RTL does not move, is told to LAND, in which it disarms.
 
     Raises:
         PhaseTimeoutError: A phase before that timed out; the message has the vehicle's own reason.
@@ -113,6 +116,8 @@ def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
                 monitor.emit(Notice(str(error), warning=True))
             began_wall_s = monitor.wall_s if began_wall_s is None else began_wall_s
             _rtl_unless_left(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - began_wall_s))
+            if isinstance(error, Fallen) and monitor.rtl_confirmed and monitor.mode == "RTL":
+                _tell(monitor, disarm_if_lying(monitor))
             break
         except FlightEnded:
             break
@@ -125,9 +130,16 @@ def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
         raise interrupt
 
 
+def _tell(monitor: VehicleMonitor, problem: str | None) -> None:
+    if problem:
+        monitor.emit(Notice(problem, warning=True))
+
+
 def _rtl_unless_left(monitor: VehicleMonitor, limit_wall_s: float) -> None:
     """Command RTL, but not of a vehicle that a pilot or a failsafe has taken over, from RTL too."""
-    if monitor.rtl_confirmed and monitor.mode != "RTL":
+    if monitor.told_to_land:
+        monitor.emit(Notice("no RTL is commanded: LAND was, so that it disarms", warning=True))
+    elif monitor.rtl_confirmed and monitor.mode != "RTL":
         monitor.emit(Notice(flight_ended.not_rtl(monitor.mode, monitor.failsafe_text), warning=True))
     elif monitor.taken_over:
         monitor.emit(Notice(flight_ended.left_alone(monitor.mode), warning=True))
@@ -138,11 +150,11 @@ def _rtl_unless_left(monitor: VehicleMonitor, limit_wall_s: float) -> None:
 def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan) -> FlightRecord:
     """Supervise the flight and RTL; the record of the flight."""
     start_s = monitor.auto_start_s if monitor.auto_start_s is not None else monitor.time_s
-    problem, landed = None, False
+    problem, landed, fell = None, False, False
     try:
         ended = way.fly(start_s)
     except FlightEnded as end:
-        ended, problem = end.ended, end.problem
+        ended, problem, fell = end.ended, end.problem, isinstance(end, Fallen)
         monitor.emit(Notice(problem, warning=True))
     problem = _both(problem, "; ".join(monitor.progress.jumps) or None)
     seen = _Seen.until_now(monitor, way)
@@ -154,15 +166,26 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
             fallen = flight_ended.disarmed(monitor.reason)
             ended, problem = fallen.ended, fallen.problem
         problem = problem if ended in _NO_RTL else _both(rtl_problem, problem)
-    if plan.land and confirmed and ended != "disarmed":
-        try:
-            wait_landed(monitor, plan.rtl_loiter_s)
-            landed = True
-        except FlightEnded as end:
-            problem = _both(end.problem, problem)
-            ended = end.ended if end.ended in _FALLEN else ended
+    if confirmed and ended != "disarmed":
+        landed, home_problem, ended_on_the_way = _see_home(monitor, plan, fell=fell)
+        problem, ended = _both(home_problem, problem), ended_on_the_way or ended
     record = _record(seen, way, start_s)
     return replace(record, ended=ended, problem=problem, rtl_confirmed=confirmed, landed=landed)
+
+
+def _see_home(
+    monitor: VehicleMonitor, plan: FlightPlan, *, fell: bool
+) -> tuple[bool, str | None, str | None]:
+    """What is waited for in RTL: whether it has landed, the problem, and how the flight ended if it did."""
+    lies = None
+    try:
+        lies = disarm_if_lying(monitor) if fell else None
+        if plan.land and not lies:
+            wait_landed(monitor, plan.rtl_loiter_s)
+            return True, None, None
+    except FlightEnded as end:
+        return False, end.problem, end.ended if end.ended in _FALLEN else None
+    return False, lies, None
 
 
 @dataclass(frozen=True, slots=True)

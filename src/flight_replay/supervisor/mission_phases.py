@@ -18,6 +18,7 @@ from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import Plan
+from flight_replay.supervisor.motion.fallen import disarm_if_lying, moved_m
 from flight_replay.supervisor.motion.height_watch import HeightWatch
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
@@ -121,7 +122,7 @@ class _RestAtTheEnd:
         if now is None or not self._is_there(now):
             self._began = None
             return
-        if self._began is None or _moved_m(now, self._began[1]) > _MIN_MOVE_M:
+        if self._began is None or moved_m(now, self._began[1]) > _MIN_MOVE_M:
             self._began = up_s, now
         if up_s - self._began[0] > self._last.hold_s + _LONG_REST_S:
             self._monitor.item_reached(self._plan.last_seq)
@@ -185,6 +186,8 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
 def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     """Follow the vehicle home until it has landed and disarmed; it waits ``loiter_s`` over home.
 
+    One that fell on its way, and lies on the ground, is told to LAND, in which it disarms.
+
     Raises:
         FlightEnded: It does not move any more, is driven away, disarmed in the air, or
             ``VehicleMonitor.step`` ends the flight.
@@ -192,16 +195,17 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     monitor.modes.expect("RTL", "LAND")
     progress, taken_over = ProgressTimer(monitor), _TakenOverOnTheWay(monitor)
     deadline = Deadline(monitor, monitor.deadlines.no_progress_s + loiter_s)
-    before, began_m = monitor.state, monitor.from_home_m
+    way, began_m = _WayHome(monitor), monitor.from_home_m
     while not monitor.certainly_disarmed:
         taken_over.check()
         if monitor.from_home_m > began_m + _LOST_M:
             raise _driven_away(monitor)
-        if monitor.state and before and _comes_home(before, monitor.state):
-            before = monitor.state
+        if way.leads_on():
             deadline.restart()
         if deadline.passed:
-            raise _not_landed(monitor)
+            is_low = monitor.altitude_m < _THERE_M
+            lies = disarm_if_lying(monitor) if is_low and not monitor.taken_over else None
+            raise FlightEnded("no progress", lies) if lies else _not_landed(monitor)
         if progress.due():
             where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"
             monitor.emit(Waiting(Phase.RETURN, where))
@@ -229,10 +233,29 @@ class _TakenOverOnTheWay:
             monitor.emit(Notice(flight_ended.not_rtl("LAND", monitor.failsafe_text), warning=True))
 
 
-def _comes_home(before: VehicleState, now: VehicleState) -> bool:
-    """Whether a vehicle flies or lands; slower over the ground than that the wind drives it, or it hovers."""
-    moved_m = float(distance_m(before.lat_deg, before.lon_deg, now.lat_deg, now.lon_deg))
-    return moved_m > _ASTRAY_M or abs(now.alt_m - before.alt_m) > _MIN_MOVE_M
+class _WayHome:
+    """How far the vehicle has come since RTL: what leads to and fro, or up and down, does not count.
+
+    Slower over the ground than ``_ASTRAY_M`` in the time that is left, the wind drives it, or it hovers.
+    """
+
+    def __init__(self, monitor: VehicleMonitor) -> None:
+        self._monitor, self._began = monitor, monitor.state
+        self._farthest_m = [-math.inf] * 5
+
+    def leads_on(self) -> bool:
+        """Whether it is farther from where it began, from home, nearer to it, higher or lower than before."""
+        now, from_home_m, leads_on = self._monitor.state, self._monitor.from_home_m, False
+        if now is None or self._began is None:
+            return False
+        apart_m = float(distance_m(self._began.lat_deg, self._began.lon_deg, now.lat_deg, now.lon_deg))
+        over_ground = [(value_m, _ASTRAY_M) for value_m in (apart_m, from_home_m, -from_home_m)]
+        for way, (value_m, step_m) in enumerate(
+            [*over_ground, (now.alt_m, _MIN_MOVE_M), (-now.alt_m, _MIN_MOVE_M)]
+        ):
+            if value_m > self._farthest_m[way] + step_m:
+                self._farthest_m[way], leads_on = value_m, True
+        return leads_on
 
 
 def _not_landed(monitor: VehicleMonitor) -> FlightEnded:
@@ -269,7 +292,3 @@ def _check_landed(monitor: VehicleMonitor) -> None:
     unseen_s = max(disarmed_s - armed.time_s - _AT_REST_S, 0.0)
     if armed.alt_m - now.alt_m > _SANK_M + _DESCENT_M_S * unseen_s:
         raise flight_ended.disarmed(monitor.reason)
-
-
-def _moved_m(a: VehicleState, b: VehicleState) -> float:
-    return float(distance_m(a.lat_deg, a.lon_deg, b.lat_deg, b.lon_deg)) + abs(a.alt_m - b.alt_m)

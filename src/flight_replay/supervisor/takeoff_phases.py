@@ -11,6 +11,7 @@ from contextlib import suppress
 from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeReached, VehicleState, Waiting
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
+from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.motion.height_watch import SUNK_M, Sinking
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
@@ -230,15 +231,12 @@ class _Climb:
         """Check that it has not lost what it climbed.
 
         Raises:
-            VehicleError: It has, as one whose motor fails.
+            FlightEnded: It has, as one whose motor fails.
         """
         now_m, highest_m = self._monitor.altitude_m, self.highest_m
         enough_m = max((highest_m - self._ground_m) / 2, SUNK_M)
         if self._sinking.lasts(too_low=highest_m - now_m > enough_m):
-            raise VehicleError(
-                f"the vehicle sank from {highest_m:.1f} m to {now_m:.1f} m during take-off"
-                f"{_quoted(self._monitor.reason)}; keep away from it until it is disarmed, and find out why"
-            )
+            raise flight_ended.sank_in_takeoff(highest_m, now_m, self._monitor.reason)
 
     @property
     def failure(self) -> str:

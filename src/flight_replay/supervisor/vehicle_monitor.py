@@ -89,6 +89,8 @@ class VehicleMonitor:
         self.arm_requested = self.was_armed = False
         self.rtl_confirmed = False
         """Whether the vehicle has confirmed an RTL that was commanded: any mode since is somebody else's."""
+        self.told_to_land = False
+        """Whether LAND was commanded of a vehicle that fell: RTL would start its motors again."""
         self.taken_over = False
         """Whether somebody else has the vehicle, or had it when last heard: nothing more is commanded."""
         self.reason = ""

@@ -92,7 +92,7 @@ def check(  # noqa: PLR0913
         lands: Whether the landing is waited for.
 
     Raises:
-        VehicleError: The vehicle is not a multicopter with ArduPilot, is already armed, or would not land.
+        VehicleError: The vehicle is no multicopter with ArduPilot, is armed, would not land, or is outside.
         MissionError: The route starts too far away, leaves the fence, or has an invalid waypoint.
     """
     words = words or MissionWords()
@@ -128,9 +128,18 @@ def _briefing(
     )
 
 
-def _check_vehicle(identity: Identity, state: VehicleState) -> None:
+def check_kind(identity: Identity) -> None:
+    """Refuse what is not a multicopter.
+
+    Raises:
+        VehicleError: It is something else.
+    """
     if not identity.is_multicopter:
         raise VehicleError(f"{identity.name} is not a multicopter with ArduPilot; connect one")
+
+
+def _check_vehicle(identity: Identity, state: VehicleState) -> None:
+    check_kind(identity)
     if state.armed:
         raise VehicleError(
             f"the vehicle is already armed, in mode {state.mode}; land and disarm it, then start again"
@@ -185,7 +194,10 @@ def _check_areas(
         *((item.lat_deg, item.lon_deg) for _, item in mission.waypoints),
     ]
     waypoints_m = frame.to_metres(*np.array(places).T)
+    here_m = waypoints_m[:1]
     for area in areas:
+        if area.forbids_legs(here_m, here_m, frame).any():
+            raise VehicleError("the vehicle stands outside its fence; move it inside, or change the fence")
         forbidden = np.flatnonzero(area.forbids_legs(waypoints_m[:-1], waypoints_m[1:], frame))
         if len(forbidden):
             raise MissionError(

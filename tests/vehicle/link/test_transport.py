@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
 import sys
@@ -168,7 +169,7 @@ def test_what_cannot_be_opened_is_an_error_at_once(
         open_transport("tcp:no-such-host.invalid:5760", 0)
     with pytest.raises(VehicleError, match="invalid host name; check the host name"):
         open_transport("tcp:two..dots:5760", 0)
-    with FreePort() as held, pytest.raises(VehicleError, match="no other program uses it"):
+    with FreePort() as held, pytest.raises(VehicleError, match="let the vehicle send to another port"):
         open_transport(f"udp:127.0.0.1:{held.number}", 0)
     number = server.getsockname()[1]
     server.close()
@@ -177,6 +178,26 @@ def test_what_cannot_be_opened_is_an_error_at_once(
         match=r"refused: nothing listens there; start .* \(flight-replay waits for it with --wait\)",
     ):
         open_transport(f"tcp:127.0.0.1:{number}", 0)
+
+
+@pytest.mark.parametrize(
+    ("number", "next_step"),
+    [
+        (errno.EACCES, "Permission denied; let your user use it"),
+        (errno.EADDRNOTAVAIL, "requested address; udp: listens, at addresses of this computer; udpout:"),
+    ],
+)
+def test_what_may_not_be_opened_names_the_next_step(
+    monkeypatch: pytest.MonkeyPatch, number: int, next_step: str
+) -> None:
+    """A serial port of another group, and an address of another computer."""
+
+    def fail(_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(UdpListener, "open", fail)
+    with pytest.raises(VehicleError, match=f"cannot open udp:10.0.0.9:14550: .*{next_step}"):
+        open_transport("udp:10.0.0.9:14550", 0)
 
 
 def test_a_silent_name_server_has_a_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -45,4 +45,6 @@ class HeightWatch:
         """
         altitude_m = self._monitor.altitude_m
         if self._sinking.lasts(too_low=altitude_m < self._too_low_m):
+            if self._monitor.armed is False:
+                raise flight_ended.disarmed(self._monitor.reason)
             raise flight_ended.sank(altitude_m, self._lowest_m, self._monitor.reason)

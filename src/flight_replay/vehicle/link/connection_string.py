@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
 import time
@@ -12,6 +13,12 @@ from flight_replay.vehicle.link.transport import Serial, TcpClient, Transport, U
 
 _RETRY_S = 5.0  # A simulator that was just started may not listen yet.
 _PAUSE_S = 0.2
+_NEXT_STEPS = {
+    errno.EACCES: "let your user use it (on Linux: its group, such as dialout, then log in again)",
+    errno.EADDRNOTAVAIL: "udp: listens, at addresses of this computer; udpout:HOST:PORT sends to a vehicle",
+    errno.EADDRINUSE: "another program listens there: end it, or let the vehicle send to another port",
+}
+"""What to do about some errors."""
 
 
 def open_transport(connection_string: str, baud: int, *, keeps_trying: bool = False) -> Transport:
@@ -50,10 +57,9 @@ def _cannot_open(connection_string: str, error: OSError) -> VehicleError:
         return VehicleError(
             f"cannot resolve the host of {connection_string}: {error.strerror}; check the host name"
         )
-    return VehicleError(
-        f"cannot open {connection_string}: {os.strerror(error.errno) if error.errno else error}; "
-        "check that it exists and that no other program uses it"
-    )
+    next_step = _NEXT_STEPS.get(error.errno or 0, "check that it exists and that no other program uses it")
+    what = os.strerror(error.errno) if error.errno else error
+    return VehicleError(f"cannot open {connection_string}: {what}; {next_step}")
 
 
 def silence_hint(connection_string: str, baud: int) -> str:
