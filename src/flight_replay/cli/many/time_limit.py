@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
-from typing import IO
 
 _TOLD_S = 1.0
 _GRACE_S = 5.0
@@ -43,5 +42,6 @@ def _end(tell: Callable[[], None]) -> None:
 
 
 @cache
-def _nowhere() -> IO[str]:
-    return open(os.devnull, "w")  # noqa: PTH123 - open as long as the process
+def _nowhere() -> int:
+    """A descriptor, open as long as the process."""
+    return os.open(os.devnull, os.O_WRONLY)
