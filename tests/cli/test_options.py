@@ -111,7 +111,16 @@ def test_wrong_usage_has_a_message(argv: list[str], message: str, capsys: pytest
             ["--info", "--connect", "x", "--land"],
             ("--land has no effect with --info", "--connect has no effect with --info"),
         ),
+        (
+            ["--info", "--route", "fit", "--duration", "all"],
+            ("--route has no effect with --info", "--duration has no effect with --info"),
+        ),
         (["--compare", "a", "b", "--vehicle", "1"], ("--vehicle has no effect with --compare",)),
+        (
+            ["--connect", "tcp:localhost:5760", "--baud", "57600"],
+            ("--baud has no effect with --connect tcp:localhost:5760",),
+        ),
+        (["--connect", "/dev/serial/by-path/usb-0:2:1.0", "--baud", "57600"], ()),
         (["--compare", "a", "b", "--flight", "2", "--from", "3"], ()),
         (["--bare", "--save", "a.kml", "--save", "a.plan"], ()),
     ],

@@ -63,7 +63,11 @@ def test_two_missions_saved_in_the_same_second_have_two_files(tmp_path: Path) ->
 
 @pytest.mark.parametrize(
     ("connection", "end"),
-    [("udp:127.0.0.1:14550", "udp:127.0.0.1:14550"), ("/dev/ttyUSB0", "/dev/ttyUSB0 115200")],
+    [
+        ("udp:127.0.0.1:14550", "udp:127.0.0.1:14550"),
+        ("/dev/ttyUSB0", "/dev/ttyUSB0 115200"),
+        ("/dev/serial/by-path/usb-0:2:1.0", "/dev/serial/by-path/usb-0:2:1.0 115200"),
+    ],
 )
 def test_the_command_has_file_and_connection(connection: str, end: str) -> None:
     """A serial port needs its baud rate; blanks are quoted for the shell."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from flight_replay.planning.altitude import RECORDED
+from flight_replay.simulator.server.addresses import is_serial_port
 
 _OPTIONS = {
     "vehicle": "--vehicle",
@@ -18,6 +19,8 @@ _OPTIONS = {
     "mode": "--mode",
     "route": "--route",
     "altitude_m": "--altitude",
+    "heading": "--heading",
+    "duration_s": "--duration",
     "floor_m": "--floor",
     "speed_m_s": "--speed",
     "pace": "--speed with a factor",
@@ -52,7 +55,9 @@ _IN_FLIGHT = "land", "yes", "max_distance_m", "passes"
 _WITH_VEHICLE = "record", "gcs", "sim", "sitl", "speedup"
 _RESULTS = "save", "plot", "report", "record", "map"
 _PLANNED = "spacing_m", "max_points", "floor_m", "max_error_m", "takeoff_altitude_m"
-_FLOWN = (*_PLANNED, *_IN_FLIGHT, "connect", "baud", "wait", "signing_key", "gcs", "sim", "sitl", "speedup")
+_WITH_CONNECT = "connect", "baud", "wait", "signing_key", "gcs", "sim", "sitl", "speedup"
+_ROUTE = "mode", "route", "altitude_m", "speed_m_s", "pace", "heading", "duration_s", "limits"
+_FLOWN = (*_ROUTE, *_PLANNED, *_IN_FLIGHT, *_WITH_CONNECT)
 """What a log that is only looked at does not need."""
 _Error = Callable[[str], NoReturn]
 
@@ -102,24 +107,36 @@ def check_combinations(parser: argparse.ArgumentParser, values: Mapping[str, obj
         _refuse(parser.error, values, (*_RESULTS, "dry_run", "info"), "cannot be used with --compare")
 
 
-def without_effect(values: Mapping[str, object]) -> tuple[str, ...]:
+def without_effect(values: Mapping[str, object], defaults: Mapping[str, object]) -> tuple[str, ...]:
     """A sentence for each option that is not needed: whoever looks before flying only adds an option.
 
-    That is ``--dry-run``, or ``--info`` or ``--compare`` to look at logs alone.
+    That is ``--dry-run``, or ``--info`` or ``--compare`` to look at logs alone. A baud rate is for a serial
+    port alone.
+
+    Args:
+        values: What was given, by destination.
+        defaults: What they are where nothing is given.
     """
-    ignored: tuple[str, ...]
-    if values["dry_run"]:
-        looks = "--dry-run"
-        ignored = _IN_FLIGHT if values["connect"] is not None else (*_IN_FLIGHT, *_WITH_VEHICLE)
-    elif values["info"]:
-        looks, ignored = "--info", ("flight", "from_s", "to_s", *_FLOWN)
-    elif values["compare"]:
-        looks, ignored = "--compare", ("vehicle", *_FLOWN)
-    else:
-        return ()
     return tuple(
-        f"{_OPTIONS[name]} has no effect with {looks}" for name in ignored if _is_given(values[name])
+        f"{_OPTIONS[name]} has no effect with {other}"
+        for other, ignored in _ignored_with(values)
+        for name in ignored
+        if values[name] != defaults[name]
     )
+
+
+def _ignored_with(values: Mapping[str, object]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Options that are given, each with the destinations of those that it leaves without an effect."""
+    if values["info"]:
+        yield "--info", ("flight", "from_s", "to_s", *_FLOWN)
+    elif values["compare"]:
+        yield "--compare", ("vehicle", *_FLOWN)
+    else:
+        connection = values["connect"]
+        if values["dry_run"]:
+            yield "--dry-run", _IN_FLIGHT if connection is not None else (*_IN_FLIGHT, *_WITH_VEHICLE)
+        if isinstance(connection, str) and values["baud"] is not None and not is_serial_port(connection):
+            yield f"--connect {connection}", ("baud",)
 
 
 def _is_given(value: object) -> bool:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from flight_replay.cli.option_combinations import check_combinations, without_effect
 from flight_replay.cli.option_groups import add_groups
@@ -104,11 +104,9 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
         SystemExit: 2 for wrong usage, 0 after ``--help`` or ``--version``.
     """
     parser = build_parser()
-    values = vars(parser.parse_args(argv))
-    values["altitude_m"], values["raise_m"] = values["altitude_m"]
-    values["speed_m_s"], values["pace"] = values["speed_m_s"]
+    values = _parsed(parser, argv)
     check_combinations(parser, values)
-    values["without_effect"] = without_effect(values)
+    values["without_effect"] = without_effect(values, _parsed(parser, []))
     tlog = values.pop("tlog")
     values["log"] = tlog if values["log"] is None else values["log"]
     for name, default in DEFAULTS.items():
@@ -119,6 +117,14 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
     values["save"] = tuple(values["save"] or ())
     values["gcs"] = tuple(values["gcs"] or ())
     return Options(**values)
+
+
+def _parsed(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> dict[str, Any]:
+    """What is given, by destination."""
+    values = vars(parser.parse_args(argv))
+    values["altitude_m"], values["raise_m"] = values["altitude_m"]
+    values["speed_m_s"], values["pace"] = values["speed_m_s"]
+    return values
 
 
 def build_parser() -> argparse.ArgumentParser:

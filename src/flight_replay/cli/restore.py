@@ -22,6 +22,7 @@ from flight_replay.exceptions import FlightReplayError
 from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
 from flight_replay.output.console.terminal import flush_or_discard, write_error, write_line
+from flight_replay.simulator.server.addresses import is_serial_port
 from flight_replay.writing.output_files import unused_path
 from flight_replay.writing.terminal_text import Parser
 
@@ -49,7 +50,7 @@ def save_mission_on_board(vehicle: HasMissionOnBoard, folder: Path, now: datetim
 
 def restore_command(path: Path, connection: str, baud: int, signing_key: Path | None = None) -> str:
     """The shell command that restores a saved mission, or parameters."""
-    speed = [str(baud)] if ":" not in connection else []
+    speed = [str(baud)] if is_serial_port(connection) else []
     signing = ["--signing-key", str(signing_key)] if signing_key else []
     return shlex.join(["python", "-m", "flight_replay.cli.restore", *signing, str(path), connection, *speed])
 

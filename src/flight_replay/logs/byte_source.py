@@ -172,13 +172,14 @@ def open_log(path: Path | str) -> Iterator[OpenLog]:
     """The log at a path, or on standard input for ``-``.
 
     Raises:
-        LogError: It cannot be opened or read, or is a directory.
+        LogError: It cannot be opened or read, or is a directory or a device.
     """
     try:
         if str(path) == STANDARD_INPUT:
             yield OpenLog("standard input", _standard_input())
             return
         path = Path(path)
+        _refuse_device(path)
         with path.open("rb", buffering=0) as file:
             status = os.fstat(file.fileno())
             if stat.S_ISREG(status.st_mode):
@@ -192,6 +193,13 @@ def open_log(path: Path | str) -> Iterator[OpenLog]:
     except OSError as error:
         why = error.strerror or error
         raise LogError(f"{path} cannot be read ({why}); name a readable log") from error
+
+
+def _refuse_device(path: Path) -> None:
+    """Refuse what may have no end, or not even let itself be opened; a pipe has an end."""
+    mode = path.stat().st_mode
+    if stat.S_ISCHR(mode) or stat.S_ISBLK(mode):
+        raise LogError(f"{path} is a device; name a log of a flight (--connect names a vehicle's port)")
 
 
 def _standard_input() -> Stream:

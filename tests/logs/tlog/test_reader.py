@@ -424,7 +424,9 @@ def test_what_is_no_usable_log_is_told_in_one_sentence(tmp_path: Path, content: 
 
 
 def test_paths_that_cannot_be_read_are_told(tmp_path: Path) -> None:
-    """Missing files, directories and what is no file each get their sentence."""
+    """Missing files, directories, devices and what is no file each get their sentence."""
+    with pytest.raises(LogError, match=f"{os.devnull} is a device"):
+        read_log(os.devnull)
     with pytest.raises(LogError, match="does not exist"):
         read_log(tmp_path / "missing.tlog")
     with pytest.raises(LogError, match="is a directory"):

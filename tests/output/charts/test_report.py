@@ -127,13 +127,16 @@ def test_file_names_are_escaped(page: Page) -> None:
 
 
 def test_a_plan_has_a_report(tmp_path: Path) -> None:
-    """It has no flight and no events; its mission lists speed changes."""
+    """It has no flight and no events; its mission lists speed changes. A log may know of no vehicle."""
     route = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0)
-    save_report(tmp_path / "a.html", ReportText(summary(flown=False)), route)
+    planned = summary(flown=False)
+    planned["log"]["vehicles"] = []
+    save_report(tmp_path / "a.html", ReportText(planned), route)
     page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
     assert "Plan only: nothing was flown." in page.texts
     assert "Flight" not in page.texts
     assert "Events" not in page.texts
+    assert "vehicles" not in page.texts
     assert ["1", "wait here for 1 s"] in page.rows
     assert ["2", "change speed to 3 m/s"] in page.rows
 

@@ -231,7 +231,7 @@ def _log_rows(log: Summary, route: Route) -> list[tuple[str, str]]:
         ("usable fixes", str(log["fixes"])),
         ("records without a position", str(log["without_position"])),
         ("implausible fixes", str(log["rejected"])),
-        ("vehicles", vehicles),
+        *([("vehicles", vehicles)] if vehicles else []),  # GPX and tables know none.
         ("flights", str(len(log["flights"]))),
     ]
 

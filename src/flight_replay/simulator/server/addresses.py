@@ -56,6 +56,16 @@ def parse_network_address(text: str) -> NetworkAddress | None:
     return NetworkAddress(KINDS[kind.lower()], host.removeprefix("[").removesuffix("]"), int(digits))
 
 
+def is_serial_port(connection_string: str) -> bool:
+    """Whether what a vehicle is connected by is a serial port: all that is not written as an address.
+
+    A port by its path may have colons, as in ``/dev/serial/by-path``.
+    """
+    kind = connection_string.partition(":")[0].lower()
+    is_bare = parse_network_address(f"udpin:{connection_string}") is not None and "/" not in kind
+    return kind not in KINDS and not is_bare
+
+
 def parse_address(text: str) -> NetworkAddress:
     """Parse an address of the simulator: ``tcp`` listens.
 

@@ -8,7 +8,7 @@ import socket
 import time
 
 from flight_replay.exceptions import VehicleError
-from flight_replay.simulator.server.addresses import KINDS, parse_network_address
+from flight_replay.simulator.server.addresses import KINDS, is_serial_port, parse_network_address
 from flight_replay.vehicle.link.transport import Serial, TcpClient, Transport, UdpClient, UdpListener
 
 _RETRY_S = 5.0  # A simulator that was just started may not listen yet.
@@ -81,21 +81,16 @@ def transport_for(connection_string: str, baud: int) -> Transport:
     Raises:
         VehicleError: The string is invalid.
     """
-    kind = connection_string.partition(":")[0].lower()
-    bare = parse_network_address(f"udpin:{connection_string}")
-    if kind in KINDS:
-        address = parse_network_address(connection_string)
-        if address is None or address.port == 0 or address.kind not in _TRANSPORTS:
+    if is_serial_port(connection_string):
+        device, _, speed = connection_string.partition(",")
+        if not device:
             raise _invalid(connection_string)
-        return _TRANSPORTS[address.kind]((address.host or _ANY_HOST, address.port))
-    if bare is not None and "/" not in kind:
-        if bare.port == 0:
-            raise _invalid(connection_string)
-        return UdpListener((bare.host or _ANY_HOST, bare.port))
-    device, _, speed = connection_string.partition(",")
-    if not device:
+        return Serial(device, int(speed) if speed.isascii() and speed.isdecimal() else baud)
+    has_kind = connection_string.partition(":")[0].lower() in KINDS
+    address = parse_network_address(connection_string if has_kind else f"udpin:{connection_string}")
+    if address is None or address.port == 0 or address.kind not in _TRANSPORTS:
         raise _invalid(connection_string)
-    return Serial(device, int(speed) if speed.isascii() and speed.isdecimal() else baud)
+    return _TRANSPORTS[address.kind]((address.host or _ANY_HOST, address.port))
 
 
 _ANY_HOST = "0.0.0.0"
