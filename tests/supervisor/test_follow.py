@@ -290,7 +290,7 @@ def test_a_vehicle_that_stays_armed_on_the_ground_is_told_first() -> None:
     assert (record.ended, record.landed) == ("off course", False)
     assert record.problem is not None
     assert record.problem.startswith(
-        "the vehicle lies where it fell, and has not disarmed in LAND: keep away, and disarm it; before "
+        "the vehicle stays where it fell, and has not disarmed in LAND: keep away, and disarm it on the "
     )
     assert "before that the vehicle's position estimate jumped by 30 m" in record.problem
 

@@ -17,7 +17,7 @@ from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import Fallen, FlightEnded
 from flight_replay.supervisor.flight_plan import FlightPlan, FlightRecord, FollowPlan, Plan
 from flight_replay.supervisor.mission_phases import command_rtl, wait_landed
-from flight_replay.supervisor.motion.fallen import disarm_if_lying
+from flight_replay.supervisor.motion.fallen import disarm_if_staying
 from flight_replay.supervisor.takeoff_phases import arm_and_takeoff, change_mode, wait_prearm
 from flight_replay.supervisor.vehicle_interface import Clock, Vehicle
 from flight_replay.supervisor.vehicle_monitor import ConfirmArming, VehicleMonitor
@@ -117,7 +117,7 @@ def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
             began_wall_s = monitor.wall_s if began_wall_s is None else began_wall_s
             _rtl_unless_left(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - began_wall_s))
             if isinstance(error, Fallen) and monitor.rtl_confirmed and monitor.mode == "RTL":
-                _tell(monitor, disarm_if_lying(monitor))
+                _tell(monitor, disarm_if_staying(monitor))
             break
         except FlightEnded:
             break
@@ -177,15 +177,15 @@ def _see_home(
     monitor: VehicleMonitor, plan: FlightPlan, *, fell: bool
 ) -> tuple[bool, str | None, str | None]:
     """What is waited for in RTL: whether it has landed, the problem, and how the flight ended if it did."""
-    lies = None
+    stays = None
     try:
-        lies = disarm_if_lying(monitor) if fell else None
-        if plan.land and not lies:
+        stays = disarm_if_staying(monitor) if fell else None
+        if plan.land and not stays:
             wait_landed(monitor, plan.rtl_loiter_s)
             return True, None, None
     except FlightEnded as end:
         return False, end.problem, end.ended if end.ended in _FALLEN else None
-    return False, lies, None
+    return False, stays, None
 
 
 @dataclass(frozen=True, slots=True)

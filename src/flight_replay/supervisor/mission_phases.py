@@ -18,7 +18,7 @@ from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.flight_plan import Plan
-from flight_replay.supervisor.motion.fallen import disarm_if_lying, moved_m
+from flight_replay.supervisor.motion.fallen import disarm_if_staying, moved_m
 from flight_replay.supervisor.motion.height_watch import HeightWatch
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
@@ -204,8 +204,8 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
             deadline.restart()
         if deadline.passed:
             is_low = monitor.altitude_m < _THERE_M
-            lies = disarm_if_lying(monitor) if is_low and not monitor.taken_over else None
-            raise FlightEnded("no progress", lies) if lies else _not_landed(monitor)
+            stays = disarm_if_staying(monitor) if is_low and not monitor.taken_over else None
+            raise FlightEnded("no progress", stays) if stays else _not_landed(monitor)
         if progress.due():
             where = f"{monitor.altitude_m:.1f} m above home, {monitor.from_home_m:.0f} m away"
             monitor.emit(Waiting(Phase.RETURN, where))

@@ -11,8 +11,8 @@ from flight_replay.exceptions import VehicleError
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle
 from tests.helpers.supervised import FakeFlight, fake_flight
 
-_LIES = "the vehicle lies where it fell"
-_DISARMED = f"{_LIES}, and has disarmed in LAND"
+_STAYS = "the vehicle stays where it fell"
+_DISARMED = f"{_STAYS}, and has disarmed in LAND"
 
 
 def _fall(vehicle: FakeVehicle, to_m: float = 0.2) -> None:
@@ -65,7 +65,7 @@ def test_a_vehicle_that_lies_where_it_fell_disarms(land: bool) -> None:
     assert (record.ended, record.rtl_confirmed, record.landed) == ("off course", True, False)
     assert record.problem is not None
     assert record.problem.startswith(f"{_DISARMED}; before that the vehicle sinks, or has fallen")
-    assert f"{_LIES}; LAND is commanded, so that it disarms" in _warnings(flight)
+    assert f"{_STAYS}; LAND is commanded, so that it disarms" in _warnings(flight)
 
 
 def test_a_vehicle_that_rtl_lifts_flies_home() -> None:
@@ -74,7 +74,7 @@ def test_a_vehicle_that_rtl_lifts_flies_home() -> None:
     record = flight.fly()
     assert flight.vehicle.requested[-1] == "RTL"
     assert record.problem is not None
-    assert _LIES not in record.problem
+    assert _STAYS not in record.problem
 
 
 def test_a_vehicle_that_somebody_takes_is_not_told_to_land() -> None:
@@ -88,7 +88,24 @@ def test_a_vehicle_that_somebody_takes_is_not_told_to_land() -> None:
 def test_a_vehicle_that_does_not_disarm_is_told() -> None:
     record = _flight_with_a_fall(disarms=False).fly()
     assert record.problem is not None
-    assert record.problem.startswith(f"{_LIES}, and has not disarmed in LAND: keep away, and disarm it")
+    assert record.problem.startswith(f"{_STAYS}, and has not disarmed in LAND: keep away, and disarm it ")
+
+
+def test_a_vehicle_that_hovers_weakly_has_the_time_to_land() -> None:
+    """Whoever disarmed it before it is down would let it fall."""
+    flight = _flight_with_a_fall(to_m=12.0)
+    vehicle, move = flight.vehicle, flight.vehicle._land
+
+    def sink(step_s: float) -> None:
+        if vehicle.mode == "LAND" and vehicle.altitude_m > 0.5:
+            vehicle.altitude_m -= 0.5 * step_s
+        else:
+            move(step_s)
+
+    vehicle._land = sink  # type: ignore[method-assign]
+    record = flight.fly()
+    assert record.problem is not None
+    assert record.problem.startswith(_DISARMED)
 
 
 def test_a_vehicle_that_disarms_by_itself_is_left_alone() -> None:

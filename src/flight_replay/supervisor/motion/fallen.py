@@ -1,4 +1,4 @@
-"""A vehicle that has fallen and lies there armed: in RTL its motors go on running, in LAND it disarms."""
+"""A vehicle that has fallen and stays there armed: in RTL its motors go on running, in LAND it disarms."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ _STILL_M, _STILL_S = 3.0, 6.0
 near it so soon."""
 _WATCH_S = 15.0  # RTL may be confirmed while it still falls.
 _DISARM_S = 20.0  # ArduCopter 4.6, at full throttle by then, disarms 8 to 13 s after the request.
-_LIES = "the vehicle lies where it fell"
+_LAND_M_S = 0.5  # ArduCopter's by default, near the ground: it may hover there weakly, rather than lie.
+_STAYS = "the vehicle stays where it fell"
 _RETRY_S = 1.2  # Heartbeats show once a second what came of a request.
 
 
@@ -21,7 +22,7 @@ def moved_m(a: VehicleState, b: VehicleState) -> float:
     return float(distance_m(a.lat_deg, a.lon_deg, b.lat_deg, b.lon_deg)) + abs(a.alt_m - b.alt_m)
 
 
-def disarm_if_lying(monitor: VehicleMonitor) -> str | None:
+def disarm_if_staying(monitor: VehicleMonitor) -> str | None:
     """Command LAND of a vehicle that fell and that RTL does not move: what came of it, as a sentence.
 
     None if it flies home, or is disarmed.
@@ -29,24 +30,25 @@ def disarm_if_lying(monitor: VehicleMonitor) -> str | None:
     Raises:
         FlightEnded: Somebody else chose another mode, the link stays lost, or the vehicle rebooted.
     """
-    if not _lies_still(monitor):
+    if not _comes_to_stay(monitor):
         return None
-    monitor.emit(Notice(f"{_LIES}; LAND is commanded, so that it disarms", warning=True))
+    monitor.emit(Notice(f"{_STAYS}; LAND is commanded, so that it disarms", warning=True))
     monitor.told_to_land = True
     monitor.begin_phase()
     monitor.modes.expect_change("LAND")
-    deadline, retry = Deadline(monitor, _DISARM_S), RetryTimer(monitor)
+    landing_s = max(monitor.altitude_m, 0.0) / _LAND_M_S
+    deadline, retry = Deadline(monitor, landing_s + _DISARM_S), RetryTimer(monitor)
     while not monitor.certainly_disarmed:
         if deadline.passed:
-            return f"{_LIES}, and has not disarmed in LAND: keep away, and disarm it"
+            return f"{_STAYS}, and has not disarmed in LAND: keep away, and disarm it on the ground"
         if not monitor.modes.changed and not monitor.mode_in_doubt and retry.due(_RETRY_S):
             monitor.vehicle.request_mode("LAND")
         monitor.step()
-    return f"{_LIES}, and has disarmed in LAND"
+    return f"{_STAYS}, and has disarmed in LAND"
 
 
-def _lies_still(monitor: VehicleMonitor) -> bool:
-    """Whether it comes to lie somewhere, armed."""
+def _comes_to_stay(monitor: VehicleMonitor) -> bool:
+    """Whether it comes to stay somewhere, armed."""
     deadline = Deadline(monitor, _WATCH_S)
     since_s, there = monitor.link_up_s, monitor.state
     while not (deadline.passed or monitor.certainly_disarmed):
