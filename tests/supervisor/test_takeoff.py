@@ -315,6 +315,22 @@ def test_pre_arm_checks_are_requested_every_five_seconds() -> None:
     assert len(waits) == pytest.approx(17, abs=2)
 
 
+def test_all_checks_of_the_last_run_that_failed_are_the_reason() -> None:
+    """The last text alone may be a consequence of the first."""
+    vehicle = FakeVehicle(FakeClock(), ready_after_s=999.0)
+    runs = ((7.0, "EKF attitude is bad"), (7.0, "RC not found"), (100.0, "EKF attitude is bad"))
+    for when_s, text in (*runs, (100.2, "Compass not healthy")):
+        vehicle.schedule.append((when_s, lambda text=text: vehicle.send_text(f"PreArm: {text}")))  # type: ignore[misc]
+    said = 'it says "PreArm: EKF attitude is bad; PreArm: Compass not healthy"; put that right'
+    with pytest.raises(PhaseTimeoutError, match=said):
+        fake_flight(vehicle).fly()
+
+
+def test_what_the_vehicle_lacks_is_told_where_it_gives_no_reason() -> None:
+    with pytest.raises(PhaseTimeoutError, match="in 180 s: no position yet; check its GPS, compass"):
+        fake_flight(FakeVehicle(FakeClock(), ready_after_s=999.0)).fly()
+
+
 @pytest.mark.parametrize("missing", [Heartbeat, VehicleState, PrearmStatus])
 def test_a_vehicle_is_ready_only_with_all_reports(missing: type) -> None:
     """Heartbeat, position and pre-arm status: while one of them is missing, nothing is requested."""

@@ -40,13 +40,22 @@ def wait_prearm(monitor: VehicleMonitor) -> None:
     while not _is_ready(monitor):
         reason = monitor.reason or (monitor.prearm.reason if monitor.prearm else "")
         if deadline.passed:
-            raise PhaseTimeoutError(_timeout("was not ready to arm", monitor.deadlines.prearm_s, reason))
+            raise PhaseTimeoutError(_not_ready(monitor))
         if checks.passed:
             monitor.vehicle.request_prearm_checks()
             checks.restart()
         if progress.due():
             monitor.emit(Waiting(Phase.PREARM, reason))
         monitor.step()
+
+
+def _not_ready(monitor: VehicleMonitor) -> str:
+    """What a person is told if it is not: the vehicle's own reason, or else what is missing."""
+    missing = monitor.prearm.reason if monitor.prearm else "it told nothing of it"
+    why = f"{missing}; check its GPS, compass, stream rates and status texts"
+    if monitor.reason:
+        why = f'it says "{monitor.reason}"; put that right, then start again'
+    return f"the vehicle was not ready to arm in {monitor.deadlines.prearm_s:.0f} s: {why}"
 
 
 def _is_ready(monitor: VehicleMonitor) -> bool:

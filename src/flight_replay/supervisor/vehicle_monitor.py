@@ -39,6 +39,8 @@ _STEP_WALL_S = 0.1  # The longest wait for a report in one step.
 _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _PREARM_TEXT = "PreArm:"
+_CHECK_TEXTS = (_PREARM_TEXT, "Arm:")
+_CHECKS_WALL_S = 1.0  # The texts of checks that fail in one run follow each other more closely.
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
 _NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
 _NO_POSITION_WALL_S = 5.0  # A fast simulator sends ten in no time, and a link asks for positions anew.
@@ -94,6 +96,8 @@ class VehicleMonitor:
         self.taken_over = False
         """Whether somebody else has the vehicle, or had it when last heard: nothing more is commanded."""
         self.reason = ""
+        self._failed_checks: list[str] = []
+        self._checked_wall_s = 0.0
         self._failsafe_text, self._failsafe_s = "", 0.0
 
     @property
@@ -298,12 +302,23 @@ class VehicleMonitor:
     @_process.register
     def _(self, text: StatusText) -> None:
         if text.severity <= Severity.WARNING and not self._is_of_next_arming(text.text):
-            self.reason = text.text
+            self.reason = self._with_other_checks(text.text)
         lower = text.text.lower()
         if any(word in lower for word in _FAILSAFE_TEXTS):
             self._failsafe_text, self._failsafe_s = text.text, self.time_s
         self.mission_replaced = self.mission_replaced or _NEW_MISSION_TEXT in lower
         self.emit(text)
+
+    def _with_other_checks(self, text: str) -> str:
+        """The text of a check before arming, after those that failed in the same run of the checks."""
+        if not text.startswith(_CHECK_TEXTS):
+            return text
+        paused = self.wall_s - self._checked_wall_s > _CHECKS_WALL_S
+        if paused or not self.reason or text in self._failed_checks:
+            self._failed_checks = []
+        self._failed_checks.append(text)
+        self._checked_wall_s = self.wall_s
+        return "; ".join(self._failed_checks)
 
     def _is_of_next_arming(self, text: str) -> bool:
         """Whether a text tells why the vehicle cannot be armed again, which is not why it disarmed."""
