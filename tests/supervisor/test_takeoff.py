@@ -301,6 +301,20 @@ def test_an_arming_without_an_ack_is_requested_again_after_five_seconds() -> Non
     assert times_s[1] - times_s[0] == pytest.approx(5.0, abs=0.3)
 
 
+def test_a_vehicle_that_somebody_disarms_before_it_is_seen_armed_is_not_armed_again() -> None:
+    """He may stand beside it."""
+    vehicle = FakeVehicle(FakeClock())
+
+    def disarmed_at_once() -> None:
+        vehicle.queue.append(RequestAck(Request.ARM, True))
+        vehicle.schedule.append((vehicle.time_s + 0.5, lambda: vehicle.send_text("Disarming motors", 6)))
+
+    vehicle.request_arm = disarmed_at_once  # type: ignore[method-assign]
+    with pytest.raises(VehicleError, match="disarmed before take-off by the pilot or another ground station"):
+        fake_flight(vehicle).fly()
+    assert "takeoff" not in vehicle.requested
+
+
 def test_pre_arm_checks_are_requested_every_five_seconds() -> None:
     """While the vehicle is not ready, and the first time after 5 s; its own text is emitted as the reason."""
     vehicle = FakeVehicle(FakeClock(), ready_after_s=17.0)

@@ -78,7 +78,9 @@ def not_rtl(mode: str | None, failsafe: str = "") -> str:
 
 
 def _who_changed_it(failsafe: str) -> str:
-    return f'it says "{failsafe}"' if failsafe else "the pilot, another ground station or a failsafe changed it"
+    return (
+        f'it says "{failsafe}"' if failsafe else "the pilot, another ground station or a failsafe changed it"
+    )
 
 
 def landed_elsewhere(from_home_m: float, failsafe: str) -> LandedElsewhere:

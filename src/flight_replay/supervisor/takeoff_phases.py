@@ -110,14 +110,21 @@ def verify_mission(monitor: VehicleMonitor) -> None:
 
 
 def arm(monitor: VehicleMonitor) -> None:
-    """Arm; requested again only after a refusal, or when no arming takes that long."""
+    """Arm; requested again only after a refusal, or when no arming takes that long.
+
+    Raises:
+        VehicleError: Somebody else disarmed it before a heartbeat showed it armed.
+    """
     monitor.emit(PhaseStarted(Phase.ARM))
     monitor.catch_up()
     monitor.begin_phase()
     progress, retry = ProgressTimer(monitor), RetryTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.arm_s)
     progress.due()  # The start of the phase was emitted just now.
+    began_s = monitor.time_s
     while not monitor.armed:
+        if monitor.told_of_disarming:
+            raise _disarmed_by_others(monitor, monitor.time_s - began_s)
         reason = _refusal(monitor, Request.ARM)
         if deadline.passed:
             raise PhaseTimeoutError(_timeout("did not arm", monitor.deadlines.arm_s, reason))
@@ -273,11 +280,15 @@ def _check_disarmed_itself(monitor: VehicleMonitor, idle_s: float) -> None:
     """A vehicle that accepted the take-off spins its motors up, and does not disarm itself any more."""
     its_own = abs(idle_s - _IDLE_S) <= _IDLE_TOLERANCE_S
     if not its_own or monitor.requests.accepted(Request.TAKEOFF):
-        raise VehicleError(
-            "the vehicle was disarmed before take-off by the pilot or another ground station, "
-            f"{max(idle_s, 0.0):.0f} s after arming{_quoted(monitor.reason)}; find out why before starting "
-            "again; if it was nobody, check DISARM_DELAY"
-        )
+        raise _disarmed_by_others(monitor, idle_s)
+
+
+def _disarmed_by_others(monitor: VehicleMonitor, idle_s: float) -> VehicleError:
+    return VehicleError(
+        "the vehicle was disarmed before take-off by the pilot or another ground station, "
+        f"{max(idle_s, 0.0):.0f} s after arming{_quoted(monitor.reason)}; find out why before starting "
+        "again; if it was nobody, check DISARM_DELAY"
+    )
 
 
 def _disarmed_in_the_air(monitor: VehicleMonitor, highest_m: float) -> VehicleError:

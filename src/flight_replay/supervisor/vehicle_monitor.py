@@ -41,6 +41,7 @@ _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _PREARM_TEXT = "PreArm:"
 _CHECK_TEXTS = (_PREARM_TEXT, "Arm:")
 _CHECKS_WALL_S = 1.0  # The texts of checks that fail in one run follow each other more closely.
+_DISARMING_TEXT = "disarming motors"
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
 _NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
 _NO_POSITION_WALL_S = 5.0  # A fast simulator sends ten in no time, and a link asks for positions anew.
@@ -96,6 +97,8 @@ class VehicleMonitor:
         self.taken_over = False
         """Whether somebody else has the vehicle, or had it when last heard: nothing more is commanded."""
         self.reason = ""
+        self.told_of_disarming = False
+        """Whether a status text of this phase did; a heartbeat that showed it armed before may be missing."""
         self._failed_checks: list[str] = []
         self._checked_wall_s = 0.0
         self._failsafe_text, self._failsafe_s = "", 0.0
@@ -194,7 +197,7 @@ class VehicleMonitor:
 
     def begin_phase(self) -> None:
         """Forget status texts and acks of the phase before."""
-        self.reason = ""
+        self.reason, self.told_of_disarming = "", False
         self.requests.clear()
 
     def record_auto(self, mission: Mission) -> None:
@@ -306,6 +309,7 @@ class VehicleMonitor:
         lower = text.text.lower()
         if any(word in lower for word in _FAILSAFE_TEXTS):
             self._failsafe_text, self._failsafe_s = text.text, self.time_s
+        self.told_of_disarming = self.told_of_disarming or _DISARMING_TEXT in lower
         self.mission_replaced = self.mission_replaced or _NEW_MISSION_TEXT in lower
         self.emit(text)
 
