@@ -123,7 +123,7 @@ def arm(monitor: VehicleMonitor) -> None:
     progress.due()  # The start of the phase was emitted just now.
     began_s = monitor.time_s
     while not monitor.armed:
-        if monitor.told_of_disarming:
+        if monitor.requests.told_of_disarming:
             raise _disarmed_by_others(monitor, monitor.time_s - began_s)
         reason = _refusal(monitor, Request.ARM)
         if deadline.passed:

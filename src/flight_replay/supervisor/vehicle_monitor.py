@@ -55,6 +55,28 @@ It raises an error where the vehicle must not be armed.
 """
 
 
+class _FailedChecks:
+    """The status texts of checks before arming that failed in one run: the last may follow from the first."""
+
+    def __init__(self) -> None:
+        self._texts: list[str] = []
+        self._wall_s = 0.0
+
+    def clear(self) -> None:
+        """Forget them."""
+        self._texts = []
+
+    def with_others(self, text: str, wall_s: float) -> str:
+        """A text that comes now, after those of other checks in the same run if it is of one."""
+        if not text.startswith(_CHECK_TEXTS):
+            return text
+        if wall_s - self._wall_s > _CHECKS_WALL_S or text in self._texts:
+            self._texts = []
+        self._texts.append(text)
+        self._wall_s = wall_s
+        return "; ".join(self._texts)
+
+
 class VehicleMonitor:
     """What is known of the vehicle, and when it was reported."""
 
@@ -96,11 +118,7 @@ class VehicleMonitor:
         """Whether LAND was commanded of a vehicle that fell: RTL would start its motors again."""
         self.taken_over = False
         """Whether somebody else has the vehicle, or had it when last heard: nothing more is commanded."""
-        self.reason = ""
-        self.told_of_disarming = False
-        """Whether a status text of this phase did; a heartbeat that showed it armed before may be missing."""
-        self._failed_checks: list[str] = []
-        self._checked_wall_s = 0.0
+        self.reason, self._failed_checks = "", _FailedChecks()
         self._failsafe_text, self._failsafe_s = "", 0.0
 
     @property
@@ -197,7 +215,8 @@ class VehicleMonitor:
 
     def begin_phase(self) -> None:
         """Forget status texts and acks of the phase before."""
-        self.reason, self.told_of_disarming = "", False
+        self.reason = ""
+        self._failed_checks.clear()
         self.requests.clear()
 
     def record_auto(self, mission: Mission) -> None:
@@ -305,24 +324,13 @@ class VehicleMonitor:
     @_process.register
     def _(self, text: StatusText) -> None:
         if text.severity <= Severity.WARNING and not self._is_of_next_arming(text.text):
-            self.reason = self._with_other_checks(text.text)
+            self.reason = self._failed_checks.with_others(text.text, self.wall_s)
         lower = text.text.lower()
         if any(word in lower for word in _FAILSAFE_TEXTS):
             self._failsafe_text, self._failsafe_s = text.text, self.time_s
-        self.told_of_disarming = self.told_of_disarming or _DISARMING_TEXT in lower
+        self.requests.told_of_disarming |= _DISARMING_TEXT in lower
         self.mission_replaced = self.mission_replaced or _NEW_MISSION_TEXT in lower
         self.emit(text)
-
-    def _with_other_checks(self, text: str) -> str:
-        """The text of a check before arming, after those that failed in the same run of the checks."""
-        if not text.startswith(_CHECK_TEXTS):
-            return text
-        paused = self.wall_s - self._checked_wall_s > _CHECKS_WALL_S
-        if paused or not self.reason or text in self._failed_checks:
-            self._failed_checks = []
-        self._failed_checks.append(text)
-        self._checked_wall_s = self.wall_s
-        return "; ".join(self._failed_checks)
 
     def _is_of_next_arming(self, text: str) -> bool:
         """Whether a text tells why the vehicle cannot be armed again, which is not why it disarmed."""
