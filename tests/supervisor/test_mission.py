@@ -337,20 +337,20 @@ def test_a_vehicle_that_the_wind_drives_off_slowly_on_its_way_home_is_told() -> 
     assert "does not come home, 57 m away and 30 m above home; check the wind" in str(record.problem)
 
 
-def test_land_on_the_way_home_is_a_landing_too() -> None:
-    """A failsafe may land the vehicle sooner: that is not somebody else's choice."""
+@pytest.mark.parametrize(("duration_s", "away"), [(1.0, ""), (20.0, "50 m away from home")], ids=["", "away"])
+def test_land_on_the_way_home_is_a_landing_too(duration_s: float, away: str) -> None:
+    """A failsafe may land the vehicle sooner; elsewhere than asked is no success."""
     vehicle = FakeVehicle(FakeClock(), points=40)
-    request_mode = vehicle.request_mode
 
-    def request(mode: str) -> None:
-        request_mode(mode)
-        if mode == "RTL":
-            when_s = vehicle.clock.now_s - vehicle.began_s + 3.0
-            vehicle.schedule.append((when_s, lambda: setattr(vehicle, "mode", "LAND")))
+    def land() -> None:
+        vehicle.mode = "LAND"
+        vehicle.send_text("Battery Failsafe")
 
-    vehicle.request_mode = request  # type: ignore[method-assign]
-    record = fake_flight(vehicle, land=True).fly()
-    assert (record.rtl_confirmed, record.landed, record.problem) == (True, True, None)
+    on_the_way_home(vehicle, 3.0, (0.0, land))
+    record = fake_flight(vehicle, land=True, duration_s=duration_s).fly()
+    assert (record.ended, record.rtl_confirmed, record.landed) == ("duration", True, True)
+    assert bool(record.problem) == bool(away)
+    assert not away or (away in str(record.problem) and 'says "Battery Failsafe"' in str(record.problem))
 
 
 @pytest.mark.parametrize("text", ["EKF Failsafe: changed to LAND Mode", ""], ids=["failsafe", "unknown"])
@@ -425,7 +425,7 @@ def test_the_ground_need_not_be_as_high_as_home(ground_m: float) -> None:
     vehicle = FakeVehicle(FakeClock(), points=40)
     vehicle.ground_m = ground_m
     on_the_way_home(vehicle, 3.0, (0.0, lambda: setattr(vehicle, "mode", "LAND")))
-    record = fake_flight(vehicle, land=True).fly()
+    record = fake_flight(vehicle, land=True, duration_s=1.0).fly()
     assert (record.landed, record.problem) == (True, None)
 
 

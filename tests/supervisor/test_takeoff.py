@@ -301,6 +301,20 @@ def test_an_arming_without_an_ack_is_requested_again_after_five_seconds() -> Non
     assert times_s[1] - times_s[0] == pytest.approx(5.0, abs=0.3)
 
 
+def test_a_vehicle_that_somebody_disarms_before_it_is_seen_armed_is_not_armed_again() -> None:
+    """He may stand beside it."""
+    vehicle = FakeVehicle(FakeClock())
+
+    def disarmed_at_once() -> None:
+        vehicle.queue.append(RequestAck(Request.ARM, True))
+        vehicle.schedule.append((vehicle.time_s + 0.5, lambda: vehicle.send_text("Disarming motors", 6)))
+
+    vehicle.request_arm = disarmed_at_once  # type: ignore[method-assign]
+    with pytest.raises(VehicleError, match="disarmed before take-off by the pilot or another ground station"):
+        fake_flight(vehicle).fly()
+    assert "takeoff" not in vehicle.requested
+
+
 def test_pre_arm_checks_are_requested_every_five_seconds() -> None:
     """While the vehicle is not ready, and the first time after 5 s; its own text is emitted as the reason."""
     vehicle = FakeVehicle(FakeClock(), ready_after_s=17.0)
@@ -313,6 +327,22 @@ def test_pre_arm_checks_are_requested_every_five_seconds() -> None:
     assert waits[3] == "no position yet"
     assert waits[-1] == "PreArm: Compass not calibrated"
     assert len(waits) == pytest.approx(17, abs=2)
+
+
+def test_all_checks_of_the_last_run_that_failed_are_the_reason() -> None:
+    """The last text alone may be a consequence of the first."""
+    vehicle = FakeVehicle(FakeClock(), ready_after_s=999.0)
+    runs = ((7.0, "EKF attitude is bad"), (7.0, "RC not found"), (100.0, "EKF attitude is bad"))
+    for when_s, text in (*runs, (100.2, "Compass not healthy")):
+        vehicle.schedule.append((when_s, lambda text=text: vehicle.send_text(f"PreArm: {text}")))  # type: ignore[misc]
+    said = 'it says "PreArm: EKF attitude is bad; PreArm: Compass not healthy"; put that right'
+    with pytest.raises(PhaseTimeoutError, match=said):
+        fake_flight(vehicle).fly()
+
+
+def test_what_the_vehicle_lacks_is_told_where_it_gives_no_reason() -> None:
+    with pytest.raises(PhaseTimeoutError, match="in 180 s: no position yet; check its GPS, compass"):
+        fake_flight(FakeVehicle(FakeClock(), ready_after_s=999.0)).fly()
 
 
 @pytest.mark.parametrize("missing", [Heartbeat, VehicleState, PrearmStatus])

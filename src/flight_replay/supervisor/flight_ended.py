@@ -22,6 +22,10 @@ class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AU
         self.problem = problem
 
 
+class LandedElsewhere(FlightEnded):
+    """The vehicle has landed, but not where RTL goes."""
+
+
 class Fallen(FlightEnded):
     """The vehicle falls, or has fallen, and may lie on the ground with its motors running."""
 
@@ -69,10 +73,23 @@ def not_rtl(mode: str | None, failsafe: str = "") -> str:
 
     ``failsafe`` is the vehicle's status text of one, or empty.
     """
-    why = "the pilot, another ground station or a failsafe changed it"
-    why = f'it says "{failsafe}"' if failsafe else why
     now = "flight-replay sends no more commands: watch the vehicle until it has landed"
-    return f"RTL became {mode}: {why}; {now}"
+    return f"RTL became {mode}: {_who_changed_it(failsafe)}; {now}"
+
+
+def _who_changed_it(failsafe: str) -> str:
+    return (
+        f'it says "{failsafe}"' if failsafe else "the pilot, another ground station or a failsafe changed it"
+    )
+
+
+def landed_elsewhere(from_home_m: float, failsafe: str) -> LandedElsewhere:
+    """RTL became LAND on the way, as ``not_rtl`` told."""
+    return LandedElsewhere(
+        "no progress",
+        f"the vehicle landed {from_home_m:.0f} m away from home: RTL became LAND: "
+        f"{_who_changed_it(failsafe)}; fetch it, and find out why before flying again",
+    )
 
 
 def left_alone(mode: str | None) -> str:

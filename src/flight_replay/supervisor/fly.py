@@ -14,7 +14,7 @@ from flight_replay.exceptions import VehicleError
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.supervisor import flight_ended
-from flight_replay.supervisor.flight_ended import Fallen, FlightEnded
+from flight_replay.supervisor.flight_ended import Fallen, FlightEnded, LandedElsewhere
 from flight_replay.supervisor.flight_plan import FlightPlan, FlightRecord, FollowPlan, Plan
 from flight_replay.supervisor.mission_phases import command_rtl, wait_landed
 from flight_replay.supervisor.motion.fallen import disarm_if_staying
@@ -183,6 +183,8 @@ def _see_home(
         if plan.land and not stays:
             wait_landed(monitor, plan.rtl_loiter_s)
             return True, None, None
+    except LandedElsewhere as end:
+        return True, end.problem, None
     except FlightEnded as end:
         return False, end.problem, end.ended if end.ended in _FALLEN else None
     return False, stays, None

@@ -28,6 +28,7 @@ _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
 _ASTRAY_M, _LOST_M = 10.0, 400.0
 """So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
 _REASON_S = 2.0  # A reason that is not told by then is not told.
+_AT_HOME_M = 10.0  # RTL lands nearer, even where the position estimate is a poor one.
 _THERE_M, _LONG_REST_S = 3.0, 10.0  # A waypoint is reached within 2 m, by default.
 _RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _AT_REST_S = 1.5  # ArduCopter's land detector waits 1 s, and the motors spin down, before it disarms.
@@ -189,8 +190,8 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     One that fell on its way, and lies on the ground, is told to LAND, in which it disarms.
 
     Raises:
-        FlightEnded: It does not move any more, is driven away, disarmed in the air, or
-            ``VehicleMonitor.step`` ends the flight.
+        FlightEnded: It does not move any more, is driven away, disarmed in the air, was landed
+            elsewhere, or ``VehicleMonitor.step`` ends the flight.
     """
     monitor.modes.expect("RTL", "LAND")
     progress, taken_over = ProgressTimer(monitor), _TakenOverOnTheWay(monitor)
@@ -212,6 +213,7 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
         monitor.step()
     taken_over.check(at_once=True)
     _check_landed(monitor)
+    taken_over.check_landed_at_home()
 
 
 class _TakenOverOnTheWay:
@@ -219,7 +221,7 @@ class _TakenOverOnTheWay:
 
     def __init__(self, monitor: VehicleMonitor) -> None:
         self._monitor = monitor
-        self._since_s, self._told = math.inf, False
+        self._since_s, self._told, self._failsafe_text = math.inf, False, ""
 
     def check(self, *, at_once: bool = False) -> None:
         """Tell of it once: when the reason is known, and soon if none is."""
@@ -229,8 +231,17 @@ class _TakenOverOnTheWay:
         monitor.taken_over = True
         self._since_s = min(self._since_s, monitor.link_up_s)
         if at_once or monitor.failsafe_text or monitor.link_up_s - self._since_s > _REASON_S:
-            self._told = True
-            monitor.emit(Notice(flight_ended.not_rtl("LAND", monitor.failsafe_text), warning=True))
+            self._told, self._failsafe_text = True, monitor.failsafe_text
+            monitor.emit(Notice(flight_ended.not_rtl("LAND", self._failsafe_text), warning=True))
+
+    def check_landed_at_home(self) -> None:
+        """Check that a vehicle that was landed instead of coming home is there all the same.
+
+        Raises:
+            LandedElsewhere: It is not.
+        """
+        if self._told and self._monitor.from_home_m > _AT_HOME_M:
+            raise flight_ended.landed_elsewhere(self._monitor.from_home_m, self._failsafe_text)
 
 
 class _WayHome:

@@ -12,10 +12,13 @@ class RequestTracker:
         self.acks: dict[Request, RequestAck] = {}
         self._lost: set[Request] = set()
         self._failed: set[Request] = set()
+        self.told_of_disarming = False
+        """Whether a status text did since; no heartbeat need have shown the vehicle armed before."""
 
     def clear(self) -> None:
         """Forget all acks and failures: a new phase begins."""
         self.acks.clear()
+        self.told_of_disarming = False
         self.sending()
 
     def sending(self) -> None:

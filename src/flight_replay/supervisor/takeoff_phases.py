@@ -40,13 +40,22 @@ def wait_prearm(monitor: VehicleMonitor) -> None:
     while not _is_ready(monitor):
         reason = monitor.reason or (monitor.prearm.reason if monitor.prearm else "")
         if deadline.passed:
-            raise PhaseTimeoutError(_timeout("was not ready to arm", monitor.deadlines.prearm_s, reason))
+            raise PhaseTimeoutError(_not_ready(monitor))
         if checks.passed:
             monitor.vehicle.request_prearm_checks()
             checks.restart()
         if progress.due():
             monitor.emit(Waiting(Phase.PREARM, reason))
         monitor.step()
+
+
+def _not_ready(monitor: VehicleMonitor) -> str:
+    """What a person is told if it is not: the vehicle's own reason, or else what is missing."""
+    missing = monitor.prearm.reason if monitor.prearm else "it told nothing of it"
+    why = f"{missing}; check its GPS, compass, stream rates and status texts"
+    if monitor.reason:
+        why = f'it says "{monitor.reason}"; put that right, then start again'
+    return f"the vehicle was not ready to arm in {monitor.deadlines.prearm_s:.0f} s: {why}"
 
 
 def _is_ready(monitor: VehicleMonitor) -> bool:
@@ -101,14 +110,21 @@ def verify_mission(monitor: VehicleMonitor) -> None:
 
 
 def arm(monitor: VehicleMonitor) -> None:
-    """Arm; requested again only after a refusal, or when no arming takes that long."""
+    """Arm; requested again only after a refusal, or when no arming takes that long.
+
+    Raises:
+        VehicleError: Somebody else disarmed it before a heartbeat showed it armed.
+    """
     monitor.emit(PhaseStarted(Phase.ARM))
     monitor.catch_up()
     monitor.begin_phase()
     progress, retry = ProgressTimer(monitor), RetryTimer(monitor)
     deadline = Deadline(monitor, monitor.deadlines.arm_s)
     progress.due()  # The start of the phase was emitted just now.
+    began_s = monitor.time_s
     while not monitor.armed:
+        if monitor.requests.told_of_disarming:
+            raise _disarmed_by_others(monitor, monitor.time_s - began_s)
         reason = _refusal(monitor, Request.ARM)
         if deadline.passed:
             raise PhaseTimeoutError(_timeout("did not arm", monitor.deadlines.arm_s, reason))
@@ -264,11 +280,15 @@ def _check_disarmed_itself(monitor: VehicleMonitor, idle_s: float) -> None:
     """A vehicle that accepted the take-off spins its motors up, and does not disarm itself any more."""
     its_own = abs(idle_s - _IDLE_S) <= _IDLE_TOLERANCE_S
     if not its_own or monitor.requests.accepted(Request.TAKEOFF):
-        raise VehicleError(
-            "the vehicle was disarmed before take-off by the pilot or another ground station, "
-            f"{max(idle_s, 0.0):.0f} s after arming{_quoted(monitor.reason)}; find out why before starting "
-            "again; if it was nobody, check DISARM_DELAY"
-        )
+        raise _disarmed_by_others(monitor, idle_s)
+
+
+def _disarmed_by_others(monitor: VehicleMonitor, idle_s: float) -> VehicleError:
+    return VehicleError(
+        "the vehicle was disarmed before take-off by the pilot or another ground station, "
+        f"{max(idle_s, 0.0):.0f} s after arming{_quoted(monitor.reason)}; find out why before starting "
+        "again; if it was nobody, check DISARM_DELAY"
+    )
 
 
 def _disarmed_in_the_air(monitor: VehicleMonitor, highest_m: float) -> VehicleError:

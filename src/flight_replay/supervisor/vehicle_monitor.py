@@ -39,6 +39,9 @@ _STEP_WALL_S = 0.1  # The longest wait for a report in one step.
 _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _PREARM_TEXT = "PreArm:"
+_CHECK_TEXTS = (_PREARM_TEXT, "Arm:")
+_CHECKS_WALL_S = 1.0  # The texts of checks that fail in one run follow each other more closely.
+_DISARMING_TEXT = "disarming motors"
 _NEW_MISSION_TEXT = "flight plan received"  # From ArduCopter 3.3 on, when a mission was uploaded.
 _NO_POSITION_HEARTBEATS = 10  # One a second of the vehicle's time, which has no other clock then.
 _NO_POSITION_WALL_S = 5.0  # A fast simulator sends ten in no time, and a link asks for positions anew.
@@ -50,6 +53,28 @@ ConfirmArming = Callable[[Callable[[], VehicleState]], bool]
 
 It raises an error where the vehicle must not be armed.
 """
+
+
+class _FailedChecks:
+    """The status texts of checks before arming that failed in one run: the last may follow from the first."""
+
+    def __init__(self) -> None:
+        self._texts: list[str] = []
+        self._wall_s = 0.0
+
+    def clear(self) -> None:
+        """Forget them."""
+        self._texts = []
+
+    def with_others(self, text: str, wall_s: float) -> str:
+        """A text that comes now, after those of other checks in the same run if it is of one."""
+        if not text.startswith(_CHECK_TEXTS):
+            return text
+        if wall_s - self._wall_s > _CHECKS_WALL_S or text in self._texts:
+            self._texts = []
+        self._texts.append(text)
+        self._wall_s = wall_s
+        return "; ".join(self._texts)
 
 
 class VehicleMonitor:
@@ -93,7 +118,7 @@ class VehicleMonitor:
         """Whether LAND was commanded of a vehicle that fell: RTL would start its motors again."""
         self.taken_over = False
         """Whether somebody else has the vehicle, or had it when last heard: nothing more is commanded."""
-        self.reason = ""
+        self.reason, self._failed_checks = "", _FailedChecks()
         self._failsafe_text, self._failsafe_s = "", 0.0
 
     @property
@@ -191,6 +216,7 @@ class VehicleMonitor:
     def begin_phase(self) -> None:
         """Forget status texts and acks of the phase before."""
         self.reason = ""
+        self._failed_checks.clear()
         self.requests.clear()
 
     def record_auto(self, mission: Mission) -> None:
@@ -298,10 +324,11 @@ class VehicleMonitor:
     @_process.register
     def _(self, text: StatusText) -> None:
         if text.severity <= Severity.WARNING and not self._is_of_next_arming(text.text):
-            self.reason = text.text
+            self.reason = self._failed_checks.with_others(text.text, self.wall_s)
         lower = text.text.lower()
         if any(word in lower for word in _FAILSAFE_TEXTS):
             self._failsafe_text, self._failsafe_s = text.text, self.time_s
+        self.requests.told_of_disarming |= _DISARMING_TEXT in lower
         self.mission_replaced = self.mission_replaced or _NEW_MISSION_TEXT in lower
         self.emit(text)
 

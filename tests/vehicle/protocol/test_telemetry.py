@@ -195,7 +195,14 @@ def system_status(enabled: int, health: int) -> Any:
 
 PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 NO_FIX = SimpleNamespace(is_armable=False, gps_0=SimpleNamespace(fix_type=1), battery=None)
-NO_ESTIMATE = SimpleNamespace(is_armable=False, gps_0=SimpleNamespace(fix_type=3), battery=None)
+
+
+def no_estimate(satellites: int | None) -> Any:
+    gps = SimpleNamespace(fix_type=3, satellites_visible=satellites)
+    return SimpleNamespace(is_armable=False, gps_0=gps, battery=None)
+
+
+NO_ESTIMATE = no_estimate(10)
 
 
 EKF_STATUS = dialect.MAVLink_ekf_status_report_message(0, 0, 0, 0, 0, 0)
@@ -209,8 +216,10 @@ GPS_RAW = dialect.MAVLink_gps_raw_int_message(0, 1, 0, 0, 0, 0, 0, 0, 0, 0)
         (GOOD, 0, False, "pre-arm checks fail"),
         (NO_FIX, PREARM, False, "no GPS fix yet"),
         (NO_ESTIMATE, PREARM, False, "no EKF position estimate yet"),
+        (no_estimate(None), PREARM, False, "no EKF position estimate yet"),
+        (no_estimate(4), PREARM, False, "no EKF position estimate yet, with 4 satellites only"),
     ],
-    ids=["ready", "checks", "no fix", "no estimate"],
+    ids=["ready", "checks", "no fix", "no estimate", "untold", "few satellites"],
 )
 def test_prearm_status_needs_position_and_prearm_checks(
     drone: Any, health: int, ready: bool, words: str

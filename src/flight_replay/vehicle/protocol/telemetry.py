@@ -34,6 +34,7 @@ _DUPLICATE_S = 0.9  # ... nor is the next heartbeat of an autopilot that does no
 _TOTAL_UNKNOWN = frozenset({0, 65535})  # Values of MISSION_CURRENT.total.
 _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _GPS, _EKF = "GPS_RAW_INT", "EKF_STATUS_REPORT"
+_ENOUGH_SATELLITES = 6  # With fewer, ArduPilot's EKF does not begin to use a GPS.
 _UNKNOWN_HEADING = 65535
 _UNKNOWN_V = 65.535  # UINT16_MAX millivolts; without a battery monitor ArduPilot sends 0.
 
@@ -194,4 +195,8 @@ class Telemetry:
         """What the position needs that is not there."""
         if (self._drone.gps_0.fix_type or 0) < dialect.GPS_FIX_TYPE_3D_FIX:
             return "no GPS fix yet" if _GPS in self.received_s else f"no {_GPS} message yet"
-        return "no EKF position estimate yet" if _EKF in self.received_s else f"no {_EKF} message yet"
+        if _EKF not in self.received_s:
+            return f"no {_EKF} message yet"
+        satellites = self._drone.gps_0.satellites_visible
+        few = satellites is not None and satellites < _ENOUGH_SATELLITES
+        return "no EKF position estimate yet" + (f", with {satellites} satellites only" if few else "")
