@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -139,6 +140,21 @@ def test_connecting_is_quick() -> None:
     done = [e.done for e in events if isinstance(e, Progress)]
     assert done[-1] == len(ROUTE.items)
     assert done == sorted(done)
+
+
+def test_a_key_that_others_can_read_is_told_with_the_command_that_mends_it(tmp_path: Path) -> None:
+    """The command can be pasted, whatever the file is called."""
+    key = tmp_path / "my key"
+    key.write_text("a passphrase")
+    key.chmod(0o644)
+    events: list[Event] = []
+    with (
+        pytest.raises(VehicleError, match="refused"),
+        connect("tcp:127.0.0.1:1", signing_key=key, listener=events.append),
+    ):
+        raise AssertionError
+    (notice,) = (event for event in events if isinstance(event, Notice))
+    assert notice.text == f"other users can read the signing key {key}; run: chmod 600 '{key}'"
 
 
 def test_an_armed_vehicle_is_not_changed() -> None:

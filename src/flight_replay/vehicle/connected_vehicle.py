@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -388,5 +389,6 @@ def _signing(key_file: Path | None, listener: Listener) -> Signing | None:
         return None
     key = read_key(key_file)
     if is_readable_by_others(key_file):
-        listener(Notice(f"other users can read the signing key {key_file}; run: chmod 600", warning=True))
+        run = shlex.join(["chmod", "600", str(key_file)])
+        listener(Notice(f"other users can read the signing key {key_file}; run: {run}", warning=True))
     return Signing(key)

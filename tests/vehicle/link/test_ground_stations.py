@@ -350,6 +350,20 @@ def test_other_machines_are_let_in_only_when_asked_to(address: str) -> None:
     assert socket_for(address, allow_open=True)
 
 
+@pytest.mark.parametrize(
+    ("address", "other_way"),
+    [
+        ("udp:0.0.0.0:14551", "udpout:HOST:14551"),
+        ("tcpin:[::]:5760", "tcp:HOST:5760"),
+        ("udp:192.0.2.7:14551", "udpout:192.0.2.7:14551"),
+    ],
+)
+def test_a_refusal_names_where_a_station_may_listen(address: str, other_way: str) -> None:
+    """All addresses of this machine are none to send to."""
+    with pytest.raises(FlightReplayError, match=f"a station that listens by {other_way}$"):
+        socket_for(address)
+
+
 def test_connections_are_few_and_running_out_of_descriptors_drops_none(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

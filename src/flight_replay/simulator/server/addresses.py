@@ -44,6 +44,14 @@ class NetworkAddress:
         except ValueError:
             return False
 
+    @property
+    def is_unspecified(self) -> bool:
+        """Whether it is all addresses of a machine."""
+        try:
+            return ipaddress.ip_address(self.host).is_unspecified
+        except ValueError:
+            return False
+
 
 def parse_network_address(text: str) -> NetworkAddress | None:
     """The address that a text names, its kind in any case; None if it is none."""

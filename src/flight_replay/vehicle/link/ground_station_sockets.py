@@ -95,8 +95,12 @@ def check_can_listen(address: str, *, allow_open: bool = False) -> None:
 
 
 def _other_way(named: NetworkAddress) -> str:
-    """The address of a station that listens where it was asked to listen for stations."""
-    return str(replace(named, kind="udpout" if named.kind == "udpin" else "tcp"))
+    """The address of a station that listens where it was asked to listen for stations.
+
+    All addresses of this machine, such as 0.0.0.0, do not tell where the station is.
+    """
+    host = "HOST" if named.is_unspecified else named.host
+    return str(replace(named, kind="udpout" if named.kind == "udpin" else "tcp", host=host))
 
 
 _SERVERS: dict[str, type[TcpServer] | type[UdpServer]] = {"tcpin": TcpServer, "udpin": UdpServer}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -68,6 +69,7 @@ def _runnable(path: Path, where: str) -> Path:
         raise SimulatorError(f"the SITL binary {path}, named by {where}, does not exist; check the path")
     if not os.access(path, os.X_OK):
         raise SimulatorError(
-            f"the SITL binary {path}, named by {where}, is not executable; run: chmod +x {path}"
+            f"the SITL binary {path}, named by {where}, is not executable; "
+            f"run: {shlex.join(['chmod', '+x', str(path)])}"
         )
     return path.resolve()
