@@ -337,7 +337,7 @@ def test_a_vehicle_that_the_wind_drives_off_slowly_on_its_way_home_is_told() -> 
     assert "does not come home, 57 m away and 30 m above home; check the wind" in str(record.problem)
 
 
-@pytest.mark.parametrize(("duration_s", "away"), [(1.0, ""), (20.0, "50 m away from home")], ids=["", "away"])
+@pytest.mark.parametrize(("duration_s", "away"), [(1.0, ""), (20.0, "50 m away from home")])
 def test_land_on_the_way_home_is_a_landing_too(duration_s: float, away: str) -> None:
     """A failsafe may land the vehicle sooner; elsewhere than asked is no success."""
     vehicle = FakeVehicle(FakeClock(), points=40)

@@ -345,6 +345,28 @@ def test_what_the_vehicle_lacks_is_told_where_it_gives_no_reason() -> None:
         fake_flight(FakeVehicle(FakeClock(), ready_after_s=999.0)).fly()
 
 
+@pytest.mark.parametrize(
+    ("missing", "told"),
+    [
+        (Heartbeat, "no heartbeat comes; check"),
+        (VehicleState, "no position comes; check"),
+        (PrearmStatus, "it told nothing of it; check"),
+    ],
+)
+def test_a_report_that_never_comes_is_named(missing: type, told: str) -> None:
+    """Where nothing else keeps the vehicle from being ready."""
+    vehicle = FakeVehicle(FakeClock(), ready_after_s=0.0)
+    report = vehicle._report
+
+    def left_out() -> None:
+        report()
+        vehicle.queue = [item for item in vehicle.queue if not isinstance(item, missing)]
+
+    vehicle._report = left_out  # type: ignore[method-assign]
+    with pytest.raises(PhaseTimeoutError, match=told):
+        fake_flight(vehicle).fly()
+
+
 @pytest.mark.parametrize("missing", [Heartbeat, VehicleState, PrearmStatus])
 def test_a_vehicle_is_ready_only_with_all_reports(missing: type) -> None:
     """Heartbeat, position and pre-arm status: while one of them is missing, nothing is requested."""

@@ -52,7 +52,8 @@ def wait_prearm(monitor: VehicleMonitor) -> None:
 def _not_ready(monitor: VehicleMonitor) -> str:
     """What a person is told if it is not: the vehicle's own reason, or else what is missing."""
     missing = monitor.prearm.reason if monitor.prearm else "it told nothing of it"
-    why = f"{missing}; check its GPS, compass, stream rates and status texts"
+    unheard = "no position comes" if monitor.state is None else "no heartbeat comes"
+    why = f"{missing or unheard}; check its GPS, compass, stream rates and status texts"
     if monitor.reason:
         why = f'it says "{monitor.reason}"; put that right, then start again'
     return f"the vehicle was not ready to arm in {monitor.deadlines.prearm_s:.0f} s: {why}"
