@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import importlib
+import inspect
+import pkgutil
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext, suppress
 from dataclasses import replace
+from functools import partial
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 import pytest
 
+from flight_replay import supervisor
 from flight_replay.events import (
     Climbing,
     Event,
@@ -208,3 +214,53 @@ def test_a_listener_that_raises_when_an_error_is_told_does_not_hold_rtl_back(
         fly(vehicle, clock, MISSION, listen)
     assert vehicle.requested[-2:] == ["AUTO", "RTL"]
     assert told[-1] == ReturnCommanded(True)
+
+
+MODULES = [
+    found.name
+    for found in pkgutil.walk_packages(supervisor.__path__, f"{supervisor.__name__}.")
+    if found.name not in (fly.__module__, Vehicle.__module__) and not found.ispkg
+]
+
+
+def functions_of(module_name: str) -> Iterator[FunctionType]:
+    """The functions and methods of a module that can be broken."""
+    module = importlib.import_module(module_name)
+    classes = [owner for _, owner in inspect.getmembers(module, inspect.isclass)]
+    for owner in (module, *classes):
+        for member in vars(owner).values():
+            function = member.fget if isinstance(member, property) else member
+            if not isinstance(function, FunctionType) or function.__closure__:
+                continue
+            if function.__module__ == module_name:
+                yield function
+
+
+def never_again(*_arguments: object, **_named: object) -> None:
+    """What a broken function does."""
+    raise RuntimeError("injected")
+
+
+def one_after_another(*calls: Callable[[], None]) -> Callable[[], None]:
+    """One call for several."""
+
+    def call_all() -> None:
+        for call in calls:
+            call()
+
+    return call_all
+
+
+@pytest.mark.parametrize("way", PLANS)
+@pytest.mark.parametrize("module_name", MODULES)
+def test_rtl_is_commanded_when_a_function_of_our_own_is_broken(
+    module_name: str, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the request to arm on, and for ever: it may be one that commands RTL as a rule."""
+    for function in functions_of(module_name):
+        vehicle = FakeVehicle(FakeClock(), points=POINTS)
+        with monkeypatch.context() as patch, suppress(RuntimeError):
+            breaks = partial(patch.setattr, function, "__code__", never_again.__code__)
+            patch.setattr(vehicle, "request_arm", one_after_another(vehicle.request_arm, breaks))
+            fly(vehicle, vehicle.clock, PLANS[way])
+        assert_sent_home(vehicle, function)

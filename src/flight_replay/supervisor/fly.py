@@ -9,7 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flight_replay.events import Event, Listener, Notice, VehicleState, combine_listeners, ignore
+from flight_replay.events import (
+    Event,
+    Listener,
+    Notice,
+    ReturnCommanded,
+    VehicleState,
+    combine_listeners,
+    ignore,
+)
 from flight_replay.exceptions import VehicleError
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
@@ -75,8 +83,7 @@ def _rtl_on_exception(monitor: VehicleMonitor) -> Iterator[None]:
     try:
         yield
     except BaseException as error:
-        is_left = isinstance(error, FlightEnded) and monitor.taken_over
-        if monitor.may_be_armed and not is_left:
+        if not (isinstance(error, FlightEnded) and monitor.taken_over):
             _rtl_despite_errors(monitor, error)
         if isinstance(error, FlightEnded):
             raise VehicleError(error.problem) from error
@@ -99,35 +106,59 @@ class _Undisturbed:
 
 
 def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
-    """Command RTL after an error, which is told first if it is one of the flight.
+    """Command RTL after an error, if the vehicle may be armed.
 
     An exception on the way, Ctrl-C included, starts the command again, not the next step; what the
     listener raises waits until RTL is confirmed. ``FlightEnded`` does end it: somebody else took over,
     or the link is gone.
     """
     interrupt: BaseException | None = None
-    began_wall_s: float | None = None
     monitor.emit = listener = _Undisturbed(monitor.emit)
-    told = not isinstance(error, FlightEnded | VehicleError)
+    way_out = _WayOut(monitor, error)
     for _ in range(_RTL_ATTEMPTS):
         try:
-            if not told:
-                told = True
-                monitor.emit(Notice(str(error), warning=True))
-            began_wall_s = monitor.wall_s if began_wall_s is None else began_wall_s
-            _rtl_unless_left(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - began_wall_s))
-            if isinstance(error, Fallen) and monitor.rtl_confirmed and monitor.mode == "RTL":
-                _tell(monitor, disarm_if_staying(monitor))
+            way_out.take()
             break
         except FlightEnded:
             break
         except Exception:
+            way_out.failed = True
             _log.exception("RTL is commanded again after an error")
         except BaseException as stop:
             interrupt = stop
+    else:
+        monitor.emit(ReturnCommanded(False))
     interrupt = interrupt or listener.raised
     if interrupt is not None:
         raise interrupt
+
+
+class _WayOut:
+    """RTL after an error, which is told first if it is one of the flight; may be taken again."""
+
+    def __init__(self, monitor: VehicleMonitor, error: BaseException) -> None:
+        self._monitor, self._error = monitor, error
+        self._told = not isinstance(error, FlightEnded | VehicleError)
+        self._began_wall_s: float | None = None
+        self.failed = False
+        """Whether it raised before: what fails may be the monitor, so that RTL is requested without it."""
+
+    def take(self) -> None:
+        """Command RTL and wait for it, but not of a vehicle that is disarmed or somebody else's."""
+        monitor = self._monitor
+        left = monitor.taken_over or monitor.told_to_land or monitor.rtl_confirmed
+        if self.failed and not left:
+            monitor.vehicle.request_mode("RTL")
+        if not monitor.may_be_armed:
+            return
+        if not self._told:
+            self._told = True
+            monitor.emit(Notice(str(self._error), warning=True))
+        if self._began_wall_s is None:
+            self._began_wall_s = monitor.wall_s
+        _rtl_unless_left(monitor, monitor.deadlines.rtl_wall_s - (monitor.wall_s - self._began_wall_s))
+        if isinstance(self._error, Fallen) and monitor.rtl_confirmed and monitor.mode == "RTL":
+            _tell(monitor, disarm_if_staying(monitor))
 
 
 def _tell(monitor: VehicleMonitor, problem: str | None) -> None:
