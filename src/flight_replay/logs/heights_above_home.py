@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +11,12 @@ from flight_replay.logs.flights import find_flights
 from flight_replay.logs.track import Track
 
 
-def with_heights_above_home(track: Track) -> Track:
+def with_heights_above_home(track: Track, home_amsl_m: float = math.nan) -> Track:
     """The track with a height above home wherever it had none, but one above the sea.
 
     Home is as high as the first fix of each boot that is part of a flight, or else the first one at all.
+    That of the first boot is at ``home_amsl_m``, if that is a number, and not 0: some autopilots tell so
+    before home is set.
     """
     unknown = ~np.isfinite(track.alt_m)
     if not unknown.any():
@@ -27,6 +30,8 @@ def with_heights_above_home(track: Track) -> Track:
         known = here & np.isfinite(track.amsl_m)
         if known.any():
             first = np.flatnonzero(known & flown if (known & flown).any() else known)[0]
+            is_told = boot == track.boot[0] and math.isfinite(home_amsl_m) and home_amsl_m != 0
+            ground_m = home_amsl_m if is_told else track.amsl_m[first]
             missing = here & unknown
-            alt_m[missing] = track.amsl_m[missing] - track.amsl_m[first]
+            alt_m[missing] = track.amsl_m[missing] - ground_m
     return replace(track, alt_m=alt_m)

@@ -9,6 +9,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.track import COLUMNS, Armed, Track, track_from_columns
 from flight_replay.mission import formats
+from flight_replay.mission.items import Home
 from tests.helpers.format_examples import MISSION
 from tests.helpers.paths import SAMPLE
 from tests.helpers.track_files import kind_of_bytes, read_bytes
@@ -113,3 +114,43 @@ def test_a_nul_spoils_its_cell_alone() -> None:
         )
         == 39
     )
+
+
+SEA_LEVEL_WRITERS = {"gpx": formats.gpx.text, "kml": formats.kml.text}
+
+
+def in_the_air() -> Track:
+    """A part of a flight that begins 12 m above home."""
+    track = full_track()
+    alt_m: Floats = np.asarray(12.0 + 0.5 * np.arange(len(track)), np.float64)
+    return replace(track, alt_m=alt_m, amsl_m=488.25 + alt_m, boot=np.zeros(len(track), np.int32))
+
+
+@pytest.mark.parametrize("kind", SEA_LEVEL_WRITERS)
+@pytest.mark.parametrize("start_utc_s", [None, 1.7e9])
+def test_heights_above_the_sea_of_a_part_are_above_the_home_it_was_saved_with(
+    kind: str, start_utc_s: float | None
+) -> None:
+    """What began in the air is not flown lower by as much."""
+    again = read_bytes(SEA_LEVEL_WRITERS[kind](MISSION, in_the_air(), start_utc_s).encode())
+    assert again.track.alt_m == pytest.approx(in_the_air().alt_m, abs=2e-3)
+    assert not [note for note in again.notes if "too low" in note]
+
+
+@pytest.mark.parametrize("kind", SEA_LEVEL_WRITERS)
+@pytest.mark.parametrize("ground_m", [None, 0.0])
+def test_a_home_of_which_no_height_was_known_does_not_count(kind: str, ground_m: float | None) -> None:
+    """Before home is set autopilots send 0 for the height that it has."""
+    mission = MISSION.with_home(Home(-17.0, 179.9, ground_m))
+    again = read_bytes(SEA_LEVEL_WRITERS[kind](mission, in_the_air(), 1.7e9).encode()).track
+    assert again.alt_m == pytest.approx(in_the_air().alt_m - 12.0, abs=2e-3)
+
+
+@pytest.mark.parametrize("kind", SEA_LEVEL_WRITERS)
+def test_a_home_in_the_file_of_another_program_does_not_count(kind: str) -> None:
+    """It may be where somebody lives. A track that begins in motion then says what its heights count from."""
+    page = SEA_LEVEL_WRITERS[kind](MISSION, in_the_air(), 1.7e9)
+    theirs = page.replace("Recorded track", "Track").replace('creator="flight-replay"', 'creator="else"')
+    again = read_bytes(theirs.encode())
+    assert again.track.alt_m == pytest.approx(in_the_air().alt_m - 12.0, abs=2e-3)
+    assert again.notes[-1].startswith("Its heights count from its first fix, which moves")

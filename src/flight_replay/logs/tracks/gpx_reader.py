@@ -17,7 +17,12 @@ from flight_replay.logs.tracks.track_recording import TrackFile, track_recording
 from flight_replay.logs.tracks.xml_events import read_xml
 from flight_replay.logs.vehicles import VehicleId
 
-_PARTS = {"": ("ele", "time", "speed", "course"), "extensions/TrackPointExtension": ("speed", "course")}
+OUR_CREATOR, OUR_HOME = "flight-replay", "Home"
+"""How files that this program saves call it, and the way point at home."""
+_PARTS = {
+    "": ("ele", "time", "speed", "course", "name"),
+    "extensions/TrackPointExtension": ("speed", "course"),
+}
 """What is read of a point, by the elements around it."""
 
 
@@ -37,15 +42,19 @@ def read_gpx(log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress
     points = reader.track if len(reader.track) else reader.route
     if points is reader.route and len(points):
         notes.append("It has no track, but a route, which is taken for one")
-    file = TrackFile(name=log.name, format="gpx", bytes=end.bytes, notes=notes)
+    file = TrackFile(
+        name=log.name, format="gpx", bytes=end.bytes, notes=notes, home_amsl_m=reader.home_amsl_m
+    )
     return track_recording(points.points(), file)
 
 
 class _GpxReader:
-    """Collects the points of tracks and of routes."""
+    """Collects the points of tracks and routes, and the height of home above the sea in files of our own."""
 
     def __init__(self, name: str) -> None:
         self.track, self.route = PointCollector(name), PointCollector(name)
+        self.home_amsl_m = math.nan
+        self._is_ours = False
         self._point: dict[str, str] | None = None
         self._inside: list[str] = []  # elements of the point that are open
 
@@ -56,8 +65,10 @@ class _GpxReader:
         """A track, a segment, a point or a part of one begins."""
         if self._point is not None:
             self._inside.append(name)
-        elif name in ("trkpt", "rtept"):
+        elif name in ("trkpt", "rtept", "wpt"):
             self._point, self._inside = dict(attributes), []
+        elif name == "gpx":
+            self._is_ours = attributes.get("creator") == OUR_CREATOR
         elif name == "trk":
             self.track.begin_track()
         elif name == "trkseg":
@@ -76,6 +87,10 @@ class _GpxReader:
                 point[name] = text
             return
         self._point = None
+        if name == "wpt":
+            if self._is_ours and point.get("name") == OUR_HOME:
+                self.home_amsl_m = number(point.get("ele"))
+            return
         speed_m_s, course_rad = number(point.get("speed")), math.radians(number(point.get("course")))
         (self.track if name == "trkpt" else self.route).add(
             number(point.get("lat")),

@@ -11,6 +11,8 @@ from flight_replay.logs.tracks.track_points import PointCollector
 
 OUR_TRACK = "Recorded track"
 """The name of the recorded track in the files that this program saves."""
+OUR_HOME = "Home"
+"""The name of home in them."""
 OUR_FLOWN_TRACK = "Flown by flight-replay"
 """The name of what a replay flew, in those that were saved with one: it is not the recording."""
 _LONGEST_PLACE = 256
@@ -32,9 +34,15 @@ class KmlReader:
         self._open: list[str] = []
         self._placemark, self._when, self._number = "", "", 0
         self._geometry, self._mode = _Geometry(), ""
+        self._home_amsl_m = _NAN
 
     def __len__(self) -> int:
         return len(self.tracks) + len(self.points) + len(self.lines) + len(self._geometry)
+
+    @property
+    def home_amsl_m(self) -> float:
+        """The height of home above the sea, where we saved the file and it tells it; else not a number."""
+        return _NAN if self.our_track is None else self._home_amsl_m
 
     def start(self, name: str, _attributes: dict[str, str]) -> None:
         """A placemark, a geometry or a part of one begins."""
@@ -96,6 +104,8 @@ class KmlReader:
             self._add_all(self.lines, geometry, ())
             if self._placemark == OUR_TRACK:
                 self.our_track = self._number
+        elif self._placemark == OUR_HOME and geometry.mode == "absolute":
+            self._home_amsl_m = next((height_m for _, _, height_m in geometry.places()), _NAN)
         elif self._when:
             self._add_all(self.points, geometry, [unix_time_s(self._when)])
 

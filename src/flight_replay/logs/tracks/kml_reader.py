@@ -60,4 +60,5 @@ def _read(pieces: Iterable[bytes], name: str, kind: str) -> Recording:
         notes += left_out
     if reader.is_clamped:
         notes.append("Its heights are not read: it says that it lies on the ground")
-    return track_recording(points, TrackFile(name=name, format=kind, bytes=end.bytes, notes=notes))
+    file = TrackFile(name=name, format=kind, bytes=end.bytes, notes=notes, home_amsl_m=reader.home_amsl_m)
+    return track_recording(points, file)

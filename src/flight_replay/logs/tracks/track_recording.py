@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from flight_replay.exceptions import LogError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.derived_velocity import with_derived_velocity
+from flight_replay.logs.flights import find_flights
 from flight_replay.logs.heights_above_home import with_heights_above_home
 from flight_replay.logs.plausibility import FASTEST_M_S
 from flight_replay.logs.recording import Recording
@@ -34,18 +36,25 @@ _AROUND = 5
 _LONGEST_CLIMB_S = 10.0
 """From point to point of a line without times."""
 _LAST_UTC_S = 4e9  # 2096
+_FROM_THE_FIRST_FIX = (
+    "Its heights count from its first fix, which moves: if that was in the air, they are too low"
+)
 _SLIGHTLY_OFF_M_S, _OFF = 0.5, 0.25
 """Recorded velocities may differ by so much, or by this part of the speed, from those of the positions."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackFile:
-    """The file that a track was read from: its name, its format, its bytes, and notes on how it was read."""
+    """The file that a track was read from: its name, its format, its bytes, and notes on how it was read.
+
+    ``home_amsl_m`` is home's height above the sea where the file tells it, else not a number.
+    """
 
     name: str
     format: str
     bytes: int
     notes: Sequence[str] = ()
+    home_amsl_m: float = math.nan
 
 
 def track_recording(points: TrackPoints, file: TrackFile) -> Recording:
@@ -62,20 +71,29 @@ def track_recording(points: TrackPoints, file: TrackFile) -> Recording:
     if not len(usable.track):
         raise LogError(nothing_usable(file, usable.why_none()))
     track = _timed(usable.track) if timed else _untimed(usable.track)
+    above_home = with_heights_above_home(track, file.home_amsl_m)
     first_s = float(usable.track.time_s[0])
     notes = [*file.notes, *ordered.notes]
     if not timed:
         notes.append("It has no times: only its line can be replayed")
+    if timed and math.isnan(file.home_amsl_m) and _count_from_the_first_fix(track, above_home):
+        notes.append(_FROM_THE_FIRST_FIX)
     return Recording(
         path=file.name,
         format=file.format,
         bytes=file.bytes,
-        track=track,
+        track=above_home,
         without_position=usable.without_position,
         rejected=usable.rejected,
         start_utc_s=first_s if timed and 0 < first_s < _LAST_UTC_S else None,
         notes=tuple(notes),
     )
+
+
+def _count_from_the_first_fix(track: Track, above_home: Track) -> bool:
+    """Whether a track got its heights above home by its first fix, which is part of a flight."""
+    has_none = math.isnan(track.alt_m[0]) and above_home.alt_m[0] == 0
+    return has_none and any(flight.first == 0 for flight in find_flights(above_home))
 
 
 def nothing_usable(file: TrackFile, why: str) -> str:
@@ -111,11 +129,11 @@ def _velocity_m_s(points: TrackPoints) -> Floats:
 
 
 def _timed(track: Track) -> Track:
-    """The track with its clock from 0, with velocities, and heights above home in place of those unknown."""
+    """The track with its clock from 0, and with velocities."""
     track = replace(track, time_s=track.time_s - track.time_s[0], boot=boots_from_0(track.boot))
     climbing = replace(track, alt_m=np.where(np.isfinite(track.alt_m), track.alt_m, track.amsl_m))
     moving = with_derived_velocity(_without_wrong_velocity(climbing))
-    return with_heights_above_home(replace(moving, alt_m=track.alt_m))
+    return replace(moving, alt_m=track.alt_m)
 
 
 def _without_wrong_velocity(track: Track) -> Track:
@@ -132,11 +150,10 @@ def _without_wrong_velocity(track: Track) -> Track:
 
 
 def _untimed(track: Track) -> Track:
-    """The track as flown at one speed, armed all along, with heights above home in place of those unknown."""
+    """The track as flown at one speed, armed all along."""
     along_s = np.append(0.0, np.cumsum(track.steps_m)) / UNTIMED_SPEED_M_S
     armed = np.full(len(track), Armed.YES, np.int8)
-    track = replace(track, time_s=along_s, boot=boots_from_0(track.boot), armed=armed, timed=False)
-    return with_heights_above_home(track)
+    return replace(track, time_s=along_s, boot=boots_from_0(track.boot), armed=armed, timed=False)
 
 
 def boots_from_0(boot: NDArray[np.int32]) -> NDArray[np.int32]:

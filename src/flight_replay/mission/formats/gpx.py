@@ -12,6 +12,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from flight_replay.logs.track import Track
+from flight_replay.logs.tracks.gpx_reader import OUR_CREATOR, OUR_HOME
 from flight_replay.mission.formats.item_text import amsl_m, command_name, description, speeds_m_s, utc_texts
 from flight_replay.mission.items import Mission
 
@@ -24,12 +25,12 @@ def text(mission: Mission, track: Track | None = None, start_utc_s: float | None
 
     Its points have times with ``start_utc_s``, the Unix time of its first fix.
     """
-    attributes = {"version": "1.1", "creator": "flight-replay", "xmlns": _NAMESPACE, "xmlns:replay": _OURS}
+    attributes = {"version": "1.1", "creator": OUR_CREATOR, "xmlns": _NAMESPACE, "xmlns:replay": _OURS}
     root = Xml.Element("gpx", attributes)
     if mission.home is not None:
         home = mission.home
         point = _point(root, "wpt", home.lat_deg, home.lon_deg, home.amsl_m)
-        _child(point, "name", "Home")
+        _child(point, "name", OUR_HOME)
     if mission.waypoints:
         _add_route(root, mission)
     if track is not None and len(track):

@@ -14,7 +14,7 @@ import numpy as np
 
 from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Track
-from flight_replay.logs.tracks.kml_elements import OUR_FLOWN_TRACK
+from flight_replay.logs.tracks.kml_elements import OUR_FLOWN_TRACK, OUR_HOME, OUR_TRACK
 from flight_replay.mission.formats.item_text import (
     amsl_m,
     command_name,
@@ -59,7 +59,7 @@ def text(
     if track is not None and len(track):
         mode, heights_m = _track_heights(track)
         line = np.column_stack([track.lat_deg, track.lon_deg, heights_m])
-        _add_line(document, "Recorded track", "recorded", mode, line)
+        _add_line(document, OUR_TRACK, "recorded", mode, line)
         if start_utc_s is not None:
             _add_timed_track(document, "recorded", utc_texts(track, start_utc_s), mode, line)
     if flown is not None and len(flown):
@@ -71,7 +71,7 @@ def text(
 def _add_mission(folder: Xml.Element, mission: Mission) -> None:
     if mission.home is not None:
         home = mission.home
-        pin = _pin(folder, "Home", "where the vehicle returns to")
+        pin = _pin(folder, OUR_HOME, "where the vehicle returns to")
         mode = "clampToGround" if home.alt_amsl_m is None else "absolute"
         _add_point(pin, mode, home.lat_deg, home.lon_deg, home.alt_amsl_m or 0.0)
     speeds = speeds_m_s(mission)
