@@ -45,8 +45,7 @@ def _is_table_of_positions(head: bytes) -> bool:
 
 _OTHER_TABLE = (
     'is a table without the columns that can be read: kind (the first, "track" in each row), time_s, '
-    "lat_deg, lon_deg and alt_m, parted by commas, as --save FILE.csv writes them, or those of AirData or "
-    "DJI CsvView"
+    "lat_deg, lon_deg and alt_m, as --save FILE.csv writes them, or those of AirData or DJI CsvView"
 )
 _LATITUDE = re.compile("latitude|(?<![a-z])lat(?![a-z])", re.IGNORECASE)
 _MISSION = "is a mission, not a recorded flight"

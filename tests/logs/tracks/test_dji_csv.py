@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import LogError
-from flight_replay.logs.track import Armed
+from flight_replay.logs.track import COLUMNS, Armed
 from tests.helpers.track_files import START_S, kind_of_bytes, read_bytes
 
 FEET, MPH = 0.3048, 0.44704
@@ -92,6 +92,16 @@ def test_airdata_rows_with_the_same_time_are_spread() -> None:
 def test_what_excel_needs_does_not_matter(begin: bytes) -> None:
     """A byte order mark, or a line that says what parts the cells."""
     assert len(read_bytes(begin + airdata()).track) == 100
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_spreadsheets_of_any_language_may_save_the_table(delimiter: str, encoding: str) -> None:
+    """Where numbers have commas, semicolons or tabs part them."""
+    changed = airdata().decode().replace(",", delimiter).replace(".", ",").encode(encoding)
+    track, wanted = read_bytes(changed).track, read_bytes(airdata()).track
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(track, name), getattr(wanted, name), err_msg=name)
 
 
 def test_a_unit_that_is_not_known_is_refused() -> None:

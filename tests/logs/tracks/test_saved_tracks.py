@@ -93,6 +93,14 @@ def test_spreadsheets_may_change_the_encoding_and_the_line_ends(kind: str, encod
     assert_same_track(read_bytes(data).track, full_track())
 
 
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_spreadsheets_may_change_the_delimiter_and_the_decimal_point(delimiter: str) -> None:
+    """As those do in whose language numbers have a comma."""
+    data = formats.csv_table.text(MISSION, full_track()).replace(",", delimiter).replace(".", ",").encode()
+    assert kind_of_bytes(data) == "csv"
+    assert_same_track(read_bytes(data).track, full_track())
+
+
 def test_the_columns_of_a_table_may_be_moved_and_fewer() -> None:
     """They are found by their names."""
     data = b"kind,lon_deg,time_s,lat_deg\ntrack,8,1.5,47\nitem,1,1,1\n\ntrack,8.00001,2.5,47\n"

@@ -25,7 +25,7 @@ class Table:
 
     def __init__(self, pieces: LogPieces, name: str) -> None:
         self._lines = pieces.lines()
-        self.header = header_cells(self._lines)
+        self.header, self._delimiter = header_cells(self._lines)
         self._name = name
         self.notes: list[str] = []
 
@@ -48,7 +48,7 @@ class Table:
         at = {name: index for index, name in reversed(list(enumerate(self.header)))}
         taken = [(array("d"), at[source], read) for source, read in wanted.values()]
         damaged = 0
-        for rows, row in enumerate(cells_of(line) for line in self._lines if line):
+        for rows, row in enumerate(cells_of(line, self._delimiter) for line in self._lines if line):
             if len(row) != len(self.header):
                 damaged += 1
             elif is_row({name: row[at[name]] for name in tested}):
@@ -64,5 +64,5 @@ class Table:
 
 
 def as_number(cell: str) -> float:
-    """The number in a cell."""
-    return number(cell.strip())
+    """The number in a cell, with a comma for its point where the language of the spreadsheet has one."""
+    return number(cell.strip().replace(",", "."))

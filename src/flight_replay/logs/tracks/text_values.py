@@ -20,15 +20,24 @@ _NO_CHARACTER = "\N{REPLACEMENT CHARACTER}"
 """Python 3.10 reads no table that holds a NUL."""
 
 
-def header_cells(lines: Iterator[str]) -> list[str]:
-    """The names of a table's columns; a first line "sep=," only tells Excel what parts the cells."""
+DELIMITERS = ",;\t"
+"""What programs part the cells of a table by; spreadsheets take ; where numbers are written with a comma."""
+
+
+def header_cells(lines: Iterator[str]) -> tuple[list[str], str]:
+    """The names of a table's columns, and its delimiter: the one that the header has most of.
+
+    A first line "sep=," only tells Excel what parts the cells.
+    """
     first = next(lines, "")
-    return [cell.strip() for cell in cells_of(next(lines, "") if first.startswith("sep=") else first)]
+    header = next(lines, "") if first.startswith("sep=") else first
+    delimiter = max(DELIMITERS, key=header.count)
+    return [cell.strip() for cell in cells_of(header, delimiter)], delimiter
 
 
-def cells_of(line: str) -> list[str]:
+def cells_of(line: str, delimiter: str) -> list[str]:
     """The cells of a line of a table in CSV, none of an empty one."""
-    return next(csv.reader([line.replace("\0", _NO_CHARACTER)]))
+    return next(csv.reader([line.replace("\0", _NO_CHARACTER)], delimiter=delimiter))
 
 
 def number(text: str | None) -> float:

@@ -6,7 +6,7 @@ import io
 import re
 
 from flight_replay.logs.tracks.byte_pieces import text_of
-from flight_replay.logs.tracks.text_values import header_cells
+from flight_replay.logs.tracks.text_values import DELIMITERS, header_cells
 
 _BEFORE_ROOT = re.compile(
     r"\s+|<\?.*?\?>|<!--.*?-->|<!DOCTYPE\s+(?P<type>[\w:.-]+)[^>\[]*(?:\[.*?\]\s*)?>", re.S
@@ -69,9 +69,9 @@ def begins_dji_record(head: bytes) -> bool:
 
 def header_of(head: bytes) -> list[str]:
     """The names of a table's columns."""
-    if b"," not in head:
+    if not any(each.encode() in head for each in DELIMITERS):
         return []
-    return header_cells(line.rstrip("\n") for line in io.StringIO(text_of(head), newline=None))
+    return header_cells(line.rstrip("\n") for line in io.StringIO(text_of(head), newline=None))[0]
 
 
 def _xml_root(head: bytes) -> str | None:
