@@ -122,6 +122,20 @@ def test_without_an_estimate_the_receiver_counts_where_it_has_a_fix(new: bool) -
     assert recording.start_utc_s == (None if new else pytest.approx(1_772_359_202.0))
 
 
+@pytest.mark.parametrize("fixes", [0, 20])
+def test_of_two_receivers_the_one_that_has_the_fixes_is_read(fixes: int) -> None:
+    """The first is dead, or was late by most of the flight."""
+    log = UlogWriter(NEW_GPS, INFO)
+    log.message("A", struct.pack("<BH", 1, len(NEW_GPS)) + b"sensor_gps")
+    for n in range(50):
+        log.sample("sensor_gps", n / 5, 46.0, 9.0, 0.0, 3 if n >= 50 - fixes else 0)
+        second = struct.pack("<QdddB", round(n / 5 * 1e6), 47.0 + n * 1e-5, 8.0, 400.0, 3)
+        log.message("D", struct.pack("<H", len(NEW_GPS)) + second)
+    recording = read_bytes(bytes(log.data))
+    assert recording.rejected == {}
+    assert recording.track.lat_deg == pytest.approx(47.0 + np.arange(50) * 1e-5)
+
+
 def test_a_leftover_of_the_estimator_does_not_hide_the_receiver() -> None:
     """Two seconds of it beside a minute of the receiver's."""
     log = UlogWriter({**GLOBAL, **NEW_GPS})

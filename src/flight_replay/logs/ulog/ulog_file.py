@@ -28,6 +28,9 @@ _READS_AT_LEAST = 200_000
 _BUFFER_LENGTH = 1 << 20
 _LONGEST_S = 10 * 86_400.0
 _TIMES_PER_S = 1e6
+_FIX_3D = 3
+_MOSTLY = 0.8
+"""A receiver with less than this part of the fixes of another was out of order or late."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +67,7 @@ class UlogTopics:
 
 
 def read_topics(log: OpenLog, names: tuple[str, ...], progress: Progress | None) -> UlogTopics:
-    """Read some topics, of each the first instance.
+    """Read some topics, of each the first instance, and of receivers the first that had most of the fixes.
 
     Raises:
         LogError: Its header or its formats cannot be read.
@@ -128,10 +131,12 @@ def _field_counts(formats: Mapping[str, Any]) -> dict[str, int]:
 
 
 def _topic(ulog: ULog, name: str) -> Topic | None:
-    """The samples of a topic's first instance, in the order of time."""
+    """The samples of a topic's first instance that was not idle, in the order of time."""
     found = [each for each in ulog.data_list if each.name == name and "timestamp" in each.data]
     if not found:
         return None
+    enough = _MOSTLY * max(map(_usable, found))
+    found = [each for each in found if _usable(each) >= enough]
     data = min(found, key=lambda each: (each.multi_id, -len(each.data["timestamp"]))).data
     time_s = data["timestamp"] / _TIMES_PER_S
     # Damage can say any time.
@@ -140,6 +145,11 @@ def _topic(ulog: ULog, name: str) -> Topic | None:
     with np.errstate(invalid="ignore"):  # Damage can be a signalling NaN.
         fields = {field: np.asarray(column, float)[order] for field, column in data.items()}
     return Topic(time_s[order], fields)
+
+
+def _usable(data: Any) -> int:
+    """How many samples of a receiver have a 3D fix; 0 for other topics, whose instances are all as good."""
+    return int(np.count_nonzero(data.data["fix_type"] >= _FIX_3D)) if "fix_type" in data.data else 0
 
 
 def _from_disk(path: Path, size: int, progress: Progress | None) -> Callable[[], _PatientFile]:
