@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from flight_replay.cli.many import many_main
 from flight_replay.cli.many.log_files import find_logs
 from flight_replay.cli.many.many_options import build_many_parser, parse_many_options
 from flight_replay.cli.options import parse_options
 from flight_replay.output.many.fleet_comparison import Tolerance
+from tests.helpers.paths import SAMPLE
 
 
 def test_options_of_a_replay_are_handed_on_as_typed() -> None:
@@ -113,3 +115,13 @@ def test_logs_are_found_once_each_and_others_told(tmp_path: Path) -> None:
     assert names == ["notes.txt", "3.tlog.gz", "1.BIN", "2.tlog", "gone.tlog"]
     assert found.files[-1].bytes is None
     assert dict(found.passed_over) == {".txt": 1}
+
+
+def test_without_dask_no_table_is_begun(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One without a row would be gone on with."""
+    monkeypatch.setattr("flight_replay.cli.many.cluster.find_spec", lambda _name: None)
+    assert many_main.main([str(SAMPLE), "--out", str(tmp_path / "flights.csv")]) == 1
+    assert 'install it with: pip install "flight-replay[many]"' in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay.output.many.fleet_report import save_fleet_report
+from flight_replay.exceptions import FlightReplayError
+from flight_replay.output.many.fleet_report import check_report_name, save_fleet_report
 from flight_replay.output.many.fleet_summary import reason, summary_json, summary_lines, summary_of
 from flight_replay.output.many.flight_columns import COLUMNS, Row
 from tests.helpers.paths import ROOT
@@ -75,3 +76,17 @@ def test_the_docs_list_every_column() -> None:
     listed = [line.split("|")[1:4] for line in text.splitlines() if line.startswith("| `")]
     columns = [[f" `{each.name}` ", f" {each.kind} ", f" {each.meaning} "] for each in COLUMNS]
     assert [row for row in listed if row in columns] == columns
+
+
+def test_a_report_that_exists_is_replaced_by_the_command_that_made_it_alone(tmp_path: Path) -> None:
+    """The same command goes on where it was stopped, and was complete."""
+    page, command = (
+        tmp_path / "fleet.html",
+        "flight-replay-many 'log <1> & \"2\"' --report fleet.html --force",
+    )
+    check_report_name(page, command, replace=False)
+    save_fleet_report(page, iter(ROWS[:1]), command)
+    check_report_name(page, command, replace=False)
+    with pytest.raises(FlightReplayError, match="exists; choose another name, or replace it"):
+        check_report_name(page, "flight-replay-many logs", replace=False)
+    check_report_name(page, "flight-replay-many logs", replace=True)

@@ -6,6 +6,7 @@ import logging
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from flight_replay.exceptions import FlightReplayError
@@ -26,6 +27,16 @@ _SETTINGS = {
     "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": _KEPT_BYTES,
 }
 _NO_DASK = 'flight-replay-many needs Dask; install it with: pip install "flight-replay[many]"'
+
+
+def check_dask() -> None:
+    """Refuse a run without Dask.
+
+    Raises:
+        FlightReplayError: It is not installed.
+    """
+    if find_spec("dask") is None or find_spec("distributed") is None:
+        raise FlightReplayError(_NO_DASK)
 
 
 @contextmanager

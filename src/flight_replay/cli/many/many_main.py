@@ -91,7 +91,16 @@ def _check_outputs(options: ManyOptions) -> None:
     if options.report is not None:
         from flight_replay.output.many.fleet_report import check_report_name
 
-        check_report_name(options.report, replace=options.force)
+        check_report_name(options.report, _command(options), replace=options.force)
+    if options.out is None or not options.out.expanduser().is_file():
+        from flight_replay.cli.many.cluster import check_dask
+
+        check_dask()
+
+
+def _command(options: ManyOptions) -> str:
+    """The command that repeats the run."""
+    return shlex.join([_NAME, *repeat_arguments(options.argv)])
 
 
 def _replay_all(options: ManyOptions, files: Sequence[LogFile], store: ResultStore) -> None:
@@ -155,8 +164,7 @@ def _tell_results(options: ManyOptions, store: ResultStore) -> None:
     if options.report is not None:
         from flight_replay.output.many.fleet_report import save_fleet_report
 
-        command = shlex.join([_NAME, *repeat_arguments(options.argv)])
-        save_fleet_report(options.report, store.rows(), command)
+        save_fleet_report(options.report, store.rows(), _command(options))
     summary = summary_of(store.rows())
     if options.json:
         write_verbatim(sys.stdout, json.dumps({"summary": summary_json(summary)}))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from html import unescape
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
@@ -39,17 +40,25 @@ _DISTRIBUTED = ("duration_s", "length_m", "highest_m", "top_speed_m_s", *_MEANS)
 _WIDTHS = {"log": 260, "problem": 260, "doubts": 200, "ended": 130, "status": 90, "vehicle_type": 110}
 
 
-def check_report_name(path: Path, *, replace: bool) -> None:
-    """Refuse a name that no report can be written to.
+def check_report_name(path: Path, command: str, *, replace: bool) -> None:
+    """Refuse a name that the report of ``command`` cannot be written to.
 
     Raises:
-        FlightReplayError: The suffix is another, it is a folder or cannot be written in its folder, or it
-            exists already.
+        FlightReplayError: The suffix is another, it is a folder or cannot be written in its folder, or a
+            file is there that is not to be replaced, nor the report of the same command.
     """
     check_suffix(path, SUFFIXES)
     check_place(path)
-    if path.expanduser().is_file() and not replace:
+    if path.expanduser().is_file() and not replace and not _is_report_of(path.expanduser(), command):
         raise FlightReplayError(f"{path} exists; choose another name, or replace it with --force")
+
+
+def _is_report_of(path: Path, command: str) -> bool:
+    """Whether a file is the report of a command: the same command goes on where it was stopped."""
+    try:
+        return f"<pre>{command}</pre>" in unescape(path.read_text(encoding="utf-8", errors="replace"))
+    except OSError:
+        return False
 
 
 def save_fleet_report(path: Path, rows: Iterable[Row], command: str) -> None:
