@@ -123,6 +123,9 @@ def test_wrong_usage_has_a_message(argv: list[str], message: str, capsys: pytest
         (["--connect", "/dev/serial/by-path/usb-0:2:1.0", "--baud", "57600"], ()),
         (["--compare", "a", "b", "--flight", "2", "--from", "3"], ()),
         (["--bare", "--save", "a.kml", "--save", "a.plan"], ()),
+        (["--force"], ("--force has no effect without an output file",)),
+        (["--force", "--info"], ("--force has no effect without an output file",)),
+        (["--force", "--record", "a.tlog"], ()),
     ],
 )
 def test_what_has_no_effect_is_told(argv: list[str], told: tuple[str, ...]) -> None:

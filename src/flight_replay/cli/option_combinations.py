@@ -53,7 +53,8 @@ _OPTIONS = {
 }
 _IN_FLIGHT = "land", "yes", "max_distance_m", "passes"
 _WITH_VEHICLE = "record", "gcs", "sim", "sitl", "speedup"
-_RESULTS = "save", "plot", "report", "record", "map"
+_FILES = "save", "plot", "report", "record"
+_RESULTS = (*_FILES, "map")
 _PLANNED = "spacing_m", "max_points", "floor_m", "max_error_m", "takeoff_altitude_m"
 _WITH_CONNECT = "connect", "baud", "wait", "signing_key", "gcs", "sim", "sitl", "speedup"
 _ROUTE = "mode", "route", "altitude_m", "speed_m_s", "pace", "heading", "duration_s", "limits"
@@ -111,18 +112,21 @@ def without_effect(values: Mapping[str, object], defaults: Mapping[str, object])
     """A sentence for each option that is not needed: whoever looks before flying only adds an option.
 
     That is ``--dry-run``, or ``--info`` or ``--compare`` to look at logs alone. A baud rate is for a serial
-    port alone.
+    port alone, ``--force`` for files.
 
     Args:
         values: What was given, by destination.
         defaults: What they are where nothing is given.
     """
-    return tuple(
+    sentences = [
         f"{_OPTIONS[name]} has no effect with {other}"
         for other, ignored in _ignored_with(values)
         for name in ignored
         if values[name] != defaults[name]
-    )
+    ]
+    if values["force"] and not any(_is_given(values[name]) for name in _FILES):
+        sentences.append("--force has no effect without an output file")
+    return tuple(sentences)
 
 
 def _ignored_with(values: Mapping[str, object]) -> Iterator[tuple[str, tuple[str, ...]]]:

@@ -53,7 +53,7 @@ def test_a_key_is_hexadecimal_or_a_passphrase(tmp_path: Path, content: str) -> N
 
 
 def test_a_key_that_cannot_be_read_is_told(tmp_path: Path) -> None:
-    """Missing, a folder, or empty."""
+    """Missing, a folder, empty, or binary: no other key is made of it."""
     with pytest.raises(VehicleError, match=r"cannot read the signing key .*: No such file"):
         read_key(tmp_path / "none")
     with pytest.raises(VehicleError, match=r"cannot read the signing key .*: Is a directory"):
@@ -61,6 +61,16 @@ def test_a_key_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     (tmp_path / "empty").write_text(" \n")
     with pytest.raises(VehicleError, match="empty is empty; write 64 hexadecimal digits"):
         read_key(tmp_path / "empty")
+    for content in (KEY, b"key\0", "a passphrase".encode("utf-16")):
+        (tmp_path / "binary").write_bytes(content)
+        with pytest.raises(VehicleError, match="binary is not text; write its bytes as 64 hexadecimal"):
+            read_key(tmp_path / "binary")
+
+
+def test_a_byte_order_mark_is_no_part_of_a_key(tmp_path: Path) -> None:
+    """As some editors write it ahead of any text."""
+    (tmp_path / "key").write_text("a passphrase\r\n", encoding="utf-8-sig")
+    assert read_key(tmp_path / "key") == KEY
 
 
 def test_a_key_that_others_can_read_is_noticed(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import hmac
 import struct
 import threading
 import time
+from codecs import BOM_UTF8
 from collections.abc import Callable
 from pathlib import Path
 
@@ -34,11 +35,11 @@ def read_key(path: Path) -> bytes:
     """The key in a file: 64 hexadecimal digits, or a passphrase that is hashed as Mission Planner does.
 
     Raises:
-        VehicleError: The file cannot be read, or is empty.
+        VehicleError: The file cannot be read, is empty or no text.
     """
     try:
         with path.expanduser().open("rb") as file:
-            lines = file.read(_MAX_FILE_LENGTH).splitlines()
+            lines = file.read(_MAX_FILE_LENGTH).removeprefix(BOM_UTF8).splitlines()
     except OSError as error:
         raise VehicleError(
             f"cannot read the signing key {path}: {error.strerror}; give a file with the vehicle's key"
@@ -46,11 +47,21 @@ def read_key(path: Path) -> bytes:
     line = lines[0].strip() if lines else b""
     if not line:
         raise VehicleError(f"the signing key {path} is empty; write 64 hexadecimal digits or a passphrase")
+    if not _is_text(line):
+        raise VehicleError(f"the signing key {path} is not text; write its bytes as 64 hexadecimal digits")
     try:
         key = bytes.fromhex(line.decode("ascii"))
     except ValueError:
         key = b""
     return key if len(key) == _KEY_LENGTH else hashlib.sha256(line).digest()
+
+
+def _is_text(line: bytes) -> bool:
+    """Whether it can be typed, and is no key in binary, which would be taken for a passphrase."""
+    try:
+        return line.decode().isprintable()
+    except UnicodeDecodeError:
+        return False
 
 
 def is_readable_by_others(path: Path) -> bool:
