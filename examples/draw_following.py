@@ -97,5 +97,8 @@ draw_map(map_axes, recorded, flown)
 draw_errors(error_axes, recorded, flown)
 figure.legend(*map_axes.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
 picture = sys.argv[1] if len(sys.argv) > 1 else "following.png"
-figure.savefig(picture, dpi=130, metadata={"Software": None})
+try:
+    figure.savefig(picture, dpi=130, metadata={"Software": None})
+except (OSError, ValueError) as error:
+    sys.exit(f"cannot write {picture}: {error}")
 print(f"wrote {picture}")

@@ -109,5 +109,8 @@ draw_paths(time_axes, record, flight, "position error:\nboth vehicles at equal t
 draw_equal_times(time_axes, record, flight)
 figure.legend(*fixes_axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
 picture = sys.argv[1] if len(sys.argv) > 1 else "measures.png"
-figure.savefig(picture, dpi=130, metadata={"Software": None})
+try:
+    figure.savefig(picture, dpi=130, metadata={"Software": None})
+except (OSError, ValueError) as error:
+    sys.exit(f"cannot write {picture}: {error}")
 print(f"wrote {picture}")

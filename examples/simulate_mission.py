@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 
+from flight_replay.exceptions import FlightReplayError, MissionError
 from flight_replay.geometry.geodesy import LocalFrame
 from flight_replay.mission.formats import load_mission
 from flight_replay.mission.items import Home, Mission, waypoint
@@ -23,18 +24,33 @@ def square() -> Mission:
     return Mission(tuple(waypoint(a, b, 20.0) for a, b in zip(lat, lon, strict=True)), home)
 
 
-mission = load_mission(sys.argv[1]) if len(sys.argv) > 1 else square()
-parameters = dict(argument.split("=") for argument in sys.argv[2:])
-limits = Limits.from_parameters({name: float(value) for name, value in parameters.items()})
+def parameter(argument: str) -> tuple[str, float]:
+    name, _, value = argument.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise MissionError(f"{argument} is no parameter; give NAME=VALUE, such as WPNAV_SPEED=500") from None
 
-flown = simulate(mission, limits)
-frame = home_frame(mission)
-for seq, item in mission.waypoints:
-    place = frame.to_metres(item.lat_deg, item.lon_deg)
-    nearest = np.linalg.norm(flown.north_east_m - place, axis=1).min()
-    print(f"item {seq} reached after {flown.reached_s[seq]:6.2f} s, passed at {nearest:.2f} m")
-begin_s, end_s = flown.auto_s
-speed = np.hypot(flown.north_m_s, flown.east_m_s).max()
-print(f"AUTO takes {end_s - begin_s:.1f} s, at up to {speed:.1f} m/s")
-if mission.home is not None:
-    print(f"from arming to disarming: {simulate_flight(mission, limits).time_s[-1]:.1f} s")
+
+def main() -> None:
+    mission = load_mission(sys.argv[1]) if len(sys.argv) > 1 else square()
+    limits = Limits.from_parameters(dict(map(parameter, sys.argv[2:])))
+
+    flown = simulate(mission, limits)
+    frame = home_frame(mission)
+    for seq, item in mission.waypoints:
+        place = frame.to_metres(item.lat_deg, item.lon_deg)
+        nearest = np.linalg.norm(flown.north_east_m - place, axis=1).min()
+        print(f"item {seq} reached after {flown.reached_s[seq]:6.2f} s, passed at {nearest:.2f} m")
+    begin_s, end_s = flown.auto_s
+    speed = np.hypot(flown.north_m_s, flown.east_m_s).max()
+    print(f"AUTO takes {end_s - begin_s:.1f} s, at up to {speed:.1f} m/s")
+    if mission.home is not None:
+        print(f"from arming to disarming: {simulate_flight(mission, limits).time_s[-1]:.1f} s")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except FlightReplayError as error:
+        sys.exit(str(error))

@@ -66,6 +66,32 @@ def test_compare_flights_measures_half_a_metre(tmp_path: Path) -> None:
     assert "position error: mean 0.00 m, p95 0.00 m, max 0.00 m" in again
 
 
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        ("compare_flights.py none none", "none does not exist; name a recorded flight"),
+        ("compare_flights.py none", "usage: python examples/compare_flights.py [FIRST SECOND]"),
+        ("fit_budgets.py none", "none does not exist; name a recorded flight"),
+        ("plan_only.py none", "none does not exist; name a recorded flight"),
+        ("replay_builtin.py none", "none does not exist; name a recorded flight"),
+        (
+            "simulate_mission.py none.plan",
+            "cannot read none.plan: No such file or directory; give a mission file",
+        ),
+        (
+            "two_firmwares.py none none none",
+            "usage: python examples/two_firmwares.py OLD_SITL NEW_SITL PATH...",
+        ),
+    ],
+)
+def test_what_an_example_cannot_use_is_one_line(command: str, told: str, tmp_path: Path) -> None:
+    """As on the command line, no traceback."""
+    name, *arguments = command.split()
+    script = [sys.executable, str(EXAMPLES / name), *arguments]
+    done = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (1, told + "\n")
+
+
 @pytest.mark.slow
 @pytest.mark.realtime
 @pytest.mark.sitl
