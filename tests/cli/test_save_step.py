@@ -13,17 +13,25 @@ from flight_replay.cli.main import main
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
 from flight_replay.cli.save_step import save_flown, save_mission
+from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.flights import select
 from flight_replay.logs.read_log import read_log
 from flight_replay.logs.sample import sample_log
 from flight_replay.logs.track import Armed
+from flight_replay.output.outcome import Outcome
+from flight_replay.planning.route import Route
+from flight_replay.supervisor.flight_plan import FlightRecord
 from tests.helpers.made_replays import made_following, made_replay
 
 
 @pytest.fixture(scope="module", params=[made_replay, made_following], ids=["mission", "motion"])
 def result(request: pytest.FixtureRequest) -> ReplayResult:
     """A made-up replay, whose log tells the time of day."""
-    route, record, outcome = request.param()
+    return result_of(*request.param())
+
+
+def result_of(route: Route, record: FlightRecord, outcome: Outcome) -> ReplayResult:
+    """A replay whose log tells the time of day."""
     log = replace(read_log(sample_log()), track=route.recording, start_utc_s=1_700_000_000.0)
     return ReplayResult(log, (), route, FlightResult("ArduCopter V4.6.0", True, record, outcome))
 
@@ -53,10 +61,30 @@ def test_after_the_flight_kml_has_what_was_flown(tmp_path: Path, result: ReplayR
     assert begun == pytest.approx(1_700_000_000.0 + late_s, abs=0.001)
 
 
-def test_what_was_flown_waits_where_the_recording_was_on_the_ground(
-    tmp_path: Path, result: ReplayResult
-) -> None:
+def flown_s(path: Path) -> Floats:
+    """The times of what was flown in a file of KML, from the recording's first fix on."""
+    flown = path.read_text(encoding="utf-8").rpartition("<name>Flown by flight-replay</name>")
+    whens = re.findall("<when>(.*)Z</when>", flown[2])
+    times_s = np.array([datetime.fromisoformat(when + "+00:00").timestamp() for when in whens])
+    return np.asarray(times_s - 1_700_000_000.0)
+
+
+def test_what_followed_is_beside_the_recording_at_a_pace_and_where_that_waited(tmp_path: Path) -> None:
+    """At half the recorded speed, with a wait of 5 s: the clock is that of the recording all the way."""
+    made = result_of(*made_following(pace=0.5, waits_at_s=40.0, waits_s=5.0))
+    options = saved(tmp_path, made, "a.kml")
+    assert save_flown(options, made, made.log.track) == []
+    times_s = flown_s(tmp_path / "a.kml")
+    assert made.flight is not None and made.flight.record.recording_s is not None
+    wanted_s = made.flight.record.recording_s
+    at_all = wanted_s >= 0
+    assert len(times_s) == len(wanted_s)
+    assert times_s[at_all] == pytest.approx(0.5 * wanted_s[at_all], abs=0.002)
+
+
+def test_what_was_flown_waits_where_the_recording_was_on_the_ground(tmp_path: Path) -> None:
     """The replay goes on from flight to flight; beside the recording it stands still in between."""
+    result = result_of(*made_replay())
     recorded, flight = result.log.track, result.flight
     assert flight is not None and flight.outcome.first_waypoint_s is not None
     armed = np.full(len(recorded), Armed.YES, np.int8)
@@ -66,11 +94,8 @@ def test_what_was_flown_waits_where_the_recording_was_on_the_ground(
     made = replace(result, log=replace(result.log, track=track))
     options = saved(tmp_path, made, "a.kml")
     assert save_flown(options, made, track) == []
-    flown = (tmp_path / "a.kml").read_text(encoding="utf-8").rpartition("<name>Flown by flight-replay</name>")
-    whens = re.findall("<when>(.*)Z</when>", flown[2])
-    times_s = np.array([datetime.fromisoformat(when + "+00:00").timestamp() for when in whens])
     own_s = flight.record.flown.time_s - flight.outcome.first_waypoint_s
-    apart_s = times_s - 1_700_000_000.0 - own_s
+    apart_s = flown_s(tmp_path / "a.kml") - own_s
     assert apart_s[0] == pytest.approx(track.time_s[2] - track.time_s[0], abs=0.002)
     assert apart_s[-1] == pytest.approx(apart_s[0] + 600.0, abs=2.0)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from flight_replay.cli.options import Options
 from flight_replay.cli.output_step import ReplayResult, problems_of_writing
+from flight_replay.output.outcome import followed_part
 from flight_replay.planning.flown_part import flown_fixes, flown_part
 from flight_replay.planning.route import Route
 
@@ -41,7 +42,7 @@ def save_flown(options: Options, result: ReplayResult, track: Track) -> list[str
         return []
     from flight_replay.mission import formats
 
-    flown = _beside_recording(track, flight)
+    flown = _beside_recording(track, result.route, flight)
     problems = []
     for path in options.save:
         if path.suffix.lower() in formats.FLOWN_SUFFIXES:
@@ -69,16 +70,22 @@ def _save(  # noqa: PLR0913, PLR0917
     formats.save(path, mission, track, recording.utc_s_of(track), flown, outline=outline)
 
 
-def _beside_recording(track: Track, flight: FlightResult) -> Track:
-    """The flown track by the clock of the errors, its 0 at the first fix that is saved.
+def _beside_recording(track: Track, route: Route, flight: FlightResult) -> Track:
+    """The flown track by the clock of the errors, put on the recording's; its 0 is at the first fix saved.
 
-    The vehicle's own clock goes on from where it began with the recording: at the first waypoint. What was
+    For a mission that is the vehicle's own clock from the first waypoint on, for a motion that of the
+    targets, which waited for the vehicle, kept a pace, and took their time where none was recorded. What was
     recorded between two flights is not flown: there the recording's clock goes on alone.
     """
-    began_s, flown = flight.outcome.first_waypoint_s, flight.record.flown
-    if began_s is None:
-        began_s = flight.record.auto_start_s
-    without_gaps_s = flown_part(track)[0].time_s
-    gaps_s = track.time_s[flown_fixes(track)] - without_gaps_s
-    time_s = flown.time_s - began_s + without_gaps_s[0]
-    return replace(flown, time_s=time_s + np.interp(time_s, without_gaps_s, gaps_s) - track.time_s[0])
+    record = flight.record
+    if record.recording_s is None:
+        began_s = flight.outcome.first_waypoint_s
+        flown = record.flown
+        clock_s = flown.time_s - (record.auto_start_s if began_s is None else began_s)
+        fixes_s = flown_part(track)[0].time_s
+        fixes_s = fixes_s - fixes_s[0]
+    else:
+        flown, clock_s = followed_part(record.flown, record.recording_s)
+        fixes_s = route.wanted.time_s
+    ahead_s = track.time_s[flown_fixes(track)] - track.time_s[0] - fixes_s
+    return replace(flown, time_s=clock_s + np.interp(clock_s, fixes_s, ahead_s))
