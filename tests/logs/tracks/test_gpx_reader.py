@@ -115,6 +115,15 @@ def test_a_segment_is_a_new_boot_only_behind_a_gap_in_time() -> None:
     assert late.boot.tolist() == [0] * 30 + [1] * 30
 
 
+def test_heights_that_count_from_the_air_are_told_for_a_segment_behind_a_gap_too() -> None:
+    """Home is not known there: it is taken to be where the segment begins."""
+    recording = read_bytes(gpx(moving(90)[:40], moving(90)[60:]))
+    assert [flight.first for flight in find_flights(recording.track)] == [10, 40]
+    assert recording.track.alt_m[40] == 0.0
+    told = "Heights of 1 of its 2 flights count from a first fix that moves: if that was in the air"
+    assert recording.notes[0].startswith(told)
+
+
 def test_of_tracks_at_the_same_time_the_longer_one_is_read() -> None:
     """Two recorders in one file are not mixed; a later track, though first in the file, follows."""
     aside = [(time_s, lat, lon + 0.01, height) for time_s, lat, lon, height in moving(30)]

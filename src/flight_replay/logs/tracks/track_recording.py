@@ -36,9 +36,6 @@ _AROUND = 5
 _LONGEST_CLIMB_S = 10.0
 """From point to point of a line without times."""
 _LAST_UTC_S = 4e9  # 2096
-_FROM_THE_FIRST_FIX = (
-    "Its heights count from its first fix, which moves: if that was in the air, they are too low"
-)
 _SLIGHTLY_OFF_M_S, _OFF = 0.5, 0.25
 """Recorded velocities may differ by so much, or by this part of the speed, from those of the positions."""
 
@@ -76,8 +73,8 @@ def track_recording(points: TrackPoints, file: TrackFile) -> Recording:
     notes = [*file.notes, *ordered.notes]
     if not timed:
         notes.append("It has no times: only its line can be replayed")
-    if timed and math.isnan(file.home_amsl_m) and _count_from_the_first_fix(track, above_home):
-        notes.append(_FROM_THE_FIRST_FIX)
+    else:
+        notes += _heights_from_the_air(track, above_home)
     return Recording(
         path=file.name,
         format=file.format,
@@ -90,10 +87,16 @@ def track_recording(points: TrackPoints, file: TrackFile) -> Recording:
     )
 
 
-def _count_from_the_first_fix(track: Track, above_home: Track) -> bool:
-    """Whether a track got its heights above home by its first fix, which is part of a flight."""
-    has_none = math.isnan(track.alt_m[0]) and above_home.alt_m[0] == 0
-    return has_none and any(flight.first == 0 for flight in find_flights(above_home))
+def _heights_from_the_air(track: Track, above_home: Track) -> list[str]:
+    """What is said of boots that begin with a flight, whose first fix got them their heights above home."""
+    flights = find_flights(above_home)
+    from_first = np.isnan(track.alt_m) & (above_home.alt_m == 0) & (np.diff(track.boot, prepend=-1) != 0)
+    boots = {int(track.boot[flight.first]) for flight in flights if from_first[flight.first]}
+    count = sum(int(track.boot[flight.first]) in boots for flight in flights)
+    if not count:
+        return []
+    which = "Its heights" if count == len(flights) else f"Heights of {count} of its {len(flights)} flights"
+    return [f"{which} count from a first fix that moves: if that was in the air, they are too low"]
 
 
 def nothing_usable(file: TrackFile, why: str) -> str:
