@@ -1,5 +1,7 @@
 """Tables of DJI flights, in the units of any place."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -102,6 +104,15 @@ def test_spreadsheets_of_any_language_may_save_the_table(delimiter: str, encodin
     track, wanted = read_bytes(changed).track, read_bytes(airdata()).track
     for name in COLUMNS:
         np.testing.assert_array_equal(getattr(track, name), getattr(wanted, name), err_msg=name)
+
+
+def test_commas_that_part_thousands_are_no_decimal_points() -> None:
+    """Where places have points, such numbers are not known, here most times."""
+    table = airdata().decode().replace(",", ";")
+    header, *rows = table.splitlines()
+    changed = [re.sub(r"^(\d+)(\d{3});", r"\1,\2;", row) for row in rows]
+    assert changed != rows
+    assert not read_bytes("\n".join([header, *changed]).encode()).track.timed
 
 
 def test_a_unit_that_is_not_known_is_refused() -> None:

@@ -182,7 +182,7 @@ def _reader(factor: float) -> Callable[[str], float]:
     """A function that reads a cell in a unit of so many SI units; times may be as "1m 2.5s"."""
 
     def read(cell: str) -> float:
-        match = _MINUTES.fullmatch(cell.strip().replace(",", "."))
+        match = _MINUTES.fullmatch(cell.strip())
         if match:
             return 60.0 * int(match[1] or 0) + float(match[2])
         return factor * as_number(cell)

@@ -35,10 +35,11 @@ class Table:
         is_row: Callable[[Mapping[str, str]], bool] = lambda _row: True,
         tested: tuple[str, ...] = (),
     ) -> dict[str, Floats]:
-        """Columns of numbers (n,).
+        """Columns of numbers (n,), with decimal points or commas.
 
         Args:
-            wanted: For each column to make, the name of the one it is read from and how.
+            wanted: For each column to make, the name of the one it is read from and how; ``lat_deg`` and
+                ``lon_deg`` are among them.
             is_row: Tells by the cells of the columns ``tested`` whether a row counts.
             tested: Names of columns, all of which there are.
 
@@ -47,13 +48,16 @@ class Table:
         """
         at = {name: index for index, name in reversed(list(enumerate(self.header)))}
         taken = [(array("d"), at[source], read) for source, read in wanted.values()]
+        place = [at[wanted[name][0]] for name in ("lat_deg", "lon_deg")]
         damaged = 0
         for rows, row in enumerate(cells_of(line, self._delimiter) for line in self._lines if line):
             if len(row) != len(self.header):
                 damaged += 1
             elif is_row({name: row[at[name]] for name in tested}):
+                # Where places have points, a comma parts thousands.
+                has_commas = any("," in row[index] for index in place)
                 for column, index, read in taken:
-                    column.append(read(row[index]))
+                    column.append(read(row[index].replace(",", ".") if has_commas else row[index]))
             if rows > MOST_POINTS:
                 raise LogError(f"{self._name} has more than {MOST_POINTS} rows; cut it, or name another log")
         if damaged:
@@ -64,5 +68,5 @@ class Table:
 
 
 def as_number(cell: str) -> float:
-    """The number in a cell, with a comma for its point where the language of the spreadsheet has one."""
-    return number(cell.strip().replace(",", "."))
+    """The number in a cell."""
+    return number(cell.strip())
