@@ -49,9 +49,10 @@ def test_a_multicopters_flight_is_not_doubted() -> None:
             {},
             "No fix is armed or moves: the vehicle seems parked, within 0 m",
         ),
+        (flown_east(5.0, armed=Armed.NO), {}, "tells of no armed flight, though its positions span 29"),
         (flown_east(0.1), {}, "stays within 5.9 m of one place"),
     ],
-    ids=["another vehicle", "an aeroplane's speed", "parked", "hovering"],
+    ids=["another vehicle", "an aeroplane's speed", "parked", "never armed", "hovering"],
 )
 def test_what_is_no_multicopters_flight_is_said(track: Track, known: dict[str, object], words: str) -> None:
     """One sentence names what is odd."""

@@ -33,8 +33,10 @@ def doubts(recording: Recording, flights: Sequence[Flight], track: Track) -> lis
             f"This is the log of a {recording.vehicle_type}, not of a multicopter, which may not fly it alike"
         )
     extent_m = float(np.ptp(track.north_east_m(), axis=0).max())
-    if not flights:
+    if not flights and extent_m < _PARKED_M:
         said.append(f"No fix is armed or moves: the vehicle seems parked, within {extent_m:.0f} m")
+    elif not flights:
+        said.append(f"The log tells of no armed flight, though its positions span {extent_m:.0f} m")
     elif extent_m < _PARKED_M:
         said.append(f"The recording stays within {extent_m:.1f} m of one place")
     speed = error_statistics(_cruise_m_s(track))
