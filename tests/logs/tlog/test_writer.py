@@ -104,6 +104,21 @@ def test_a_full_disk_does_not_end_a_flight(frames: int) -> None:
     assert recorder.problem == "recording /dev/full is incomplete: No space left on device"
 
 
+def test_an_error_that_nobody_foresaw_is_told_as_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not only those of the operating system leave frames out."""
+
+    def fails(_value: object) -> None:
+        raise ValueError("I/O operation on closed file")
+
+    with Recorder(tmp_path / "a.tlog") as recorder:
+        monkeypatch.setattr(recorder._file, "write", fails)
+        recorder.write(b"a frame")
+    assert recorder.problem is not None
+    assert "I/O operation on closed file" in recorder.problem
+
+
 def test_a_file_that_is_there_stays_until_the_recording_is_whole(tmp_path: Path) -> None:
     """The log that is replayed may be the file that is recorded to: it is read to its end first."""
     path = tmp_path / "a.tlog"

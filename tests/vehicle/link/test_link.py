@@ -314,7 +314,7 @@ def test_whatever_a_transport_raises_it_is_reopened(error: type[Exception], call
 
 
 def test_a_recorder_that_fails_does_not_disturb_the_link(vehicle: Vehicle) -> None:
-    """Neither the sender nor the link's thread, which receives on, notices its error."""
+    """Neither the sender nor the link's thread, which receives on, notices its error; its problem is kept."""
 
     class Broken(Recorder):
         def __init__(self) -> None:
@@ -334,6 +334,7 @@ def test_a_recorder_that_fails_does_not_disturb_the_link(vehicle: Vehicle) -> No
         assert heard.get(timeout=20).get_type() == "HEARTBEAT"
     link.close()
     assert recorder.asked >= 4
+    assert recorder.problem == "a frame was not recorded: no"
 
 
 def test_no_error_ends_the_links_thread(vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -31,14 +31,15 @@ class Recorder:
     no file, such as a named pipe, is written to directly.
     """
 
+    problem: str | None = None
+    """Why frames are missing, in one sentence: a disk that is full must not end a flight."""
+
     def __init__(self, path: Path, clock_s: Callable[[], float] = time.time) -> None:
         """Create the file, so that a path that cannot be written fails before anything flies.
 
         Raises:
             VehicleError: The file cannot be written.
         """
-        self.problem: str | None = None
-        """Why frames are missing, in one sentence: a disk that is full must not end a flight."""
         self._path, self._clock_s = path, clock_s
         self._lock = threading.Lock()
         self._last_us = 0
@@ -71,8 +72,8 @@ class Recorder:
                 self._file = self._path.open("wb")
             self._file.write(record)
             self._file.flush()
-        except OSError as error:
-            self._fail(error.strerror or str(error))
+        except Exception as error:
+            self._fail(getattr(error, "strerror", None) or str(error))
 
     def _fail(self, reason: str) -> None:
         self.problem = f"recording {self._path} is incomplete: {reason}"

@@ -143,8 +143,9 @@ class Link:
         if self._recorder:
             try:
                 self._recorder.write(frame)
-            except Exception:
+            except Exception as error:
                 _log.exception("cannot record a frame")
+                self._recorder.problem = self._recorder.problem or f"a frame was not recorded: {error}"
 
     def close(self) -> None:
         """Stop the thread and close the transport."""
