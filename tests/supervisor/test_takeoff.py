@@ -239,13 +239,15 @@ def test_each_arming_is_confirmed_just_before_it_is_requested() -> None:
 
 @pytest.mark.parametrize("what", ["mode", "armed", "silent"])
 def test_what_changes_while_a_person_is_asked_keeps_it_from_being_armed(what: str) -> None:
-    """Another mode, somebody else who arms it, or a link that is gone."""
+    """Another mode, somebody else who arms it, or a link that is gone, which the position after it shows."""
     vehicle = FakeVehicle(FakeClock())
 
     def ask(next_state: Callable[[], VehicleState]) -> bool:
         vehicle.clock.now_s += 70.0
         vehicle.mode = "LOITER" if what == "mode" else vehicle.mode
         vehicle.armed, vehicle.silent = what == "armed", what == "silent"
+        if what == "silent":
+            next_state()
         return True
 
     with pytest.raises(VehicleError):
