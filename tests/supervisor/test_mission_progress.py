@@ -185,3 +185,24 @@ def test_the_number_from_just_before_auto_ends_nothing() -> None:
     vehicle.request_mode = request  # type: ignore[method-assign]
     record = fake_flight(vehicle).fly()
     assert (record.ended, record.problem) == ("duration", None)
+
+
+def test_a_few_near_items_that_cannot_have_been_flown_are_left_out() -> None:
+    """Six of 3 m in 0.3 s at 1.2 m/s; as many as its speed allows may have been, as positions are late."""
+    items = tuple(waypoint(47.0 + 2.7e-5 * i, 8.0, 30.0) for i in range(1, 41))
+
+    def slow(time_s: float, north_m: float) -> VehicleState:
+        return VehicleState(time_s, 47.0 + 9e-6 * north_m, 8.0, 30.0, (1.2, 0, 0), None, "AUTO", True)
+
+    for seq, reached in ((11, []), (7, [5, 6])):
+        progress = MissionProgress(Mission(items))
+        progress.flies_to(5, slow(100.0, 13.5))
+        assert progress.flies_to(seq, slow(100.3, 13.9)) == reached
+    assert progress.jumps == []
+
+
+def test_one_item_whose_corner_is_cut_is_reached() -> None:
+    """However far from it the vehicle turns, within reason."""
+    progress = progress_at(3)
+    assert progress.flies_to(4, at(100.1, -15.0)) == [3]
+    assert progress.jumps == []

@@ -8,6 +8,7 @@ item (MISSION_SET_CURRENT), before AUTO too, and all that is told of that is the
 from __future__ import annotations
 
 from itertools import pairwise
+from math import hypot
 
 from flight_replay.events import VehicleState
 from flight_replay.geometry.geodesy import distance_m
@@ -16,6 +17,9 @@ from flight_replay.mission.items import FIRST_SEQ, Mission
 _FASTEST_M_S = 30.0
 _BESIDE_M = 50.0
 """Corners are cut by some metres, and positions and items are not told at the same time."""
+_SEVERAL_BESIDE_M, _LATE_S, _ACCELERATION_M_S2 = 3.0, 2.5, 5.0
+"""Where several are passed between two reports they are so near to each other that no corner is cut by more:
+at its speed the vehicle flies to all of them in the time between, and in that by which positions are late."""
 
 
 class MissionProgress:
@@ -61,7 +65,7 @@ class MissionProgress:
         between = [item for at, item in self._waypoints if before <= at < seq]
         places = [(then.lat_deg, then.lon_deg), *((each.lat_deg, each.lon_deg) for each in between)]
         way_m = sum(float(distance_m(*here, *there)) for here, there in pairwise(places))
-        return numbers if way_m > _BESIDE_M + _FASTEST_M_S * (now.time_s - then.time_s) else []
+        return numbers if way_m > _longest_way_m(then, now, waypoints=len(numbers)) else []
 
     def _left_out_before(self, seq: int) -> set[int]:
         before = self._at[0] if self._at else seq
@@ -86,3 +90,12 @@ class MissionProgress:
         found = [seq for seq in range(FIRST_SEQ, last_seq + 1) if seq not in known]
         self.reached.update(dict.fromkeys(found, time_s))
         return found
+
+
+def _longest_way_m(then: VehicleState, now: VehicleState, *, waypoints: int) -> float:
+    """How far a vehicle may have flown over waypoints between two states, metres."""
+    step_s = now.time_s - then.time_s
+    if waypoints == 1:
+        return _BESIDE_M + _FASTEST_M_S * step_s
+    speed_m_s = max(hypot(*state.velocity_m_s[:2]) for state in (then, now)) + _ACCELERATION_M_S2 * step_s
+    return _SEVERAL_BESIDE_M + min(speed_m_s, _FASTEST_M_S) * (step_s + _LATE_S)
