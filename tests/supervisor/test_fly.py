@@ -242,3 +242,17 @@ def test_a_flight_is_over_when_rtl_is_confirmed() -> None:
     record = flight.fly()
     assert (record.rtl_confirmed, record.landed) == (True, False)
     assert flight.vehicle.altitude_m > 20.0
+
+
+def test_a_clock_that_jumps_ahead_is_not_the_end_of_the_duration() -> None:
+    """The flight ends, because nothing tells how long it has lasted, and that is a problem."""
+    vehicle = FakeVehicle(FakeClock(), points=4000)
+
+    def jump() -> None:
+        time_s, wall_s = vehicle._since
+        vehicle._since = time_s + 600.0, wall_s
+
+    vehicle.schedule.append((30.0, jump))
+    record = fake_flight(vehicle).fly()
+    assert (record.ended, record.rtl_confirmed) == ("no progress", True)
+    assert (record.problem or "").startswith("the vehicle's clock jumped ahead by 600 s")

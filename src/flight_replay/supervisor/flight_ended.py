@@ -114,6 +114,15 @@ def no_position(heartbeats: int) -> FlightEnded:
     )
 
 
+def clock_jumped(step_s: float) -> FlightEnded:
+    """The vehicle's clock, which times the flight, jumped ahead by ``step_s``."""
+    return FlightEnded(
+        "no progress",
+        f"the vehicle's clock jumped ahead by {step_s:.0f} s, and nothing tells how long the flight has "
+        "lasted; find out why before flying again",
+    )
+
+
 def jumped(jump: str) -> str:
     """Told in flight where ``jump`` tells of one of the position estimate: its GPS is, or was, wrong."""
     return f"{jump}: it flies, returns and lands that far from where it seems to; check its GPS and watch it"

@@ -56,12 +56,12 @@ def fly_mission(monitor: VehicleMonitor, plan: Plan, start_s: float) -> str:
     while True:
         rest.check()
         height.check()
+        monitor.check_position()
         ended = _planned_end(monitor, plan, start_s)
         if ended and not monitor.unexpected_mode:
             return ended
         if monitor.certainly_disarmed:
             raise flight_ended.disarmed(monitor.reason)
-        monitor.check_position()
         total = total or monitor.mission.total
         if monitor.mission.total != total or monitor.mission_replaced:
             raise FlightEnded(

@@ -39,6 +39,7 @@ _STEP_WALL_S = 0.1  # The longest wait for a report in one step.
 _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _PREARM_TEXT = "PreArm:"
+_CLOCK_JUMP_S = 300.0  # A fast simulator's clock runs on so far while this program is stopped.
 _CHECK_TEXTS = (_PREARM_TEXT, "Arm:")
 _CHECKS_WALL_S = 1.0  # The texts of checks that fail in one run follow each other more closely.
 _DISARMING_TEXT = "disarming motors"
@@ -107,7 +108,7 @@ class VehicleMonitor:
         self._home: VehicleState | None = None
         self.link_up_s = 0.0
         """Seconds of vehicle time that passed while the link was up: the time that deadlines count."""
-        self._unexpected_s = 0.0
+        self._unexpected_s = self._clock_jump_s = 0.0
         self.auto_start_s: float | None = None
         self._recording = False
         self.requests = RequestTracker()
@@ -200,7 +201,7 @@ class VehicleMonitor:
 
         Raises:
             FlightEnded: Its link is up, and it has not for some seconds in flight; one that disarmed may
-                have rebooted, and another check tells that.
+                have rebooted, and another check tells that. Or its clock jumped ahead.
         """
         silent_wall_s = self.wall_s - self._state_wall_s
         if not self.armed or silent_wall_s < _NO_POSITION_WALL_S:
@@ -209,6 +210,8 @@ class VehicleMonitor:
             raise flight_ended.no_position(_NO_POSITION_HEARTBEATS)
 
     def begin_arming(self) -> None:
+        if self._clock_jump_s:
+            raise flight_ended.clock_jumped(self._clock_jump_s)
         """Arming is requested now: the vehicle may be armed from now on."""
         self.arm_requested, self.was_armed = True, False
         self._home = self.state
@@ -305,7 +308,7 @@ class VehicleMonitor:
     @_process.register
     def _(self, state: VehicleState) -> None:
         if self.state is not None and self.wall_s - self._state_wall_s < _LINK_GAP_WALL_S:
-            self.link_up_s += max(state.time_s - self.state.time_s, 0.0)
+            self._link_was_up(max(state.time_s - self.state.time_s, 0.0))
         self._check_jump(state)
         self.state, self._state_wall_s = state, self.wall_s
         self._heartbeats_since_state = 0
@@ -324,6 +327,12 @@ class VehicleMonitor:
     @_process.register
     def _(self, text: StatusText) -> None:
         if text.severity <= Severity.WARNING and not self._is_of_next_arming(text.text):
+    def _link_was_up(self, step_s: float) -> None:
+        if step_s > _CLOCK_JUMP_S:
+            self._clock_jump_s = step_s if self.armed else 0.0
+        else:
+            self.link_up_s += step_s
+
             self.reason = self._failed_checks.with_others(text.text, self.wall_s)
         lower = text.text.lower()
         if any(word in lower for word in _FAILSAFE_TEXTS):
