@@ -182,6 +182,20 @@ def test_how_long_rtl_waits_over_home_is_the_vehicles(parameters: dict[str, floa
     assert replace(COPTER, parameters=parameters).rtl_loiter_s == loiter_s
 
 
+@pytest.mark.parametrize(
+    ("parameters", "limit_m"),
+    [
+        ({}, 0.0),
+        ({"RALLY_TOTAL": 0.0, "RALLY_LIMIT_KM": 0.3}, 0.0),
+        ({"RALLY_TOTAL": 2.0, "RALLY_LIMIT_KM": 0.3}, 300.0),
+        ({"RALLY_TOTAL": 2.0, "RALLY_LIMIT_KM": 0.0}, float("inf")),
+    ],
+)
+def test_how_far_rally_points_may_be_is_the_vehicles(parameters: dict[str, float], limit_m: float) -> None:
+    """ArduCopter goes to any, if its limit is 0."""
+    assert replace(COPTER, parameters=parameters).rally_limit_m == pytest.approx(limit_m)
+
+
 @pytest.mark.parametrize(("name", "value"), [("RTL_ALT_FINAL", 500.0), ("RTL_ALT_FINAL_M", 5.0)])
 def test_a_landing_that_never_comes_is_not_waited_for(name: str, value: float) -> None:
     """RTL may end in the air: that is said before the vehicle arms, where its landing is asked for."""

@@ -107,6 +107,7 @@ class AsMission:
             takeoff_altitude_m=self._options.takeoff_altitude_m,
             land=self._options.land,
             rtl_loiter_s=identity.rtl_loiter_s,
+            rally_limit_m=identity.rally_limit_m,
         )
 
 
@@ -198,4 +199,5 @@ class AsMotion:
             takeoff_altitude_m=options.takeoff_altitude_m,
             land=options.land,
             rtl_loiter_s=identity.rtl_loiter_s,
+            rally_limit_m=identity.rally_limit_m,
         )

@@ -35,12 +35,14 @@ class Deadlines:
 class FlightPlan:
     """What every flight has, however it is flown: a take-off, deadlines, and an end.
 
-    With ``land`` the landing is waited for, before which RTL waits ``rtl_loiter_s`` over home.
+    With ``land`` the landing is waited for, before which RTL waits ``rtl_loiter_s`` over home, or over a
+    rally point, which is at most ``rally_limit_m`` away.
     """
 
     takeoff_altitude_m: float = 30.0
     land: bool = False
     rtl_loiter_s: float = 5.0
+    rally_limit_m: float = 0.0
     deadlines: Deadlines = field(default_factory=Deadlines)
 
 

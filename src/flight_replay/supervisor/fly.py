@@ -212,7 +212,7 @@ def _see_home(
     try:
         stays = disarm_if_staying(monitor) if fell else None
         if plan.land and not stays:
-            wait_landed(monitor, plan.rtl_loiter_s)
+            wait_landed(monitor, plan.rtl_loiter_s, plan.rally_limit_m)
             return True, None, None
     except LandedElsewhere as end:
         return True, end.problem, None

@@ -26,7 +26,7 @@ from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
 _MIN_MOVE_M = 0.5  # A smaller movement is no progress.
 _ASTRAY_M, _LOST_M = 10.0, 400.0
-"""So much farther a vehicle is driven away from where it goes, and from home: rally points are nearer."""
+"""So much farther a vehicle is driven away from where it goes, and from where RTL goes."""
 _REASON_S = 2.0  # A reason that is not told by then is not told.
 _AT_HOME_M = 10.0  # RTL lands nearer, even where the position estimate is a poor one.
 _THERE_M, _LONG_REST_S = 3.0, 10.0  # A waypoint is reached within 2 m, by default.
@@ -184,8 +184,10 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     return monitor.rtl_confirmed
 
 
-def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
+def wait_landed(monitor: VehicleMonitor, loiter_s: float, rally_limit_m: float = 0.0) -> None:
     """Follow the vehicle home until it has landed and disarmed; it waits ``loiter_s`` over home.
+
+    It may land at a rally point instead, up to ``rally_limit_m`` away.
 
     One that fell on its way, and lies on the ground, is told to LAND, in which it disarms.
 
@@ -199,7 +201,7 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float) -> None:
     way, began_m = _WayHome(monitor), monitor.from_home_m
     while not monitor.certainly_disarmed:
         taken_over.check()
-        if monitor.from_home_m > began_m + _LOST_M:
+        if monitor.from_home_m > began_m + rally_limit_m + _LOST_M:
             raise _driven_away(monitor)
         if way.leads_on():
             deadline.restart()

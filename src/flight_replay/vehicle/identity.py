@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 
 from flight_replay.events import Listener, Phase, Waiting, ignore
 from flight_replay.exceptions import VehicleError
@@ -30,7 +31,8 @@ FENCE_PARAMETERS = (
 RTL_END_PARAMETERS = ("RTL_ALT_FINAL", "RTL_ALT_FINAL_M")
 """Where RTL ends, 0 on the ground: cm, or in 4.7 metres."""
 _RTL_LOITER, _USUAL_RTL_LOITER_MS = "RTL_LOIT_TIME", 5000.0
-_CHECKED_PARAMETERS = (*FENCE_PARAMETERS, *RTL_END_PARAMETERS, _RTL_LOITER)
+_RALLY_POINTS, _RALLY_LIMIT_KM = "RALLY_TOTAL", "RALLY_LIMIT_KM"
+_CHECKED_PARAMETERS = (*FENCE_PARAMETERS, *RTL_END_PARAMETERS, _RTL_LOITER, _RALLY_POINTS, _RALLY_LIMIT_KM)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,14 @@ class Identity:
     def rtl_loiter_s(self) -> float:
         """How long RTL waits over home before it lands."""
         return self.parameters.get(_RTL_LOITER, _USUAL_RTL_LOITER_MS) / 1000.0
+
+    @property
+    def rally_limit_m(self) -> float:
+        """How far away rally points may be that RTL goes to, infinite without a limit, 0 without any."""
+        if not self.parameters.get(_RALLY_POINTS):
+            return 0.0
+        limit_km = self.parameters.get(_RALLY_LIMIT_KM, 0.0)
+        return limit_km * 1000.0 if limit_km > 0 else inf
 
     @property
     def is_multicopter(self) -> bool:
