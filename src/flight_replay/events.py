@@ -138,7 +138,7 @@ class WaypointReached:
 class VehicleState:
     """The vehicle's state at ``time_s`` of its own clock.
 
-    ``alt_m`` is above home, ``velocity_m_s`` is (north, east, up).
+    ``alt_m`` is above home, in flight above that of its arming, ``velocity_m_s`` is (north, east, up).
     """
 
     time_s: float

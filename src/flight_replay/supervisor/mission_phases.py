@@ -201,7 +201,7 @@ def wait_landed(monitor: VehicleMonitor, loiter_s: float, rally_limit_m: float =
     way, began_m = _WayHome(monitor), monitor.from_home_m
     while not monitor.certainly_disarmed:
         taken_over.check()
-        if monitor.from_home_m > began_m + rally_limit_m + _LOST_M:
+        if monitor.from_home_m > began_m + max(rally_limit_m, monitor.home_moved_m) + _LOST_M:
             raise _driven_away(monitor)
         if way.leads_on():
             deadline.restart()

@@ -65,6 +65,15 @@ class MissionItemReached:
 
 
 @dataclass(frozen=True, slots=True)
+class HomePosition:
+    """Where home is, ``amsl_m`` above sea level; told whenever somebody, or arming, sets it."""
+
+    lat_deg: float
+    lon_deg: float
+    amsl_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class PrearmStatus:
     """Whether the vehicle is ready to arm, and if not, what is missing."""
 
@@ -101,6 +110,7 @@ Report = (
     | RequestLost
     | MissionCurrent
     | MissionItemReached
+    | HomePosition
     | PrearmStatus
     | Rebooted
 )

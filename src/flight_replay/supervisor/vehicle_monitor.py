@@ -19,11 +19,13 @@ from flight_replay.supervisor.flight_plan import Deadlines
 from flight_replay.supervisor.link_monitor import LinkMonitor
 from flight_replay.supervisor.mission_progress import MissionProgress
 from flight_replay.supervisor.mode_monitor import ModeMonitor
+from flight_replay.supervisor.motion.home_moves import HomeMoves
 from flight_replay.supervisor.motion.position_jumps import PositionJumps
 from flight_replay.supervisor.request_tracker import RequestTracker
 from flight_replay.supervisor.vehicle_interface import (
     Clock,
     Heartbeat,
+    HomePosition,
     MissionCurrent,
     MissionItemReached,
     PrearmStatus,
@@ -37,9 +39,9 @@ from flight_replay.supervisor.vehicle_interface import (
 
 _STEP_WALL_S = 0.1  # The longest wait for a report in one step.
 _LINK_GAP_WALL_S = 1.0  # Between two positions farther apart than this, the link was not up.
+_CLOCK_JUMP_S = 300.0  # A fast simulator's clock runs on so far while this program is stopped.
 _FAILSAFE_TEXTS = ("failsafe", "breach", "crash")
 _PREARM_TEXT = "PreArm:"
-_CLOCK_JUMP_S = 300.0  # A fast simulator's clock runs on so far while this program is stopped.
 _CHECK_TEXTS = (_PREARM_TEXT, "Arm:")
 _CHECKS_WALL_S = 1.0  # The texts of checks that fail in one run follow each other more closely.
 _DISARMING_TEXT = "disarming motors"
@@ -93,7 +95,7 @@ class VehicleMonitor:
         self.modes = ModeMonitor()
         self.armed: bool | None = None
         self.state: VehicleState | None = None
-        self._jumps = PositionJumps()
+        self._jumps, self._home_moves = PositionJumps(), HomeMoves()
         self._before_auto: VehicleState | None = None  # When it was last heard in another mode.
         self._held: list[MissionCurrent | MissionItemReached] = []
         self._heartbeats_since_state = 0
@@ -151,6 +153,11 @@ class VehicleMonitor:
         return float(distance_m(here.lat_deg, here.lon_deg, home.lat_deg, home.lon_deg))
 
     @property
+    def home_moved_m(self) -> float:
+        """Metres over the ground from there to where somebody moved home in flight, 0 if nobody did."""
+        return self._home_moves.moved_m
+
+    @property
     def failsafe_text(self) -> str:
         """The status text of a failsafe in the last seconds, or empty."""
         return self._failsafe_text if self.time_s - self._failsafe_s <= _REASON_VALID_S else ""
@@ -197,12 +204,14 @@ class VehicleMonitor:
         return not self._backlog
 
     def check_position(self) -> None:
-        """Check that the vehicle tells where it is.
+        """Check that the vehicle tells where it is, and when.
 
         Raises:
             FlightEnded: Its link is up, and it has not for some seconds in flight; one that disarmed may
                 have rebooted, and another check tells that. Or its clock jumped ahead.
         """
+        if self._clock_jump_s:
+            raise flight_ended.clock_jumped(self._clock_jump_s)
         silent_wall_s = self.wall_s - self._state_wall_s
         if not self.armed or silent_wall_s < _NO_POSITION_WALL_S:
             return
@@ -210,8 +219,6 @@ class VehicleMonitor:
             raise flight_ended.no_position(_NO_POSITION_HEARTBEATS)
 
     def begin_arming(self) -> None:
-        if self._clock_jump_s:
-            raise flight_ended.clock_jumped(self._clock_jump_s)
         """Arming is requested now: the vehicle may be armed from now on."""
         self.arm_requested, self.was_armed = True, False
         self._home = self.state
@@ -320,6 +327,12 @@ class VehicleMonitor:
         for report in held:
             self._process(report)
 
+    def _link_was_up(self, step_s: float) -> None:
+        if step_s > _CLOCK_JUMP_S:
+            self._clock_jump_s = step_s if self.armed else 0.0
+        else:
+            self.link_up_s += step_s
+
     def _check_jump(self, state: VehicleState) -> None:
         if self.armed and self.state is not None and self._jumps.observe(self.state, state):
             self.emit(Notice(flight_ended.jumped(self._jumps.latest(state.time_s)), warning=True))
@@ -327,12 +340,6 @@ class VehicleMonitor:
     @_process.register
     def _(self, text: StatusText) -> None:
         if text.severity <= Severity.WARNING and not self._is_of_next_arming(text.text):
-    def _link_was_up(self, step_s: float) -> None:
-        if step_s > _CLOCK_JUMP_S:
-            self._clock_jump_s = step_s if self.armed else 0.0
-        else:
-            self.link_up_s += step_s
-
             self.reason = self._failed_checks.with_others(text.text, self.wall_s)
         lower = text.text.lower()
         if any(word in lower for word in _FAILSAFE_TEXTS):
@@ -380,6 +387,11 @@ class VehicleMonitor:
     def _(self, item: MissionItemReached) -> None:
         if not self._held_back(item):
             self.item_reached(item.seq)
+
+    @_process.register
+    def _(self, home: HomePosition) -> None:
+        if moved := self._home_moves.told(home, self._home if self.armed else None, self.altitude_m):
+            self.emit(Notice(moved, warning=True))
 
     @_process.register
     def _(self, prearm: PrearmStatus) -> None:

@@ -12,6 +12,7 @@ from flight_replay.events import StatusText, VehicleState
 from flight_replay.mavlink import dialect
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
+    HomePosition,
     MissionCurrent,
     MissionItemReached,
     PrearmStatus,
@@ -371,3 +372,31 @@ def test_heartbeats_without_sequence_numbers_all_count(monkeypatch: pytest.Monke
 def test_without_a_report_nothing_is_returned() -> None:
     """When the time to wait for one is over."""
     assert list(telemetry().reports(0.0)) == []
+
+
+def test_home_is_told_where_it_is() -> None:
+    """Degrees, and metres above sea level."""
+    message = dialect.MAVLink_home_position_message(
+        473977420, 85455940, 488_100, 0, 0, 0, (1, 0, 0, 0), 0, 0, 0
+    )
+    assert news_of(sent(message)) == [HomePosition(47.397742, 8.545594, 488.1)]
+
+
+def test_who_moves_home_in_flight_does_not_move_the_vehicle() -> None:
+    """Heights stay above the home of arming, which arming itself moves, until the next arming."""
+
+    def at(time_ms: int, home_m: float, above_home_m: float) -> Any:
+        amsl_m = home_m + above_home_m
+        return sent(
+            dialect.MAVLink_global_position_int_message(
+                time_ms, 473977420, 85455940, round(amsl_m * 1e3), round(above_home_m * 1e3), 0, 0, 0, 0
+            )
+        )
+
+    told = news_of(
+        heartbeat(4, 0), at(1000, 480.0, 5.0), heartbeat(4, 128), at(2000, 485.0, 0.0), at(3000, 485.0, 30.0),
+        at(4000, 515.0, 0.0), at(5000, 515.4, 1.0), at(6000, 515.4, -25.0),
+        heartbeat(9, 0), at(7000, 515.4, -30.0), heartbeat(5, 128), at(8000, 490.0, 0.0),
+    )  # fmt: skip
+    heights_m = [report.alt_m for report in told if isinstance(report, VehicleState)]
+    assert heights_m == pytest.approx([5.0, 0.0, 30.0, 30.0, 31.0, 5.0, 0.0, 0.0])

@@ -17,6 +17,7 @@ from flight_replay.flight_modes import mode_name
 from flight_replay.mavlink import Message, dialect
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
+    HomePosition,
     MissionCurrent,
     MissionItemReached,
     PrearmStatus,
@@ -36,6 +37,7 @@ _PREARM = dialect.MAV_SYS_STATUS_PREARM_CHECK
 _GPS, _EKF = "GPS_RAW_INT", "EKF_STATUS_REPORT"
 _ENOUGH_SATELLITES = 6  # With fewer, ArduPilot's EKF does not begin to use a GPS.
 _UNKNOWN_HEADING = 65535
+_HOME_STEP_M = 1.0  # Between two positions nothing else changes the height of home so much.
 _UNKNOWN_V = 65.535  # UINT16_MAX millivolts; without a battery monitor ArduPilot sends 0.
 
 
@@ -54,6 +56,8 @@ class Telemetry:
         self._changed = threading.Condition()
         self._mode, self._armed = "", False
         self._last_heartbeat: tuple[Heartbeat, float] | None = None  # With its wall-clock time.
+        self._home_amsl_m: float | None = None  # While the vehicle is armed.
+        self._home_rose_m = 0.0
         self._newest_s = self._timed_wall_s = self._position_s = float("-inf")
         self._old_times, self._old_wall_s = 0, 0.0
         self._frames: deque[tuple[bytes, float]] = deque(maxlen=_DUPLICATE_FRAMES)  # With wall-clock times.
@@ -69,6 +73,9 @@ class Telemetry:
             "TIMESYNC": commands.on_timesync,
             "MISSION_CURRENT": self._mission_current,
             "MISSION_ITEM_REACHED": lambda message: MissionItemReached(message.seq),
+            "HOME_POSITION": lambda message: HomePosition(
+                message.latitude / 1e7, message.longitude / 1e7, message.altitude / 1e3
+            ),
             "SYS_STATUS": self._system_status,
             _EKF: lambda message: self._prearm_status(),
         }
@@ -150,7 +157,7 @@ class Telemetry:
             time_s=time_s,
             lat_deg=message.lat / 1e7,
             lon_deg=message.lon / 1e7,
-            alt_m=message.relative_alt / 1e3,
+            alt_m=message.relative_alt / 1e3 + self._home_rise_m(message),
             velocity_m_s=(message.vx / 1e2, message.vy / 1e2, -message.vz / 1e2),
             heading_deg=None if message.hdg == _UNKNOWN_HEADING else message.hdg / 1e2,
             mode=self._mode,
@@ -158,6 +165,16 @@ class Telemetry:
             battery_v=battery.voltage if battery and 0 < battery.voltage < _UNKNOWN_V else None,
             battery_percent=battery.level if battery and (battery.level or 0) >= 0 else None,
         )
+
+    def _home_rise_m(self, message: Message) -> float:
+        """How much higher home is than when the vehicle was armed: who moves it does not move the vehicle."""
+        home_m = (message.alt - message.relative_alt) / 1e3
+        if self._armed and self._home_amsl_m is None:
+            self._home_rose_m = 0.0
+        elif self._home_amsl_m is not None and self._armed and abs(home_m - self._home_amsl_m) > _HOME_STEP_M:
+            self._home_rose_m += home_m - self._home_amsl_m
+        self._home_amsl_m = home_m if self._armed else None
+        return self._home_rose_m
 
     def _status_text(self, message: Message) -> Report | None:
         """A text; MAVLink 2 sends long ones in chunks of 50 characters with a common ``id``."""
