@@ -13,14 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from flight_replay.events import Event, Notice, Phase, PhaseStarted, Progress, Waiting
-from flight_replay.exceptions import PhaseTimeoutError, VehicleError
+from flight_replay.events import Event, Notice, Phase, PhaseStarted, Progress, VehicleState, Waiting
+from flight_replay.exceptions import FlightReplayError, MissionError, PhaseTimeoutError, VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Mission
 from flight_replay.simulator.autopilot.faults import SECOND_COPTER, Faults, Firmware, old_copter
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import launch
-from flight_replay.supervisor.vehicle_interface import Heartbeat
+from flight_replay.supervisor.vehicle_interface import Heartbeat, Rebooted, Report
 from flight_replay.vehicle import ConnectedVehicle, connect
 from flight_replay.vehicle import connected_vehicle as module
 from tests.helpers.armed import wait_armed
@@ -174,6 +174,27 @@ def test_an_armed_vehicle_is_not_changed() -> None:
             vehicle.parameters_set({"WPNAV_SPEED": 200.0})
         assert vehicle.parameters(["WPNAV_SPEED"]) == {"WPNAV_SPEED": 1000.0}
         assert vehicle.mission_verified()
+
+
+@pytest.mark.parametrize(("reboots", "error"), [(True, VehicleError), (False, MissionError)])
+def test_a_vehicle_that_reboots_in_an_upload_does_not_refuse_its_items(
+    monkeypatch: pytest.MonkeyPatch, reboots: bool, error: type[FlightReplayError]
+) -> None:
+    """It answers what it is sent while it boots with a refusal, and tells its clock later."""
+    here = VehicleState(10.0, 47.0, 8.0, 0.0, (0, 0, 0), None, "STABILIZE", False)
+
+    def refuse(*_: object) -> None:
+        raise MissionError("the vehicle refused mission item 40: unsupported")
+
+    with copter() as vehicle:
+        vehicle.wait_position(60.0)
+        last: list[Report] = [Rebooted(), here] if reboots else [here]
+        waiting = [[here], [], [Heartbeat("STABILIZE", False)], last]
+        monkeypatch.setattr(vehicle, "reports", lambda timeout_s: waiting.pop(0))
+        monkeypatch.setattr(vehicle._storage, "upload", refuse)
+        with pytest.raises(error, match="rebooted during" if reboots else "refused mission item"):
+            vehicle.upload(ROUTE)
+        assert waiting == []
 
 
 def test_a_vehicle_that_does_not_tell_whether_it_is_armed_is_not_changed(

@@ -19,12 +19,12 @@ from flight_replay.events import (
     Waiting,
     ignore,
 )
-from flight_replay.exceptions import PhaseTimeoutError, VehicleError
+from flight_replay.exceptions import MissionError, PhaseTimeoutError, VehicleError
 from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mission.fence import FenceArea
 from flight_replay.mission.items import Mission
-from flight_replay.supervisor.vehicle_interface import Report, Target
+from flight_replay.supervisor.vehicle_interface import Rebooted, Report, Target
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
 from flight_replay.vehicle.link.connection_string import open_transport, silence_hint
@@ -53,6 +53,10 @@ _NO_DATA_S = 30.0  # As long as a flight waits for a lost link.
 _HEARTBEAT_AGE_S = 2.0  # An older one does not tell whether the vehicle is armed now.
 _ARMED = "the vehicle is armed, in {}: {}; land and disarm it, then run this again"
 _PARAMETERS_UNCHANGED = "its parameters are not changed"
+_BOOT_S = 15.0  # Until a vehicle that reboots sends its clock again.
+_REBOOTED = (
+    "the autopilot rebooted during the upload, its mission may be incomplete; find out why, then start again"
+)
 _SPEEDUP = "SIM_SPEEDUP"
 _UPLOAD_SPEEDUP = 4.0
 _ROUND_TRIP_EVERY_S = 0.5
@@ -192,13 +196,29 @@ class ConnectedVehicle:
 
         Raises:
             MissionError: The vehicle refuses it.
-            VehicleError: It is armed, the link fails, or the mission on board differs from the one sent.
+            VehicleError: It is armed or reboots, the link fails, or the mission on board differs.
         """
         self._refuse_armed(NOT_REPLACED, _HEARTBEAT_AGE_S, _NO_DATA_S)
         total = len(mission.items)
         listener(PhaseStarted(Phase.UPLOAD, str(len(mission.waypoints))))
-        with self._upload_speedup():
-            self._storage.upload(mission, lambda done: listener(Progress("mission items", done, total)))
+        try:
+            with self._upload_speedup():
+                self._storage.upload(mission, lambda done: listener(Progress("mission items", done, total)))
+        except MissionError as error:
+            if self._rebooted():
+                raise VehicleError(_REBOOTED) from error
+            raise
+
+    def _rebooted(self) -> bool:
+        """Whether the vehicle has rebooted: one that boots refuses what it does not support yet.
+
+        Its clock tells, unless it goes on to tell where it is.
+        """
+        end_s = self._vehicle_link.now_s() + _BOOT_S
+        kinds = {type(report) for report in self.reports(0.0)} - {VehicleState}
+        while not kinds & {Rebooted, VehicleState} and self._vehicle_link.now_s() < end_s:
+            kinds = {type(report) for report in self.reports(0.1)}
+        return Rebooted in kinds
 
     @contextmanager
     def _upload_speedup(self) -> Iterator[None]:
