@@ -172,6 +172,20 @@ def test_a_lower_speed_is_taken_up_on_the_way() -> None:
     assert max(late) < 2.3
 
 
+@pytest.mark.parametrize(("behind_another", "seconds"), [(False, 10.5), (True, 12.3)])
+def test_a_higher_speed_behind_another_item_comes_on_the_way(behind_another: bool, seconds: float) -> None:
+    """A leg of 30 m in ArduCopter 4.6: gained is the speed from before at first, then that of the leg."""
+    flown = Flown(
+        do(Command.CHANGE_SPEED, 1, 2.7),
+        item_at(5, 0, hold_s=1.0),
+        *[do(Command.CHANGE_SPEED, 2, 2.5)] * behind_another,
+        do(Command.CHANGE_SPEED, 1, 6.5),
+        item_at(35, 0),
+    )
+    times = list(flown.reached.values())
+    assert times[-1] - flown.reached[2] == pytest.approx(seconds, abs=0.3)
+
+
 def test_zero_locations_and_altitudes_mean_here_and_the_same() -> None:
     """Without a location an item is where the last one was, without an altitude at the same height."""
     flown = Flown(

@@ -1,11 +1,12 @@
 """DO and CONDITION items, which run beside the navigation items (mode_auto.cpp, AP_Mission.cpp).
 
 The first of a group starts with the navigation item after it, each further one when the one
-before is done. A heading asked for by CONDITION_YAW holds until the next navigation item starts, for
+before is done; not before the next update, so that another speed changes a leg that has begun with the one
+before. A heading asked for by CONDITION_YAW holds until the next navigation item starts, for
 that chooses the mode by WP_YAW_BEHAVIOR (ModeAuto::wp_start, do_spline_wp); a position of DO_SET_ROI is
 faced on. The first item of a group is started before and resumed at once (verify_yaw), so that its turn
-goes on from where the heading is; one behind another item starts an update later, with the heading
-target on the path already, and turns from there (AP_Mission::update, AutoYaw::set_fixed_yaw, 4.1 to 4.7).
+goes on from where the heading is; one behind another item starts with the heading target on the path
+already, and turns from there (AP_Mission::update, AutoYaw::set_fixed_yaw, 4.1 to 4.7).
 """
 
 from __future__ import annotations
@@ -28,11 +29,12 @@ class DoCommands(SnapshotPart):
         self._flight = flight
         self._items: list[LocalItem] = []
         self._since_s = 0.0
+        self._begins = self._waits = False
         self.speed_m_s = self._up_m_s = self._down_m_s = 0.0
 
     def begin(self, items: list[LocalItem], time_s: float) -> None:
         """Start the first of a group; what is left of the last group is dropped."""
-        self._items = items
+        self._items, self._begins, self._waits = items, True, False
         self._start(time_s)
 
     @property
@@ -46,11 +48,24 @@ class DoCommands(SnapshotPart):
         return self._items[0].seq if self._items else None
 
     def finished(self, time_s: float) -> Iterator[int]:
-        """Sequence numbers of items that are done; starts those after them."""
+        """Sequence numbers of items that are done; starts those after them, or with the next update."""
+        begins, self._begins = self._begins, False
+        if self._waits:
+            self._go_on(time_s)
         while self._items and self._is_done(self._items[0], time_s):
-            yield self._items.pop(0).seq
-            self._flight.auto_yaw.update_target()
-            self._start(time_s)
+            item = self._items.pop(0)
+            yield item.seq
+            # In the model's long steps a turn ends a step too soon.
+            if begins or item.command == Command.CONDITION_YAW:
+                self._waits = True
+                return
+            self._go_on(time_s)
+
+    def _go_on(self, time_s: float) -> None:
+        """Start the item that is next."""
+        self._waits = False
+        self._flight.auto_yaw.update_target()
+        self._start(time_s)
 
     def restore_speeds(self) -> None:
         """Set the climb and descent speeds of the mission again, after navigation has restarted."""
