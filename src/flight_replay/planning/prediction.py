@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from flight_replay.simulator.flight.trajectory import Trajectory
 
 _STEP_S, _LONG_STEP_S = 0.02, 0.05
+_CURVED = (Command.SPLINE_WAYPOINT, Command.CONDITION_YAW)
+"""In long steps each turn of a chain ends some hundredths of a second too soon, and the next ones with it."""
 _LONG_M = 5_000.0
 """Beyond this, the tenths of a second at splines' sharp turns that long steps miss are not worth the wait."""
 SAMPLE_S = 0.1  # Ten samples a second draw a path well enough.
@@ -56,8 +58,8 @@ def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
 
 
 def step_for_s(route: Route) -> float:
-    """How long the model's steps are for a route: long where all legs are straight, or the path is long."""
-    is_curved = any(item.command == Command.SPLINE_WAYPOINT for item in route.mission.items)
+    """How long the model's steps are for a route: long where nothing turns on legs, or the path is long."""
+    is_curved = any(item.command in _CURVED for item in route.mission.items)
     return _STEP_S if is_curved and route.path.length_m <= _LONG_M else _LONG_STEP_S
 
 

@@ -31,7 +31,8 @@ EARLY_S = 0.3
 ROI_DISTANCE_M = 1000.0
 """Far enough for the bearing to stay while a leg is flown, near enough for a map."""
 _SAME_DEG = 6.0
-_MOST_TURNS = 4
+_LEAST_TURNS, _TURNS_A_S = 4, 0.5
+"""The most knots of a leg, and how many more with its length: a step of 4 s has two."""
 _TOLERANCE_DEG = 2.0
 _SHARES = (0.25, 0.5, 0.75)
 
@@ -107,6 +108,12 @@ class _LegSearch:
             if known.any()
             else None
         )
+        self._knots = {until_s: self._knots_of(until_s) for until_s in (leg.duration_s, self._facing_s)}
+
+    @property
+    def _facing_s(self) -> float:
+        """When a position has to be faced."""
+        return self._leg.duration_s - EARLY_S
 
     def choices(self, choice: Choice) -> Iterator[Choice]:
         """The vehicle's own way, or what it faces already; turned; and made to face a position."""
@@ -133,7 +140,7 @@ class _LegSearch:
 
     def _faced(self, choice: Choice) -> Iterator[Choice]:
         """Faced from the beginning; or behind turns, which must be done before the leg ends."""
-        leg, until_s, begin_deg = self._leg, self._leg.duration_s - EARLY_S, self._begin_deg(choice)
+        leg, until_s, begin_deg = self._leg, self._facing_s, self._begin_deg(choice)
         plain = [Turns(self._response, heading) for heading in self._headings_deg()]
         for turns in (*plain, *self._turned(begin_deg, until_s)):
             if turns.end_s > until_s:
@@ -161,18 +168,31 @@ class _LegSearch:
         return shift
 
     def _turned(self, begin_deg: float, until_s: float) -> Iterator[Turns]:
-        """Turns to try from a target on, to be done by a time."""
-        times_s, ahead_deg = self._leg.time_s, self._ahead_deg
-        last = int(np.searchsorted(times_s, until_s + 1e-6, side="right")) - 1
+        """Turns to try from a target on, to be done by a time; from the wanted heading on, too."""
+        times_s, ahead_deg, last = self._leg.time_s, self._ahead_deg, self._last(until_s)
         if ahead_deg is None or last < 1:
             return
-        times_s, ahead_deg = times_s[: last + 1], ahead_deg[: last + 1]
-        for chosen in knots(times_s, ahead_deg, _MOST_TURNS, _TOLERANCE_DEG):
+        for chosen in self._knots[until_s]:
             yield self._through(begin_deg, times_s[chosen], ahead_deg[chosen])
+            if len(chosen) > 1:
+                yield self._through(begin_deg, times_s[[0, *chosen]], ahead_deg[[0, *chosen]])
+        ahead_deg = ahead_deg[: last + 1]
         for share in _SHARES:
             at = int(share * last)
             for heading_deg in {float(ahead_deg[at]), float(np.median(ahead_deg[at:]))}:
                 yield self._through(begin_deg, times_s[at : at + 1], np.array([heading_deg]))
+
+    def _knots_of(self, until_s: float) -> list[list[int]]:
+        """Knots of the wanted headings until a time, ever more."""
+        times_s, last = self._leg.time_s, self._last(until_s)
+        if self._ahead_deg is None or last < 1:
+            return []
+        most = _LEAST_TURNS + int(_TURNS_A_S * until_s)
+        return knots(times_s[: last + 1], self._ahead_deg[: last + 1], most, _TOLERANCE_DEG)
+
+    def _last(self, until_s: float) -> int:
+        """The last sample until a time."""
+        return int(np.searchsorted(self._leg.time_s, until_s + 1e-6, side="right")) - 1
 
     def _through(self, begin_deg: float, times_s: Floats, headings_deg: Floats) -> Turns:
         turns = Turns(self._response, begin_deg)
