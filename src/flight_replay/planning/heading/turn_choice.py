@@ -33,6 +33,8 @@ ROI_DISTANCE_M = 1000.0
 _SAME_DEG = 6.0
 _LEAST_TURNS, _TURNS_A_S = 4, 0.5
 """The most knots of a leg, and how many more with its length: a step of 4 s has two."""
+_MOST_ITEMS = 240
+"""ArduCopter ends a mission with 255 items up to its next waypoint (AP_Mission::advance_current_nav_cmd)."""
 _TOLERANCE_DEG = 2.0
 _SHARES = (0.25, 0.5, 0.75)
 
@@ -173,9 +175,10 @@ class _LegSearch:
         if ahead_deg is None or last < 1:
             return
         for chosen in self._knots[until_s]:
-            yield self._through(begin_deg, times_s[chosen], ahead_deg[chosen])
-            if len(chosen) > 1:
-                yield self._through(begin_deg, times_s[[0, *chosen]], ahead_deg[[0, *chosen]])
+            for at in [chosen] if len(chosen) == 1 else [chosen, [0, *chosen]]:
+                turns = self._through(begin_deg, times_s[at], ahead_deg[at])
+                if len(turns.items) < _MOST_ITEMS:
+                    yield turns
         ahead_deg = ahead_deg[: last + 1]
         for share in _SHARES:
             at = int(share * last)
@@ -187,7 +190,7 @@ class _LegSearch:
         times_s, last = self._leg.time_s, self._last(until_s)
         if self._ahead_deg is None or last < 1:
             return []
-        most = _LEAST_TURNS + int(_TURNS_A_S * until_s)
+        most = min(_LEAST_TURNS + int(_TURNS_A_S * until_s), _MOST_ITEMS)
         return knots(times_s[: last + 1], self._ahead_deg[: last + 1], most, _TOLERANCE_DEG)
 
     def _last(self, until_s: float) -> int:
