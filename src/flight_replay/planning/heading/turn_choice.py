@@ -175,8 +175,8 @@ class _LegSearch:
         if ahead_deg is None or last < 1:
             return
         for chosen in self._knots[until_s]:
-            for at in [chosen] if len(chosen) == 1 else [chosen, [0, *chosen]]:
-                turns = self._through(begin_deg, times_s[at], ahead_deg[at])
+            for places in [chosen] if len(chosen) == 1 else [chosen, [0, *chosen]]:
+                turns = self._through(begin_deg, times_s[places], ahead_deg[places])
                 if len(turns.items) < _MOST_ITEMS:
                     yield turns
         ahead_deg = ahead_deg[: last + 1]
