@@ -27,7 +27,7 @@ MEMORIES = (302, 649, 1305)
 _PASSES = 3
 _SHIFT_COST_DEG_S = 20.0
 """A vehicle that is late turns late, too: by the rate at which copters are mostly turned."""
-_DEARER = 1.5
+_DEARER = 1.2
 
 
 def with_recorded_headings(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Route:
