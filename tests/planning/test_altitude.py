@@ -26,6 +26,8 @@ def test_home_is_the_ground_below_the_first_fix() -> None:
     unknown_at_first = replace(track, amsl_m=np.append(np.nan, track.amsl_m[1:]))
     assert home_of(unknown_at_first) == replace(home, alt_amsl_m=300.0)
     assert home_of(replace(track, amsl_m=np.full(2, np.nan))) == replace(home, alt_amsl_m=None)
+    assert home_of(track_at([412.0, 50.0], [0.0, 400.0])).alt_amsl_m == 400.0
+    assert home_of(track_at([12.0, 50.0], 0.0)).alt_amsl_m == 0.0
 
 
 def test_a_given_altitude_is_flown_whatever_was_recorded() -> None:

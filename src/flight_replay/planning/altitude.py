@@ -20,10 +20,13 @@ _MAX_HOME_ERROR_M = 20.0
 
 
 def home_of(track: Track) -> Home:
-    """The ground below the first fix of a track that has one, as high as the first that tells it has it."""
+    """The ground below the first fix of a track that has one, as high as the first that tells it has it.
+
+    Before home is set ArduCopter tells 0 for its height: that counts only where nothing else is told.
+    """
     grounds_m = track.amsl_m - track.alt_m
     known_m = grounds_m[np.isfinite(grounds_m)]
-    ground_m = float(known_m[0]) if len(known_m) else None
+    ground_m = float(known_m[np.argmax(known_m != 0.0)]) if len(known_m) else None
     return Home(float(track.lat_deg[0]), float(track.lon_deg[0]), ground_m)
 
 
