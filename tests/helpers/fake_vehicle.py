@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -70,6 +71,8 @@ class FakeVehicle:
     follows: bool = True
     deaf: bool = False
     altitude_before_arming_m: float = 0.0
+    rtl_north_m: float = -math.inf
+    """RTL flies as far north as this before it lands; without one it lands where it is."""
     schedule: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -120,7 +123,9 @@ class FakeVehicle:
                 self.queue.append(Heartbeat(self.mode, True))
         if self.armed and self.mode == "GUIDED":
             self._move_guided(step_s)
-        if self.mode in ("RTL", "LAND"):
+        if self.mode == "RTL" and self.place_m[0] < self.rtl_north_m:
+            self.place_m = self.place_m + np.array([GOTO_M_S * step_s, 0.0])
+        elif self.mode in ("RTL", "LAND"):
             self._land(step_s)
         if self.mode == "AUTO":
             seq = self.seq

@@ -247,16 +247,7 @@ def test_a_flight_is_over_when_rtl_is_confirmed() -> None:
 @pytest.mark.parametrize(("limit_m", "landed"), [(0.0, False), (1000.0, True)])
 def test_a_rally_point_may_be_far_away(limit_m: float, landed: bool) -> None:
     """RTL goes to it, by the vehicle's RALLY_LIMIT_KM; without rally points it is the wind."""
-    vehicle = FakeVehicle(FakeClock(), points=40)
-    move = vehicle._move
-
-    def fly_there(step_s: float) -> None:
-        if vehicle.mode == "RTL" and vehicle.place_m[0] < 700.0:
-            vehicle.place_m = vehicle.place_m + np.array([10.0 * step_s, 0.0])
-        else:
-            move(step_s)
-
-    vehicle._move = fly_there  # type: ignore[method-assign]
+    vehicle = FakeVehicle(FakeClock(), points=40, rtl_north_m=700.0)
     record = fake_flight(vehicle, land=True, rally_limit_m=limit_m).fly()
     assert record.landed == landed
     assert ("driven away from home" in (record.problem or "")) != landed

@@ -122,7 +122,7 @@ def _rtl_despite_errors(monitor: VehicleMonitor, error: BaseException) -> None:
         except FlightEnded:
             break
         except Exception:
-            way_out.failed = True
+            way_out.failures += 1
             _log.exception("RTL is commanded again after an error")
         except BaseException as stop:
             interrupt = stop
@@ -140,14 +140,14 @@ class _WayOut:
         self._monitor, self._error = monitor, error
         self._told = not isinstance(error, FlightEnded | VehicleError)
         self._began_wall_s: float | None = None
-        self.failed = False
-        """Whether it raised before: what fails may be the monitor, so that RTL is requested without it."""
+        self.failures = 0
+        """How often it raised: after twice RTL is requested without the monitor, which may be what fails."""
 
     def take(self) -> None:
         """Command RTL and wait for it, but not of a vehicle that is disarmed or somebody else's."""
         monitor = self._monitor
         left = monitor.taken_over or monitor.told_to_land or monitor.rtl_confirmed
-        if self.failed and not left:
+        if self.failures > 1 and not left:
             monitor.vehicle.request_mode("RTL")
         if not monitor.may_be_armed:
             return

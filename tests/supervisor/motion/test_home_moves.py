@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from flight_replay.events import Notice, VehicleState
@@ -51,18 +50,9 @@ def test_home_at_another_height_is_told(rise_m: float, words: str) -> None:
 
 def test_a_flight_whose_home_is_moved_goes_on() -> None:
     """With a warning; it may land farther away than a vehicle that is driven away would be."""
-    vehicle = FakeVehicle(FakeClock(), points=40)
+    vehicle = FakeVehicle(FakeClock(), points=40, rtl_north_m=700.0)
     vehicle.schedule.append((30.0, lambda: vehicle.queue.append(home(900.0))))
     flight = fake_flight(vehicle, land=True)
-    move = vehicle._move
-
-    def fly_there(step_s: float) -> None:
-        if vehicle.mode == "RTL" and vehicle.place_m[0] < 700.0:
-            vehicle.place_m = vehicle.place_m + np.array([10.0 * step_s, 0.0])
-        else:
-            move(step_s)
-
-    vehicle._move = fly_there  # type: ignore[method-assign]
     record = flight.fly()
     assert (record.ended, record.problem, record.landed) == ("duration", None, True)
     told = [event.text for event in flight.of(Notice) if event.warning]
