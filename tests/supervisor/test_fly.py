@@ -38,6 +38,15 @@ def test_a_timed_flight_ends_after_its_duration() -> None:
     assert times_s == pytest.approx([4.0 * n for n in range(1, 16)], abs=0.3)
 
 
+def test_an_item_is_reached_between_two_positions() -> None:
+    """Its report has no time: that of the position before it would be early by half of their distance."""
+    record = fake_flight(FakeVehicle(FakeClock(), points=40)).fly()
+    positions_s = record.flown.time_s
+    for _, time_s in record.reached:
+        before_s, next_s = positions_s[positions_s < time_s][-1], positions_s[positions_s > time_s][0]
+        assert time_s == pytest.approx((before_s + next_s) / 2)
+
+
 def test_waypoints_on_the_way_to_rtl_do_not_count() -> None:
     """The request comes late over a bad link: what is reached until then is not of the flown track."""
     vehicle, heard_s = FakeVehicle(FakeClock(), points=40), []

@@ -19,6 +19,7 @@ from flight_replay.events import (
     ignore,
 )
 from flight_replay.exceptions import VehicleError
+from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import FIRST_SEQ
 from flight_replay.supervisor import flight_ended
@@ -248,10 +249,18 @@ def _record(seen: _Seen, way: WayOfFlying, start_s: float) -> FlightRecord:
         auto_s=seen.end_s - start_s,
         rtl_confirmed=False,
         landed=False,
-        reached=tuple((seq, time_s) for seq, time_s in seen.reached if seq >= FIRST_SEQ),
+        reached=tuple(
+            (seq, _until_next_s(time_s, track.time_s)) for seq, time_s in seen.reached if seq >= FIRST_SEQ
+        ),
         flown=track,
         recording_s=way.recording_s(track.time_s),
     )
+
+
+def _until_next_s(time_s: float, positions_s: Floats) -> float:
+    """Halfway from the last position before a report, which has no time of its own, to the next one."""
+    following = positions_s[np.searchsorted(positions_s, time_s, side="right") :]
+    return (time_s + float(following[0])) / 2 if len(following) else time_s
 
 
 def _both(latest: str | None, before: str | None) -> str | None:
