@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flight_replay.exceptions import MissionError
-from flight_replay.logs.track import Track
+from flight_replay.logs.track import Armed, Track
 from flight_replay.mission.items import Home
 from flight_replay.planning.altitude import altitudes_m, home_of, plausible_altitudes_m
 from tests.helpers.made_tracks import straight_track
@@ -72,6 +72,42 @@ def test_each_boot_has_its_own_home() -> None:
     track = track_at([10.0, 11.0, 12.0, 13.0, 14.0], [400.0, 400.0, 500.0, 500.0, 400.0])
     track = replace(track, boot=np.array([0, 0, 1, 1, 1], np.int32))
     assert plausible_altitudes_m(track).tolist() == [10.0, 11.0, 12.0, 13.0, 13.0]
+
+
+@pytest.mark.parametrize("raised_m", [8.0, 45.0, -12.0])
+def test_a_home_that_is_moved_in_flight_is_no_climb(raised_m: float) -> None:
+    """Nor a fall to the ground: the vehicle stays where it is."""
+    moved_m = 400.0 + raised_m
+    track = track_at([50.0, 51.0, 52.0 - raised_m, 53.0 - raised_m], [400.0, 400.0, moved_m, moved_m])
+    flying = replace(track, armed=np.full(4, Armed.YES, np.int8))
+    assert plausible_altitudes_m(flying).tolist() == [50.0, 51.0, 52.0, 53.0]
+
+
+def test_each_flight_has_its_own_home() -> None:
+    """Of an arming, on a roof: its altitudes are above that."""
+    track = track_at([50.0, 51.0, 49.0, 20.0, 21.0], [400.0, 400.0, 400.0, 410.0, 410.0])
+    flying = replace(track, armed=np.full(5, Armed.YES, np.int8))
+    later = replace(flying, time_s=flying.time_s + np.array([0, 0, 0, 60, 60]))
+    disarmed = replace(flying, armed=np.array([1, 1, 0, 1, 1], np.int8))
+    assert (
+        plausible_altitudes_m(later).tolist()
+        == plausible_altitudes_m(disarmed).tolist()
+        == [50, 51, 49, 20, 21]
+    )
+
+
+def test_home_is_not_moved_by_a_gps_altitude_that_is() -> None:
+    """The barometer's altitude above home goes on, the GPS's above the sea steps."""
+    track = track_at([50.0, 51.0, 52.0, 53.0], [400.0, 400.0, 408.0, 408.0])
+    flying = replace(track, armed=np.full(4, Armed.YES, np.int8))
+    assert plausible_altitudes_m(flying).tolist() == [50.0, 51.0, 52.0, 53.0]
+
+
+def test_home_set_in_flight_for_the_first_time_is_none_moved() -> None:
+    """Before, altitudes above home are those above the sea."""
+    track = track_at([450.0, 51.0, 52.0, 53.0], [0.0, 400.0, 400.0, 400.0])
+    flying = replace(track, armed=np.full(4, Armed.YES, np.int8))
+    assert plausible_altitudes_m(flying).tolist() == [51.0, 51.0, 52.0, 53.0]
 
 
 @pytest.mark.parametrize("boots", [[0, 0, 0], [0, 1, 1]])

@@ -8,7 +8,7 @@ import numpy as np
 
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
-from flight_replay.logs.track import Track
+from flight_replay.logs.track import Armed, Track
 from flight_replay.mission.items import Home
 
 Recorded = Literal["recorded"]
@@ -17,6 +17,10 @@ FLOOR_M = 5.0
 """The default of ``--floor``: recorded altitudes below it are flown at it, as barometers drift by metres."""
 _MAX_HOME_ERROR_M = 20.0
 """Home's altitude above the sea is constant once home is set, but for the drift of barometer and GPS."""
+_HOME_STEP_M = 1.0
+"""So far altitudes above home step, and those above the sea less than half of it, where home is moved."""
+_SAME_FLIGHT_S = 5.0
+"""Between two flights, when home is set anew, more time than this is left out."""
 
 
 def home_of(track: Track) -> Home:
@@ -54,13 +58,15 @@ def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M, raise_m: float
 
     Before home is set, the altitude above it is meaningless (often that above the sea): where the
     implied altitude of home is far from its median in that boot, the next plausible one is taken. In a
-    boot without altitudes above the sea all are plausible.
+    boot without altitudes above the sea all are plausible. Where home is moved in flight, altitudes
+    stay above the one before.
 
     Raises:
         MissionError: there is no plausible altitude.
     """
-    home_amsl_m = track.amsl_m - track.alt_m
-    plausible = np.isfinite(track.alt_m)
+    alt_m = track.alt_m + _home_raised_m(track)
+    home_amsl_m = track.amsl_m - alt_m
+    plausible = np.isfinite(alt_m)
     for boot in np.unique(track.boot):
         known = np.isfinite(home_amsl_m) & (track.boot == boot)
         if known.any():
@@ -70,4 +76,20 @@ def plausible_altitudes_m(track: Track, floor_m: float = FLOOR_M, raise_m: float
         raise MissionError("the recording has no heights; choose one in metres, such as --altitude 30")
     index = np.flatnonzero(plausible)
     following = index[np.minimum(np.searchsorted(index, np.arange(len(track))), len(index) - 1)]
-    return np.asarray(np.maximum(track.alt_m[following] + raise_m, floor_m))
+    return np.asarray(np.maximum(alt_m[following] + raise_m, floor_m))
+
+
+def _home_raised_m(track: Track) -> Floats:
+    """How much higher home is at each fix (n,) than at the begin of that flight; 0 where nothing tells.
+
+    DO_SET_HOME moves it. The vehicle goes on flying, and only its altitude above home steps.
+    """
+    home_amsl_m = track.amsl_m - track.alt_m
+    flying = (track.armed == Armed.YES) & (home_amsl_m != 0.0)  # Before home is set its altitude is 0.
+    same_flight = flying[1:] & flying[:-1] & (np.diff(track.time_s) <= _SAME_FLIGHT_S)
+    same_flight &= np.diff(track.boot) == 0
+    step_m, climb_m = np.diff(track.alt_m), np.diff(track.amsl_m)
+    moved = same_flight & (np.abs(step_m) > _HOME_STEP_M) & (np.abs(climb_m) < np.abs(step_m) / 2)
+    raised_m = np.concatenate([[0.0], np.cumsum(np.where(moved, climb_m - step_m, 0.0))])
+    first = np.concatenate([[0], np.where(same_flight, 0, np.arange(1, len(track)))])
+    return np.asarray(raised_m - raised_m[np.maximum.accumulate(first)])
