@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from flight_replay.exceptions import VehicleError
+from flight_replay.mavlink import Message
 from flight_replay.simulator.autopilot.faults import old_copter
 from flight_replay.vehicle.identity import identify
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle
@@ -72,6 +73,28 @@ def test_an_error_restores_the_values_too() -> None:
     with pytest.raises(KeyboardInterrupt), parameters_set(link, {"WPNAV_SPEED": 1500.0}):
         raise KeyboardInterrupt
     assert link.autopilot.parameters["WPNAV_SPEED"] == before
+
+
+def test_an_interrupt_while_they_are_put_back_puts_them_back() -> None:
+    """Ctrl-C right after a flight, when all seems to be done."""
+    link = VirtualLink()
+    before = link.autopilot.parameters["WPNAV_SPEED"]
+    restored: list[bool] = []
+    send, interrupts = link.send, [KeyboardInterrupt]
+
+    def interrupted_send(message: Message) -> None:
+        if message.get_type() == "PARAM_SET" and message.param_value == before and interrupts:
+            raise interrupts.pop()
+        send(message)
+
+    link.send = interrupted_send  # type: ignore[method-assign]
+    with (
+        pytest.raises(KeyboardInterrupt),
+        parameters_set(link, {"WPNAV_SPEED": 1500.0}, lambda: restored.append(True)),
+    ):
+        assert link.autopilot.parameters["WPNAV_SPEED"] == 1500.0
+    assert link.autopilot.parameters["WPNAV_SPEED"] == before
+    assert restored == [True]
 
 
 def test_an_unknown_parameter_cannot_be_set() -> None:

@@ -183,16 +183,27 @@ def parameters_set(
             f"the vehicle has no parameter {', '.join(unknown)}: its firmware is too old or too new, "
             "or the link loses its answers; check both"
         )
+
+    def put_back_soon() -> None:
+        """Put them back on an early way out.
+
+        The first error counts; and Ctrl-C has to end the program within 10 s, of which RTL may take 8.
+        """
+        with suppress(VehicleError):
+            write_parameters(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S)
+            restored()
+
     try:
         write_parameters(link, wanted)
         yield
     except BaseException:
-        # The first error counts; and Ctrl-C has to end the program within 10 s, of which RTL may take 8.
-        with suppress(VehicleError):
-            write_parameters(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S)
-            restored()
+        put_back_soon()
         raise
-    write_parameters(link, before)
+    try:
+        write_parameters(link, before)
+    except KeyboardInterrupt:
+        put_back_soon()
+        raise
     restored()
 
 
