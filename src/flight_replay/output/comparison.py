@@ -60,7 +60,7 @@ def compare_tracks(
         LogError: One of them does not move, the second does not follow the first, or not between the times.
     """
     for name, track in (("first", first), ("second", second)):
-        if len(track) < 2 or np.ptp(track.north_east_m(), axis=0).max() < _END_M:
+        if not _moves(track):
             raise LogError(f"the {name} recording does not move over the ground; name another to compare")
     recorded, flown = movement_of(first, first.frame), movement_of(second, first.frame)
     wanted = select(first, None, from_s, to_s)
@@ -160,11 +160,19 @@ def _reached(recorded: Movement, flown: Movement) -> Movement:
 
 
 def part_in(recording: Recording, modes: Sequence[CopterMode]) -> tuple[Track, str]:
-    """The part of a recording in the first of some modes that it has, else its flights; and which it is."""
+    """The part of a recording in the first of some modes in which it moves, else its flights; which it is.
+
+    A pilot's flight that a program took off may have been in GUIDED for that alone.
+    """
     track = recording.track
     if recording.modes is not None:
         for mode in modes:
-            flown = recording.modes == mode
-            if flown.any():
-                return track.select(flown), f"its {mode.name} part"
+            flown = track.select(recording.modes == mode)
+            if _moves(flown):
+                return flown, f"its {mode.name} part"
     return flown_part(track)[0], "what was flown"
+
+
+def _moves(track: Track) -> bool:
+    """Whether a track leads anywhere over the ground."""
+    return len(track) > 1 and bool(np.ptp(track.north_east_m(), axis=0).max() >= _END_M)
