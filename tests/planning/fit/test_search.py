@@ -69,14 +69,28 @@ def test_the_next_best_start_goes_on_where_the_first_is_a_dead_end(monkeypatch: 
     assert len(gone_on) == 2, "what exchanging leaves as it was does not go on again"
 
 
-def test_stops_that_make_the_vehicle_late_are_left_out() -> None:
-    """No step takes one away."""
+def stops_in_a_row() -> tuple[FitProblem, FirstDraft]:
+    """A way without stops, and a draft with four of them."""
     way = [(0.0, 0.0), (30.0, 0.0), (31.0, 0.0), (32.0, 0.0), (33.0, 0.0), (60.0, 0.0), (90.0, 0.0)]
     problem = problem_for(local_track(along([way[0], way[-1]], 2.0), 20.0), len(way), Limits(), timed=True)
     waits = [6.0, 1, 1, 1, 1, 0, 0]
-    start = draft_of(way, [False, *[wait == 0 for wait in waits[1:]]], waits)
-    best, _ = search(problem, [FirstDraft(start, {})], len(way), budget(40))
-    assert np.count_nonzero(best.draft.hold_s) < np.count_nonzero(waits)
+    return problem, FirstDraft(draft_of(way, [False, *[wait == 0 for wait in waits[1:]]], waits), {})
+
+
+def test_stops_that_make_the_vehicle_late_are_left_out() -> None:
+    """No step takes one away."""
+    problem, start = stops_in_a_row()
+    best, _ = search(problem, [start], len(start.draft), budget(40))
+    assert np.count_nonzero(best.draft.hold_s) < np.count_nonzero(start.draft.hold_s)
+
+
+def test_stops_that_make_the_vehicle_very_late_are_left_out_soon() -> None:
+    """Not with what other steps leave of the budget; what is flown for that is told."""
+    problem, start = stops_in_a_row()
+    spent = budget(1)
+    best, _ = search(problem, [start], len(start.draft), spent)
+    assert np.count_nonzero(best.draft.hold_s) < np.count_nonzero(start.draft.hold_s)
+    assert spent.besides > 0
 
 
 def test_where_the_vehicle_comes_down_no_search_goes_on() -> None:

@@ -92,11 +92,15 @@ class FirstDraft:
 
 
 class Budget:
-    """Flights in the model that the search may take; ``spend`` tells of them as they are flown."""
+    """Flights in the model that the search may take; ``spend`` tells of them as they are flown.
+
+    What is flown ``besides`` counts as flown, but leaves as many for the search.
+    """
 
     def __init__(self, flights: int, progress: Callable[[int, int], None]) -> None:
         self.flights = flights
         self.spent = 0.0
+        self.besides = 0.0
         self._progress = progress
 
     def spend(self, flights: float) -> None:

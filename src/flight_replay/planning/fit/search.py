@@ -1,9 +1,10 @@
 """From first drafts to the best.
 
 Which waypoints a draft begins with decides where a search ends, and little that can be seen before tells
-which are good. So there are several starts. They exchange stretches, and what comes of that goes on as far as
-it leads; it takes stretches from them once more, and loses places that make it late. The others go on, too,
-one by one, while there is time, each exchanging with the best.
+which are good. So there are several starts, one more where the best is much better without places that make
+it late. They exchange stretches, and what comes of that goes on as far as it leads; it takes stretches from
+them once more, and loses such places. The others go on, too, one by one, while there is time, each exchanging
+with the best.
 """
 
 from __future__ import annotations
@@ -32,6 +33,11 @@ class _Way:
     another_flights: float
 
 
+_SOON_FLIGHTS = 60
+"""Flights besides the search, to tell whether a start is late for places that it need not have."""
+_MUCH_BETTER = 0.8
+"""A start without them goes on beside the others if it is no worse than this share of the best of them."""
+
 _TIMED = _Way(timed_search.begun, timed_search.gone_on, timed_search.ANOTHER_FLIGHTS)
 _UNTIMED = _Way(untimed_search.begun, untimed_search.gone_on, untimed_search.ANOTHER_FLIGHTS)
 
@@ -47,7 +53,7 @@ def search(
         MissionError: in none of them the vehicle stays up.
     """
     way = _TIMED if problem.timed else _UNTIMED
-    states = way.begun(problem, starts, budget)
+    states = _relieved_soon(problem, way.begun(problem, starts, budget), most, budget)
     small_enough = [state for state in states if len(state.best.draft) <= most]
     if not small_enough:
         raise MissionError(COMES_DOWN)
@@ -66,6 +72,23 @@ def search(
     budget.finish()
     undived = without_dives(problem, best.best)
     return without_errors(problem, without_leaps(problem, undived)), stopped
+
+
+def _relieved_soon(problem: FitProblem, states: list[State], most: int, budget: Budget) -> list[State]:
+    """The states, and the best of them with fewer places if that is much better.
+
+    A stop at the beginning may make all of a long flight late, of which steps that lead nowhere take what
+    there is of the budget.
+    """
+    small_enough = [state for state in states if len(state.best.draft) <= most]
+    if not problem.timed or not small_enough:
+        return states
+    best = found = min(small_enough, key=lambda state: state.objective_m)
+    besides = Budget(_SOON_FLIGHTS, lambda done, total: None)
+    while (fewer := with_fewer_places(problem, found, besides)) is not found:
+        found = fewer
+    budget.besides += besides.spent
+    return [*states, found] if found.objective_m < _MUCH_BETTER * best.objective_m else states
 
 
 def _relieved(problem: FitProblem, best: State, budget: Budget) -> State:
