@@ -22,6 +22,11 @@ class FlightEnded(Exception):  # noqa: N818 - it becomes an error only before AU
         self.problem = problem
 
 
+def quoted(reason: str) -> str:
+    """The vehicle's own reason, a status text, as the end of a clause; empty where it gave none."""
+    return f': it says "{reason}"' if reason else ""
+
+
 class LandedElsewhere(FlightEnded):
     """The vehicle has landed, but not where RTL goes."""
 
@@ -146,33 +151,33 @@ def off_course(apart_m: float, higher_m: float, jump: str) -> FlightEnded:
 
 def sank(altitude_m: float, lowest_m: float, reason: str) -> FlightEnded:
     """The vehicle came far below all that it is to fly; ``reason`` is its status text, or empty."""
-    why = f': it says "{reason}"' if reason else ""
     return Fallen(
         "off course",
         f"the vehicle sinks, or has fallen: it is {altitude_m:.1f} m above home, and was to be at "
-        f"{lowest_m:.0f} m or higher{why}; keep away until it is disarmed, its motors may start again",
+        f"{lowest_m:.0f} m or higher{quoted(reason)}; keep away until it is disarmed, its motors may "
+        "start again",
     )
 
 
 def sank_in_takeoff(highest_m: float, now_m: float, reason: str) -> FlightEnded:
     """The vehicle lost what it had climbed; ``reason`` is its status text, or empty."""
-    why = f': it says "{reason}"' if reason else ""
     return Fallen(
         "off course",
-        f"the vehicle sank from {highest_m:.1f} m to {now_m:.1f} m during take-off{why}; "
+        f"the vehicle sank from {highest_m:.1f} m to {now_m:.1f} m during take-off{quoted(reason)}; "
         "keep away from it until it is disarmed, and find out why",
     )
 
 
 def disarmed(reason: str) -> FlightEnded:
     """The vehicle disarmed; ``reason`` is its status text, or empty."""
-    why = f': it says "{reason}"' if reason else ""
-    return FlightEnded("disarmed", f"the vehicle disarmed in flight{why}; find out why before flying again")
+    return FlightEnded(
+        "disarmed", f"the vehicle disarmed in flight{quoted(reason)}; find out why before flying again"
+    )
 
 
 def disarmed_unseen(reason: str) -> FlightEnded:
     """The vehicle disarmed on its way home while nothing came from it that tells whether it had landed."""
-    why = f': it says "{reason}"' if reason else ""
     return FlightEnded(
-        "disarmed", f"the vehicle disarmed{why}, and no position tells whether it had landed; look for it"
+        "disarmed",
+        f"the vehicle disarmed{quoted(reason)}, and no position tells whether it had landed; look for it",
     )

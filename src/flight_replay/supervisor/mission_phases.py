@@ -16,7 +16,7 @@ from flight_replay.events import (
 from flight_replay.geometry.geodesy import distance_m
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor import flight_ended
-from flight_replay.supervisor.flight_ended import FlightEnded
+from flight_replay.supervisor.flight_ended import FlightEnded, quoted
 from flight_replay.supervisor.flight_plan import Plan
 from flight_replay.supervisor.motion.fallen import disarm_if_staying, moved_m
 from flight_replay.supervisor.motion.height_watch import HeightWatch
@@ -272,7 +272,7 @@ class _WayHome:
 
 
 def _not_landed(monitor: VehicleMonitor) -> FlightEnded:
-    reason = f': it says "{monitor.reason}"' if monitor.reason else ""
+    reason = quoted(monitor.reason)
     if monitor.from_home_m > _ASTRAY_M and monitor.altitude_m > _THERE_M:
         where = f"{monitor.from_home_m:.0f} m away and {monitor.altitude_m:.0f} m above home"
         return FlightEnded(

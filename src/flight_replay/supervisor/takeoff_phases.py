@@ -12,6 +12,7 @@ from flight_replay.events import Climbing, Phase, PhaseStarted, TargetAltitudeRe
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
 from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
 from flight_replay.supervisor import flight_ended
+from flight_replay.supervisor.flight_ended import quoted
 from flight_replay.supervisor.motion.height_watch import SUNK_M, Sinking
 from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
@@ -173,7 +174,7 @@ def arm_and_takeoff(monitor: VehicleMonitor, altitude_m: float) -> None:
         if take_off(monitor, altitude_m):
             return
     raise VehicleError(
-        f"the vehicle disarmed {_MAX_ARMINGS} times before take-off{_quoted(monitor.reason)}; check the link"
+        f"the vehicle disarmed {_MAX_ARMINGS} times before take-off{quoted(monitor.reason)}; check the link"
     )
 
 
@@ -287,7 +288,7 @@ def _check_disarmed_itself(monitor: VehicleMonitor, idle_s: float) -> None:
 def _disarmed_by_others(monitor: VehicleMonitor, idle_s: float) -> VehicleError:
     return VehicleError(
         "the vehicle was disarmed before take-off by the pilot or another ground station, "
-        f"{max(idle_s, 0.0):.0f} s after arming{_quoted(monitor.reason)}; find out why before starting "
+        f"{max(idle_s, 0.0):.0f} s after arming{quoted(monitor.reason)}; find out why before starting "
         "again; if it was nobody, check DISARM_DELAY"
     )
 
@@ -295,7 +296,7 @@ def _disarmed_by_others(monitor: VehicleMonitor, idle_s: float) -> VehicleError:
 def _disarmed_in_the_air(monitor: VehicleMonitor, highest_m: float) -> VehicleError:
     return VehicleError(
         f"the vehicle disarmed during take-off, after climbing to {highest_m:.1f} m"
-        f"{_quoted(monitor.reason)}; find out why before flying again"
+        f"{quoted(monitor.reason)}; find out why before flying again"
     )
 
 
@@ -306,8 +307,4 @@ def _refusal(monitor: VehicleMonitor, request: Request) -> str:
 
 
 def _timeout(what: str, limit_s: float, reason: str) -> str:
-    return f"the vehicle {what} in {limit_s:.0f} s{_quoted(reason) or '; check its status texts'}"
-
-
-def _quoted(reason: str) -> str:
-    return f': it says "{reason}"' if reason else ""
+    return f"the vehicle {what} in {limit_s:.0f} s{quoted(reason) or '; check its status texts'}"
