@@ -20,7 +20,7 @@ from flight_replay.supervisor.flight_ended import FlightEnded, quoted
 from flight_replay.supervisor.flight_plan import Plan
 from flight_replay.supervisor.motion.fallen import disarm_if_staying, moved_m
 from flight_replay.supervisor.motion.height_watch import HeightWatch
-from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
+from flight_replay.supervisor.timers import RETRY_S, Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
@@ -30,7 +30,6 @@ _ASTRAY_M, _LOST_M = 10.0, 400.0
 _REASON_S = 2.0  # A reason that is not told by then is not told.
 _AT_HOME_M = 10.0  # RTL lands nearer, even where the position estimate is a poor one.
 _THERE_M, _LONG_REST_S = 3.0, 10.0  # A waypoint is reached within 2 m, by default.
-_RETRY_S = 1.2  # Heartbeats show once a second what came of an accepted request.
 _AT_REST_S = 1.5  # ArduCopter's land detector waits 1 s, and the motors spin down, before it disarms.
 _SANK_M = 1.5  # The pressure, and so the height, changes when motors stop; a fall is longer.
 _DESCENT_M_S = 2.5  # RTL and LAND descend more slowly by default.
@@ -172,7 +171,7 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     began_wall_s, retry = monitor.wall_s, RetryTimer(monitor)
     try:
         while not monitor.modes.changed and monitor.wall_s - began_wall_s < limit_wall_s:
-            retry_s = _RETRY_S if monitor.requests.accepted(Request.MODE) else 0.0
+            retry_s = RETRY_S if monitor.requests.accepted(Request.MODE) else 0.0
             if not monitor.mode_in_doubt and retry.due(retry_s):
                 monitor.vehicle.request_mode("RTL")
             monitor.step()

@@ -1,7 +1,7 @@
 """The phases from the ground to the start of the mission; each function ends when its phase is done.
 
 Each raises ``PhaseTimeoutError`` with the autopilot's own reason at its deadline, and ``FlightEnded``
-(see ``vehicle_monitor``) when the vehicle, its pilot or its link ends the flight.
+(see ``flight_ended``) when the vehicle, its pilot or its link ends the flight.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ from flight_replay.mission.items import TAKEOFF_REACHED_SHARE
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import quoted
 from flight_replay.supervisor.motion.height_watch import SUNK_M, Sinking
-from flight_replay.supervisor.timers import Deadline, ProgressTimer, RetryTimer
+from flight_replay.supervisor.timers import RETRY_S, Deadline, ProgressTimer, RetryTimer
 from flight_replay.supervisor.vehicle_interface import Request
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
-_RETRY_S = 1.2  # Heartbeats show once a second what came of a request.
 _RETRY_UNACKED_S = 3.0  # Firmware that sends no ack does not tell that a request is lost.
 _RETRY_UNACKED_ARM_S = 5.0  # ArduCopter 3.3 arms within 3 to 4 s, and starts over at a second request.
 _RETRY_UNACKED_WALL_S = 1.0  # The vehicle's clock may run fast, and the ack be on its way.
@@ -98,7 +97,7 @@ def change_mode(monitor: VehicleMonitor, mode: str) -> None:
 
 def _retry_after(monitor: VehicleMonitor, request: Request, unacked_s: float) -> tuple[float, ...]:
     """When to send a request again: seconds of vehicle time, and of wall-clock time at least."""
-    return (_RETRY_S,) if monitor.requests.failed(request) else (unacked_s, _RETRY_UNACKED_WALL_S)
+    return (RETRY_S,) if monitor.requests.failed(request) else (unacked_s, _RETRY_UNACKED_WALL_S)
 
 
 def verify_mission(monitor: VehicleMonitor) -> None:
@@ -158,7 +157,7 @@ def _next_state(monitor: VehicleMonitor) -> VehicleState:
     """The vehicle's next position after another heartbeat, which shows whether it is armed by now."""
     monitor.catch_up()
     before_s, end_s = monitor.time_s, monitor.wall_s + _POSITION_WALL_S
-    while monitor.state is None or monitor.time_s - before_s < _RETRY_S:
+    while monitor.state is None or monitor.time_s - before_s < RETRY_S:
         if monitor.wall_s > end_s:
             raise PhaseTimeoutError("the vehicle no longer sends its position; check the link and its GPS")
         monitor.step()
@@ -202,7 +201,7 @@ def take_off(monitor: VehicleMonitor, altitude_m: float) -> bool:
             reason = _refusal(monitor, Request.TAKEOFF)
             raise PhaseTimeoutError(_timeout(climb.failure, monitor.deadlines.no_climb_s, reason))
         wanted = climb.begun and climb.on_ground and not monitor.requests.accepted(Request.TAKEOFF)
-        if wanted and not monitor.unexpected_mode and retry.due(_RETRY_S):
+        if wanted and not monitor.unexpected_mode and retry.due(RETRY_S):
             monitor.vehicle.request_takeoff(altitude_m)
         if progress.due():
             monitor.emit(Climbing(monitor.altitude_m, enough_m, altitude_m))

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
+RETRY_S = 1.2
+"""Heartbeats show once a second what came of a request that was answered."""
 _MIN_RETRY_WALL_S = 0.15  # No request is sent again sooner: the ack may be on its way.
 _CLOCK_STOPPED_WALL_S = 2.0  # While the vehicle's clock stands still, requests are sent again after this.
 _MAX_WALL_FACTOR = 3.0

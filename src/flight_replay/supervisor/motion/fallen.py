@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flight_replay.events import Notice, VehicleState
 from flight_replay.geometry.geodesy import distance_m
-from flight_replay.supervisor.timers import Deadline, RetryTimer
+from flight_replay.supervisor.timers import RETRY_S, Deadline, RetryTimer
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
 _STILL_M, _STILL_S = 3.0, 6.0
@@ -14,7 +14,6 @@ _WATCH_S = 15.0  # RTL may be confirmed while it still falls.
 _DISARM_S = 20.0  # ArduCopter 4.6, at full throttle by then, disarms 8 to 13 s after the request.
 _LAND_M_S = 0.5  # ArduCopter's by default, near the ground: it may hover there weakly, rather than lie.
 _STAYS = "the vehicle stays where it fell"
-_RETRY_S = 1.2  # Heartbeats show once a second what came of a request.
 
 
 def moved_m(a: VehicleState, b: VehicleState) -> float:
@@ -41,7 +40,7 @@ def disarm_if_staying(monitor: VehicleMonitor) -> str | None:
     while not monitor.certainly_disarmed:
         if deadline.passed:
             return f"{_STAYS}, and has not disarmed in LAND: keep away, and disarm it on the ground"
-        if not monitor.modes.changed and not monitor.mode_in_doubt and retry.due(_RETRY_S):
+        if not monitor.modes.changed and not monitor.mode_in_doubt and retry.due(RETRY_S):
             monitor.vehicle.request_mode("LAND")
         monitor.step()
     return f"{_STAYS}, and has disarmed in LAND"
