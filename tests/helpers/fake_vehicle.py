@@ -77,7 +77,8 @@ class FakeVehicle:
 
     def __post_init__(self) -> None:
         self.began_s = self.clock.now_s
-        self._since = 50.0, self.clock.now_s
+        self.since = 50.0, self.clock.now_s
+        """Vehicle time and wall-clock time from which the vehicle's clock runs at ``speedup``."""
         self.mode, self.armed, self.altitude_m = "STABILIZE", False, self.altitude_before_arming_m
         self.requested: list[str] = []
         self.queue: list[Report] = []
@@ -96,7 +97,7 @@ class FakeVehicle:
     @property
     def time_s(self) -> float:
         """The vehicle's clock."""
-        time_s, wall_s = self._since
+        time_s, wall_s = self.since
         return time_s + (self.clock.now_s - wall_s) * self.speedup
 
     @property
@@ -110,12 +111,13 @@ class FakeVehicle:
         self.clock.now_s += min(timeout_s, 0.1)
         while self.schedule and self.clock.now_s - self.began_s >= self.schedule[0][0]:
             self.schedule.pop(0)[1]()
-        self._move(self.time_s - before_s)
-        self._report()
+        self.move(self.time_s - before_s)
+        self.report()
         reports, self.queue = self.queue, []
         return [] if self.silent else reports
 
-    def _move(self, step_s: float) -> None:
+    def move(self, step_s: float) -> None:
+        """Fly on for a step of vehicle time; tests replace this, ``land`` and ``report`` by their own."""
         if self.arms_at_s is not None and self.time_s >= self.arms_at_s:
             self.armed, self.arms_at_s = True, None
             if self.altitude_before_arming_m:
@@ -126,14 +128,14 @@ class FakeVehicle:
         if self.mode == "RTL" and self.place_m[0] < self.rtl_north_m:
             self.place_m = self.place_m + np.array([GOTO_M_S * step_s, 0.0])
         elif self.mode in ("RTL", "LAND"):
-            self._land(step_s)
+            self.land(step_s)
         if self.mode == "AUTO":
             seq = self.seq
             self.auto_s += step_s
             if self.reports_reached and (self.seq > seq or self._complete):
                 self.queue.append(MissionItemReached(seq))
 
-    def _land(self, step_s: float) -> None:
+    def land(self, step_s: float) -> None:
         """Descend to the ground, disarm when at rest there; without motors fall."""
         falls = not self.armed and self.altitude_m > self.ground_m
         self.altitude_m = max(self.ground_m, self.altitude_m - (FALL_M_S if falls else CLIMB_M_S) * step_s)
@@ -165,7 +167,7 @@ class FakeVehicle:
     def _complete(self) -> bool:
         return self.auto_s >= self.points * self.item_s
 
-    def _report(self) -> None:
+    def report(self) -> None:
         if self.time_s - self.heartbeat_s >= 1.0:
             self.heartbeat_s = self.time_s
             self.queue.append(Heartbeat(self.mode, self.armed))
@@ -224,7 +226,7 @@ class FakeVehicle:
 
     def request_speedup(self, speedup: float) -> None:
         self.requested.append(f"speedup {speedup:g}")
-        self._since = self.time_s, self.clock.now_s
+        self.since = self.time_s, self.clock.now_s
         self.speedup = speedup
 
     @property

@@ -195,8 +195,8 @@ def test_a_hold_is_not_a_standstill() -> None:
 def test_a_landing_that_does_not_end_is_a_problem() -> None:
     """A vehicle that hovers on its way down leaves the record with a problem."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40), land=True)
-    move = flight.vehicle._move
-    flight.vehicle._move = lambda step_s: None if flight.vehicle.mode == "RTL" else move(step_s)  # type: ignore[method-assign]
+    move = flight.vehicle.move
+    flight.vehicle.move = lambda step_s: None if flight.vehicle.mode == "RTL" else move(step_s)  # type: ignore[method-assign]
     record = flight.fly()
     assert (record.rtl_confirmed, record.landed) == (True, False)
     assert "does not come home" in (record.problem or "")
@@ -205,7 +205,7 @@ def test_a_landing_that_does_not_end_is_a_problem() -> None:
 def test_a_landing_is_awaited_as_long_as_rtl_waits_over_home() -> None:
     """RTL_LOIT_TIME of 100 s, with 60 s for all else that does not move."""
     flight = fake_flight(FakeVehicle(FakeClock(), points=40), land=True, rtl_loiter_s=100.0)
-    move = flight.vehicle._move
+    move = flight.vehicle.move
     waits_until_s = 0.0
 
     def wait(step_s: float) -> None:
@@ -215,7 +215,7 @@ def test_a_landing_is_awaited_as_long_as_rtl_waits_over_home() -> None:
         if flight.vehicle.time_s > waits_until_s:
             move(step_s)
 
-    flight.vehicle._move = wait  # type: ignore[method-assign]
+    flight.vehicle.move = wait  # type: ignore[method-assign]
     record = flight.fly()
     assert (record.landed, record.problem) == (True, None)
 
@@ -267,8 +267,8 @@ def test_a_clock_that_jumps_ahead_is_not_the_end_of_the_duration() -> None:
     vehicle = FakeVehicle(FakeClock(), points=4000)
 
     def jump() -> None:
-        time_s, wall_s = vehicle._since
-        vehicle._since = time_s + 600.0, wall_s
+        time_s, wall_s = vehicle.since
+        vehicle.since = time_s + 600.0, wall_s
 
     vehicle.schedule.append((30.0, jump))
     record = fake_flight(vehicle).fly()

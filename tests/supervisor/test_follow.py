@@ -283,7 +283,7 @@ def test_a_vehicle_that_stays_armed_on_the_ground_is_told_first() -> None:
     def crash() -> None:
         vehicle.follows = False
         vehicle.place_m, vehicle.altitude_m = vehicle.place_m + np.array([0.0, 30.0]), 0.0
-        vehicle._move = lambda step_s: None  # type: ignore[method-assign]
+        vehicle.move = lambda step_s: None  # type: ignore[method-assign]
 
     vehicle.schedule.append((50.0, crash))
     record = flight.fly()

@@ -39,14 +39,14 @@ def test_a_long_descent_is_progress() -> None:
     """On the spot, at 0.3 m/s, to a waypoint that is reached after 100 s."""
     vehicle = FakeVehicle(FakeClock(), item_s=1e9)
     flight = fake_flight(vehicle, duration_s=100.0, takeoff_altitude_m=50.0)
-    move = vehicle._move
+    move = vehicle.move
 
     def sink(step_s: float) -> None:
         move(step_s)
         if vehicle.mode == "AUTO":
             vehicle.altitude_m -= 0.3 * step_s
 
-    vehicle._move = sink  # type: ignore[method-assign]
+    vehicle.move = sink  # type: ignore[method-assign]
     assert flight.fly().ended == "duration"
 
 
@@ -54,7 +54,7 @@ def test_a_vehicle_that_is_driven_away_is_sent_home() -> None:
     """It moves, but not to where it has to go; on the way home it is told that it does not come there."""
     vehicle = FakeVehicle(FakeClock(), item_s=1e9)
     flight = fake_flight(vehicle, duration_s=None, land=True)
-    move = vehicle._move
+    move = vehicle.move
 
     def drift(step_s: float) -> None:
         move(step_s)
@@ -63,7 +63,7 @@ def test_a_vehicle_that_is_driven_away_is_sent_home() -> None:
         if vehicle.mode == "RTL":
             vehicle.armed, vehicle.altitude_m = True, 30.0
 
-    vehicle._move = drift  # type: ignore[method-assign]
+    vehicle.move = drift  # type: ignore[method-assign]
     record = flight.fly()
     assert (record.ended, record.landed) == ("no progress", False)
     assert record.problem is not None
@@ -80,7 +80,7 @@ def test_a_vehicle_that_does_not_come_home_though_it_moves_is_told(by_m: float) 
     """Its accelerometers failed: a real 4.6 hopped about home for as long as it was watched."""
     vehicle = FakeVehicle(FakeClock())
     flight = fake_flight(vehicle, duration_s=5.0, land=True)
-    move = vehicle._move
+    move = vehicle.move
 
     def hop(step_s: float) -> None:
         move(step_s)
@@ -88,7 +88,7 @@ def test_a_vehicle_that_does_not_come_home_though_it_moves_is_told(by_m: float) 
             vehicle.armed, vehicle.altitude_m = True, 5.0 + 2.0 * float(np.sin(vehicle.time_s))
             vehicle.place_m = np.array([by_m * np.sin(vehicle.time_s), 0.0])
 
-    vehicle._move = hop  # type: ignore[method-assign]
+    vehicle.move = hop  # type: ignore[method-assign]
     record = flight.fly()
     assert (record.ended, record.landed) == ("duration", False)
     assert record.problem is not None
@@ -130,13 +130,13 @@ def test_a_mission_is_complete_though_the_report_of_its_last_item_is_lost(hold_s
 def test_a_rest_elsewhere_does_not_complete_a_mission(rests_at_s: float, alt_m: float) -> None:
     """The vehicle stops so many seconds after AUTO began; the last waypoint may be where another is."""
     vehicle = FakeVehicle(FakeClock(), points=5)
-    move = vehicle._move
+    move = vehicle.move
 
     def stop(step_s: float) -> None:
         move(step_s)
         vehicle.auto_s = min(vehicle.auto_s, rests_at_s)
 
-    vehicle._move = stop  # type: ignore[method-assign]
+    vehicle.move = stop  # type: ignore[method-assign]
     last = waypoint(47.0 + 9e-5 * (2 if rests_at_s < 10.0 else 5), 8.0, alt_m)
     record = flown_without_the_last_report(vehicle, Mission((*route(4).items, last)))
     assert (record.ended, record.rtl_confirmed) == ("no progress", True)
@@ -331,7 +331,7 @@ def test_a_vehicle_that_the_wind_drives_off_slowly_on_its_way_home_is_told() -> 
     def drift(step_s: float) -> None:
         vehicle.place_m = vehicle.place_m + np.array([0.1 * step_s, 0.0])
 
-    vehicle._land = drift  # type: ignore[method-assign]
+    vehicle.land = drift  # type: ignore[method-assign]
     record = fake_flight(vehicle, land=True, duration_s=20.0).fly()
     assert (record.ended, record.rtl_confirmed, record.landed) == ("duration", True, False)
     assert "does not come home, 57 m away and 30 m above home; check the wind" in str(record.problem)

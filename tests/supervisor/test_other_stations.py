@@ -185,7 +185,7 @@ def test_one_heartbeat_of_another_mode_delays_requests() -> None:
     """A pilot's choice just before the top of the climb: AUTO waits for the next heartbeat."""
     flight = fake_flight()
     vehicle = flight.vehicle
-    move = vehicle._move
+    move = vehicle.move
 
     def moved(step_s: float) -> None:
         move(step_s)
@@ -194,7 +194,7 @@ def test_one_heartbeat_of_another_mode_delays_requests() -> None:
             vehicle.altitude_m = 29.0
             vehicle.queue.append(Heartbeat("POSHOLD", True))
 
-    vehicle._move = moved  # type: ignore[method-assign]
+    vehicle.move = moved  # type: ignore[method-assign]
     with pytest.raises(VehicleError, match="POSHOLD by the pilot"):
         flight.fly()
     assert "AUTO" not in vehicle.requested

@@ -59,13 +59,13 @@ def test_the_mission_begins_when_the_climb_is_over() -> None:
 def test_a_vehicle_that_is_never_level_begins_after_ten_seconds() -> None:
     """A vertical speed that is only noise does not hold the flight up."""
     vehicle = FakeVehicle(FakeClock())
-    move = vehicle._move
+    move = vehicle.move
 
     def bob(step_s: float) -> None:
         move(step_s)
         vehicle.velocity_m_s[2] = 0.5
 
-    vehicle._move = bob  # type: ignore[method-assign]
+    vehicle.move = bob  # type: ignore[method-assign]
     flight, calm = fake_flight(vehicle), fake_flight()
     assert flight.fly().problem is None
     assert calm.fly().problem is None
@@ -358,13 +358,13 @@ def test_what_the_vehicle_lacks_is_told_where_it_gives_no_reason() -> None:
 def test_a_report_that_never_comes_is_named(missing: type, told: str) -> None:
     """Where nothing else keeps the vehicle from being ready."""
     vehicle = FakeVehicle(FakeClock(), ready_after_s=0.0)
-    report = vehicle._report
+    report = vehicle.report
 
     def left_out() -> None:
         report()
         vehicle.queue = [item for item in vehicle.queue if not isinstance(item, missing)]
 
-    vehicle._report = left_out  # type: ignore[method-assign]
+    vehicle.report = left_out  # type: ignore[method-assign]
     with pytest.raises(PhaseTimeoutError, match=told):
         fake_flight(vehicle).fly()
 
@@ -373,7 +373,7 @@ def test_a_report_that_never_comes_is_named(missing: type, told: str) -> None:
 def test_a_vehicle_is_ready_only_with_all_reports(missing: type) -> None:
     """Heartbeat, position and pre-arm status: while one of them is missing, nothing is requested."""
     vehicle = FakeVehicle(FakeClock(), ready_after_s=0.0)
-    report = vehicle._report
+    report = vehicle.report
     requested: list[list[str]] = []
 
     def left_out() -> None:
@@ -381,7 +381,7 @@ def test_a_vehicle_is_ready_only_with_all_reports(missing: type) -> None:
         if vehicle.time_s < 60.0:
             vehicle.queue = [item for item in vehicle.queue if not isinstance(item, missing)]
 
-    vehicle._report = left_out  # type: ignore[method-assign]
+    vehicle.report = left_out  # type: ignore[method-assign]
     vehicle.schedule.append((9.9, lambda: requested.append(list(vehicle.requested))))
     assert fake_flight(vehicle).fly().problem is None
     assert "GUIDED" not in requested[0]

@@ -34,7 +34,7 @@ def _flight_with_a_fall(
     """
     vehicle = FakeVehicle(FakeClock(), points=40)
     vehicle.schedule.append((at_s, lambda: _fall(vehicle, to_m)))
-    request_mode, move, land = vehicle.request_mode, vehicle._move, vehicle._land
+    request_mode, move, land = vehicle.request_mode, vehicle.move, vehicle.land
 
     def request(mode: str) -> None:
         if mode == "RTL" and then is not None and "RTL" not in vehicle.requested:
@@ -47,7 +47,7 @@ def _flight_with_a_fall(
         elif vehicle.mode == "RTL":
             vehicle.altitude_m += rtl_m_s * step_s
 
-    vehicle.request_mode, vehicle._move, vehicle._land = request, move, stay  # type: ignore[method-assign]
+    vehicle.request_mode, vehicle.move, vehicle.land = request, move, stay  # type: ignore[method-assign]
     return fake_flight(vehicle, **plan)
 
 
@@ -94,7 +94,7 @@ def test_a_vehicle_that_does_not_disarm_is_told() -> None:
 def test_a_vehicle_that_hovers_weakly_has_the_time_to_land() -> None:
     """Whoever disarmed it before it is down would let it fall."""
     flight = _flight_with_a_fall(to_m=12.0)
-    vehicle, move = flight.vehicle, flight.vehicle._land
+    vehicle, move = flight.vehicle, flight.vehicle.land
 
     def sink(step_s: float) -> None:
         if vehicle.mode == "LAND" and vehicle.altitude_m > 0.5:
@@ -102,7 +102,7 @@ def test_a_vehicle_that_hovers_weakly_has_the_time_to_land() -> None:
         else:
             move(step_s)
 
-    vehicle._land = sink  # type: ignore[method-assign]
+    vehicle.land = sink  # type: ignore[method-assign]
     record = flight.fly()
     assert record.problem is not None
     assert record.problem.startswith(_DISARMED)
@@ -135,7 +135,7 @@ def test_a_vehicle_that_falls_on_its_way_home_disarms() -> None:
 def test_a_vehicle_that_a_failsafe_sent_home_is_not_told_to_land() -> None:
     """Of one that somebody else has, nothing more is commanded, though it falls on the way."""
     vehicle = FakeVehicle(FakeClock(), points=40)
-    vehicle._land = lambda step_s: None  # type: ignore[method-assign]
+    vehicle.land = lambda step_s: None  # type: ignore[method-assign]
 
     def failsafe() -> None:
         vehicle.send_text("Battery Failsafe")
