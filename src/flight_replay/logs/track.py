@@ -8,7 +8,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Flags, Floats, Indices
 from flight_replay.geometry.geodesy import LocalFrame, surface_xyz_m
 from flight_replay.geometry.polyline import segment_lengths_m
 
@@ -52,7 +52,7 @@ class Track:
     def __len__(self) -> int:
         return len(self.time_s)
 
-    def select(self, keep: NDArray[np.intp] | NDArray[np.bool_] | slice) -> Track:
+    def select(self, keep: Indices | Flags | slice) -> Track:
         """The fixes that a mask, a slice or an index array picks, in that order."""
         if isinstance(keep, np.ndarray) and keep.dtype == np.bool_ and keep.all():
             return self

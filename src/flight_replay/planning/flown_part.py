@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.geodesy import distance_m
 from flight_replay.logs.flights import Flight, find_flights
 from flight_replay.logs.track import Track
@@ -38,13 +37,13 @@ def flown_part(track: Track, *, tell_joins: bool = True) -> tuple[Track, tuple[s
     return flown, tuple(notes)
 
 
-def flown_fixes(track: Track) -> NDArray[np.intp]:
+def flown_fixes(track: Track) -> Indices:
     """Indices of the fixes of a track that are its flown part."""
     flights = find_flights(track)
     return _fixes_of(flights) if flights else np.arange(len(track))
 
 
-def _fixes_of(flights: tuple[Flight, ...]) -> NDArray[np.intp]:
+def _fixes_of(flights: tuple[Flight, ...]) -> Indices:
     """Indices of the fixes of some flights."""
     return np.concatenate([np.arange(flight.first, flight.last + 1) for flight in flights])
 

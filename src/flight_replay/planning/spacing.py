@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.logs.track import Track
@@ -27,7 +26,7 @@ MAX_SPEED_M_S = 30.0
 
 def decimate(
     track: Track, spacing_m: float = SPACING_M, max_points: int = MAX_POINTS, up_m: Floats | None = None
-) -> NDArray[np.intp]:
+) -> Indices:
     """Indices of the first fix, then of every fix more than ``spacing_m`` from the last kept one.
 
     Stops at ``max_points``; a track that ends before keeps its last fix too, so that the route
@@ -54,7 +53,7 @@ def decimate(
     return np.array(kept, np.intp)
 
 
-def _first_beyond(xyz: NDArray[np.float64], start: int, spacing_m: float) -> int | None:
+def _first_beyond(xyz: Floats, start: int, spacing_m: float) -> int | None:
     """Index of the first position behind ``start`` that is farther than ``spacing_m`` from it, or None."""
     # In growing blocks: mostly the next few are enough, and a hover may be long.
     begin, size = start + 1, 64

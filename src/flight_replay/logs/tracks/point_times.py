@@ -119,6 +119,6 @@ def in_order_of_file(points: TrackPoints) -> OrderedPoints:
     return OrderedPoints(points, _numbered(breaks))
 
 
-def _numbered(breaks: NDArray[np.bool_]) -> NDArray[np.int32]:
+def _numbered(breaks: Flags) -> NDArray[np.int32]:
     """Numbers from 0 (n,) of parts that begin behind breaks (n - 1,)."""
     return np.append(0, np.cumsum(breaks)).astype(np.int32)

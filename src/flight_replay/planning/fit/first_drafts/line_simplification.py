@@ -7,9 +7,8 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Floats, Indices
 from flight_replay.geometry.polyline import nearest_on_segments, segment_lengths_m
 from flight_replay.planning.fit.draft import Draft, flown_through
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
@@ -25,7 +24,7 @@ LONG_M = 10.0
 
 def douglas_peucker(
     points_m: Floats, most: int, near_m: float = _NEAR_M, kept: Iterable[int] = ()
-) -> NDArray[np.intp]:
+) -> Indices:
     """Indices of at most ``most`` of the points (n, d), after Douglas and Peucker (1973).
 
     The line is split where a point is farthest from it, worst first, until there are enough, or it is
@@ -52,7 +51,7 @@ def _farthest(points_m: Floats, begin: int, end: int) -> tuple[float, int, int, 
     return -float(apart[worst]), begin, end, begin + 1 + worst
 
 
-def straight_draft(recording: LocalTrack, kept: NDArray[np.intp]) -> Draft:
+def straight_draft(recording: LocalTrack, kept: Indices) -> Draft:
     """Straight legs through the kept fixes, after a second to settle at the first."""
     places = np.column_stack([recording.north_east_m, recording.up_m])[kept]
     n = len(kept)
