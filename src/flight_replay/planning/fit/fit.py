@@ -146,8 +146,7 @@ def _starts(problem: FitProblem, recording: LocalTrack, max_points: int) -> list
         cut = corner_draft(problem, max_points)
         whole = with_whole_corners(cut)
         return [*selected, cut, whole] if len(whole.draft) < len(cut.draft) else [*selected, cut]
-    line = np.column_stack([recording.north_east_m, recording.up_m])
-    corners = straight_draft(recording, douglas_peucker(line, max_points))
+    corners = straight_draft(recording, douglas_peucker(recording.north_east_up_m, max_points))
     return [*selected, FirstDraft(corners, {})]
 
 

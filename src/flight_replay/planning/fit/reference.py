@@ -78,9 +78,14 @@ class LocalTrack:
         return 3 if np.ptp(self.up_m) > 0 else 2
 
     @property
+    def north_east_up_m(self) -> Floats:
+        """The fixes (n, 3)."""
+        return np.column_stack([self.north_east_m, self.up_m])
+
+    @property
     def places_m(self) -> Floats:
         """The fixes (n, axes): north, east, and up where that changes."""
-        return np.column_stack([self.north_east_m, self.up_m])[:, : self.axes]
+        return self.north_east_up_m[:, : self.axes]
 
     @property
     def speed_m_s(self) -> Floats:
@@ -106,7 +111,7 @@ class Hover:
 
 def hovers(recording: LocalTrack, most: int, shortest_s: float = SHORTEST_HOVER_S) -> list[Hover]:
     """The ``most`` longest hovers, in order: stretches that fit into ``HOVER_RADIUS_M``, heights too."""
-    places = np.column_stack([recording.north_east_m, recording.up_m]).tolist()
+    places = recording.north_east_up_m.tolist()
     times = recording.time_s.tolist()
     found, i = [], 0
     while i < len(times):

@@ -53,8 +53,7 @@ def _farthest(points_m: Floats, begin: int, end: int) -> tuple[float, int, int, 
 
 def straight_draft(recording: LocalTrack, kept: Indices) -> Draft:
     """Straight legs through the kept fixes, after a second to settle at the first."""
-    places = np.column_stack([recording.north_east_m, recording.up_m])[kept]
-    n = len(kept)
+    places, n = recording.north_east_up_m[kept], len(kept)
     hold = np.append(1.0, np.zeros(n - 1))
     return Draft(places, np.zeros(n, np.bool_), hold, np.full(n, np.nan))
 
@@ -81,7 +80,7 @@ def corner_draft(problem: FitProblem, most: int) -> FirstDraft:
 
 def _nodes(recording: LocalTrack, pauses: list[Hover]) -> list[tuple[Floats, Hover | None]]:
     """Where corners may be: at the first fix, at fixes outside of pauses, and in the middle of pauses."""
-    places_m = np.column_stack([recording.north_east_m, recording.up_m])
+    places_m = recording.north_east_up_m
     nodes: list[tuple[Floats, Hover | None]] = [(places_m[0], None)]
     fix = 1
     for pause in pauses:
