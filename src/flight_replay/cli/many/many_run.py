@@ -52,7 +52,6 @@ class Counts:
     done_before: int = 0
     logs_done: int = 0
     rows: int = 0
-    copies: int = 0
 
 
 @dataclass(slots=True)
@@ -287,7 +286,6 @@ class ManyRun:
             for file in wanted[row["log_sha256"]] if "copy_of" not in row else ():
                 if (file.path, flight_key(row)) not in there:
                     self._add(_copied(row, file))
-                    self.counts.copies += 1
 
 
 def _copied(row: Row, file: LogFile) -> Row:

@@ -56,14 +56,12 @@ class CommandedCopter:
         self._destination_m: Vector | None = None
         self._takeoff_stuck = False
 
-    def _new_copter(
-        self, position_m: Vector, yaw_rad: float, velocity_m_s: Vector = (0.0, 0.0, 0.0)
-    ) -> Copter:
+    def _new_copter(self, position_m: Vector, yaw_rad: float) -> Copter:
+        """A copter that stands there, with the parameters as they are now."""
         copter = Copter(
             limits_of(self._parameters),
             position_m=position_m,
             yaw_rad=yaw_rad,
-            velocity_m_s=velocity_m_s,
             wind_m_s=wind_m_s(self._parameters, position_m[2] + self.armed_m[2]),
             home_amsl_m=self._start.alt_amsl_m,
         )

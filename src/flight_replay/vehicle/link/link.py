@@ -175,11 +175,8 @@ class Link:
         interval_s = max(1.0 / (_HEARTBEAT_HZ * self.speedup), _MIN_HEARTBEAT_S)
         if time.monotonic() - self._heartbeat_s >= interval_s:
             self._heartbeat_s = time.monotonic()
-            self._send_heartbeat()
+            self.send(_heartbeat())
         self._receive(min(_READ_S, interval_s))
-
-    def _send_heartbeat(self) -> None:
-        self.send(_heartbeat())
 
     def _reopen(self) -> bool:
         try:
