@@ -97,7 +97,7 @@ class Options:
     without_effect: tuple[str, ...] = ()
 
 
-def parse_options(argv: Sequence[str] | None = None) -> Options:
+def parse_options(argv: Sequence[str]) -> Options:
     """Parse the command line.
 
     Raises:
@@ -119,7 +119,7 @@ def parse_options(argv: Sequence[str] | None = None) -> Options:
     return Options(**values)
 
 
-def _parsed(parser: argparse.ArgumentParser, argv: Sequence[str] | None) -> dict[str, Any]:
+def _parsed(parser: argparse.ArgumentParser, argv: Sequence[str]) -> dict[str, Any]:
     """What is given, by destination."""
     values = vars(parser.parse_args(argv))
     values["altitude_m"], values["raise_m"] = values["altitude_m"]

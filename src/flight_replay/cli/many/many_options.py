@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,14 +53,13 @@ class ManyOptions:
     verbose: bool
 
 
-def parse_many_options(argv: Sequence[str] | None = None) -> ManyOptions:
+def parse_many_options(argv: Sequence[str]) -> ManyOptions:
     """Parse the command line.
 
     Raises:
         SystemExit: 2 for wrong usage, 0 after ``--help`` or ``--version``.
         FlightReplayError: The SITL binary cannot be read.
     """
-    argv = sys.argv[1:] if argv is None else argv
     parser = build_many_parser()
     values = vars(parser.parse_args(argv))
     _check(parser, values)
