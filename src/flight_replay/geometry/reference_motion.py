@@ -23,7 +23,7 @@ class MotionState:
     velocity_m_s: Floats
     acceleration_m_s2: Floats
 
-    def displaced(self, by: MotionState, share: float = 1.0) -> MotionState:
+    def displaced(self, by: MotionState, share: float) -> MotionState:
         """The state with a share of another one added."""
         return MotionState(
             self.position_m + share * by.position_m,

@@ -100,7 +100,7 @@ def _first_bytes(stream: Stream, length: int) -> bytes:
     return bytes(first[:got])
 
 
-def contents(log: OpenLog, most_bytes: int, progress: Progress | None = None) -> bytes:
+def contents(log: OpenLog, most_bytes: int, progress: Progress | None) -> bytes:
     """All bytes of a log, unpacked, for formats that are read as a whole.
 
     Args:

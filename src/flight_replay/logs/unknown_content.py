@@ -7,7 +7,7 @@ import re
 from flight_replay.logs.tracks.byte_pieces import text_of
 
 
-def describe(head: bytes, *, is_packed: bool = False) -> str:
+def describe(head: bytes, *, is_packed: bool) -> str:
     """What a file without any record is, by its first bytes, for a sentence that begins with its name."""
     if is_packed:
         return "is gzip data that holds no flight"

@@ -45,7 +45,7 @@ class VehicleKind:
     firmware: str | None = None
 
 
-def kind_of(mav_type: int, firmware: str | None = None) -> VehicleKind:
+def kind_of(mav_type: int, firmware: str | None) -> VehicleKind:
     """The kind of a MAV_TYPE; of one without a meaning nothing is known."""
     if mav_type in MULTICOPTERS:
         return VehicleKind(MULTICOPTERS[mav_type], True, firmware)

@@ -73,7 +73,7 @@ def failsafe(mode: str | None, reason: str) -> FlightEnded:
     return FlightEnded("failsafe", f"{what}; flight-replay sends no more commands: {now}")
 
 
-def not_rtl(mode: str | None, failsafe: str = "") -> str:
+def not_rtl(mode: str | None, failsafe: str) -> str:
     """Told of a vehicle that was in RTL, until somebody or a failsafe chose another mode.
 
     ``failsafe`` is the vehicle's status text of one, or empty.

@@ -183,7 +183,7 @@ def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
     return monitor.rtl_confirmed
 
 
-def wait_landed(monitor: VehicleMonitor, loiter_s: float, rally_limit_m: float = 0.0) -> None:
+def wait_landed(monitor: VehicleMonitor, loiter_s: float, rally_limit_m: float) -> None:
     """Follow the vehicle home until it has landed and disarmed; it waits ``loiter_s`` over home.
 
     It may land at a rally point instead, up to ``rally_limit_m`` away.

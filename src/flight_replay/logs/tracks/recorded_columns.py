@@ -29,9 +29,7 @@ _FASTEST_M_S = 150.0
 _MOST_BOOTS = 10_000
 
 
-def columns_recording(
-    columns: Mapping[str, Floats], file: TrackFile, utc_s: Floats | None = None
-) -> Recording:
+def columns_recording(columns: Mapping[str, Floats], file: TrackFile, utc_s: Floats | None) -> Recording:
     """The recording of columns (n,); what is missing or not a number is unknown.
 
     Args:

@@ -133,7 +133,7 @@ class Draft:
         return np.asarray(path.north_east_m[on_legs | np.append(on_legs[1:], False)])
 
 
-def flown_through(hold_s: Floats, *, timed: bool = True, straight_starts: bool = False) -> Flags:
+def flown_through(hold_s: Floats, *, timed: bool, straight_starts: bool) -> Flags:
     """To which places (n,) splines lead at first: where the time counts, to those that are flown through.
 
     A stop is reached straight then: what a spline's rounded numbers leave of its motion at a stop may

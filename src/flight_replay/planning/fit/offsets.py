@@ -75,9 +75,7 @@ class MatchedFlight:
     flown_s: Floats
 
 
-def match_to_flight(
-    flight: SimulatedDraft, recording: LocalTrack, apart_m: Floats | None = None
-) -> MatchedFlight:
+def match_to_flight(flight: SimulatedDraft, recording: LocalTrack, apart_m: Floats | None) -> MatchedFlight:
     """The offsets of a flight and of its planned path.
 
     A point of the flight belongs to where the plan has the fixes that the vehicle flies by there.
@@ -241,7 +239,7 @@ def _offsets_back(points_m: Floats, following: Indices, recording: LocalTrack) -
     return np.asarray(start[row, nearest] + share[row, nearest, None] * step[row, nearest] - points_m)
 
 
-def _matched_points(fixes_m: Floats, line_m: Floats, near_m: tuple[Floats, Floats] | None = None) -> _Feet:
+def _matched_points(fixes_m: Floats, line_m: Floats, near_m: tuple[Floats, Floats] | None) -> _Feet:
     """Where fixes (n, d) are matched to a line (m, d), searched from where to where along it first."""
     match = match_in_order(fixes_m, line_m, _PIECE_M, quick=True, near_m=near_m)
     lengths = segment_lengths_m(line_m)

@@ -72,7 +72,7 @@ class LocalItem:
         return n, e, default[2] if self.up_m is None else self.up_m
 
 
-def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float = 0.0) -> tuple[LocalItem, ...]:
+def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float) -> tuple[LocalItem, ...]:
     """The items of a mission in metres around ``frame``'s origin and above home.
 
     Args:

@@ -54,9 +54,7 @@ def armed_at(
     return np.asarray(armed)
 
 
-def modes_at(
-    offset: NDArray[np.int64], heartbeats: Heartbeats, came: Arrivals | None = None
-) -> NDArray[np.int16]:
+def modes_at(offset: NDArray[np.int64], heartbeats: Heartbeats, came: Arrivals | None) -> NDArray[np.int16]:
     """The flight mode at each fix (n,), by the heartbeat before it; -1 before the first.
 
     Args:
