@@ -1,7 +1,7 @@
 """GPX 1.1 (topografix.com/GPX/1/1): the mission as a route, the track as a track with one segment a boot.
 
-Elevations are above mean sea level, and left out where that is not known. A vehicle's clock counts
-from its boot, so points carry no time of day. What GPX has no word for stands in extensions.
+Elevations are above mean sea level, and left out where that is not known, and so are times of day. What GPX
+has no word for stands in extensions.
 """
 
 from __future__ import annotations
