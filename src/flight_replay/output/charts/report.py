@@ -304,8 +304,7 @@ def _path_error_rows(label: str, errors: Summary) -> list[tuple[str, str]]:
 
 
 def _statistics(error: Summary | None, unit: str = "m") -> str:
-    known = error is not None and error["mean"] is not None
-    if not (error and known):
+    if error is None or error["mean"] is None:
         return statistics_text(None)
     values = statistics_text(ErrorStatistics(**error), unit).split(", ")
     # Lines break between the values, not within one.
