@@ -169,6 +169,13 @@ class Mission:
         """(sequence number on board, item) of every waypoint, straight or spline."""
         return tuple((seq, item) for seq, item in enumerate(self.items, FIRST_SEQ) if item.is_waypoint)
 
+    @property
+    def home_item(self) -> MissionItem:
+        """Item 0, in which ArduPilot stores its own home; zeros where home, or its height, is not known."""
+        home = self.home or Home(0.0, 0.0, 0.0)
+        place = home.lat_deg, home.lon_deg, home.alt_amsl_m or 0.0
+        return MissionItem(Command.WAYPOINT, Frame.ABSOLUTE, (0.0, 0.0, 0.0, 0.0), *place)
+
     def with_home(self, home: Home) -> Mission:
         """The same items under another home."""
         return replace(self, home=home)

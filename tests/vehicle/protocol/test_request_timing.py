@@ -19,7 +19,7 @@ from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.round_trip import RoundTrip
 from flight_replay.vehicle.protocol.mission_download import MissionDownloader
-from flight_replay.vehicle.protocol.mission_items import home_item, item_message
+from flight_replay.vehicle.protocol.mission_items import item_message
 from flight_replay.vehicle.protocol.mission_storage import MissionStorage
 from flight_replay.vehicle.protocol.mission_upload import MissionUploader
 from tests.helpers.link_conditions import LinkConditions
@@ -79,7 +79,7 @@ class ForgetfulLink(ScriptedLink):
 
 
 MISSION = Mission(tuple(waypoint(47.0 + 1e-4 * i, 8.0, 30.0) for i in range(1, 101)))
-ITEMS = [home_item(Home(47.0, 8.0, 400.0)), *MISSION.items[:3]]
+ITEMS = [MISSION.with_home(Home(47.0, 8.0, 400.0)).home_item, *MISSION.items[:3]]
 
 
 def test_an_answer_to_an_item_sent_twice_is_not_measured() -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from flight_replay.exceptions import MissionError
 from flight_replay.logs.track import Track
 from flight_replay.mission.formats.validation import checked_item, finite
-from flight_replay.mission.items import FIRST_SEQ, HOME_SEQ, Command, Frame, Home, Mission, MissionItem
+from flight_replay.mission.items import HOME_SEQ, Home, Mission, MissionItem
 
 _HEADER = "QGC WPL 110"
 _COLUMNS = 12
@@ -19,11 +19,8 @@ _COLUMNS = 12
 
 def text(mission: Mission, track: Track | None = None, start_utc_s: float | None = None) -> str:
     """The mission with home as item 0 and 8 decimals (1 mm); this format holds no track."""
-    home = mission.home or Home(0.0, 0.0, 0.0)
-    first = MissionItem(
-        Command.WAYPOINT, Frame.ABSOLUTE, (0.0, 0.0, 0.0, 0.0), home.lat_deg, home.lon_deg, home.amsl_m
-    )
-    lines = [_line(HOME_SEQ, first), *(_line(seq, item) for seq, item in enumerate(mission.items, FIRST_SEQ))]
+    items = (mission.home_item, *mission.items)
+    lines = [_line(seq, item) for seq, item in enumerate(items, HOME_SEQ)]
     return "\n".join([_HEADER, *lines, ""])
 
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from flight_replay.mavlink import Message, dialect
-from flight_replay.mission.items import Command, Frame, Home, MissionItem
+from flight_replay.mission.items import Command, MissionItem
 from flight_replay.vehicle.link.vehicle_link import VehicleLink
 
 _E7 = 1e7
@@ -67,12 +67,6 @@ def item_from(message: Message) -> MissionItem:
         message.y / scale,
         message.z,
     )
-
-
-def home_item(home: Home) -> MissionItem:
-    """Item 0, in which ArduPilot stores its own home; a height that is not known is 0."""
-    position = home.lat_deg, home.lon_deg, home.alt_amsl_m or 0.0
-    return MissionItem(Command.WAYPOINT, Frame.ABSOLUTE, (0.0, 0.0, 0.0, 0.0), *position)
 
 
 def difference(sent: MissionItem, found: MissionItem, *, as_int: bool) -> str | None:

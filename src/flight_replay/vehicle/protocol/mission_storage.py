@@ -9,7 +9,7 @@ from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Home, Mission, MissionItem
 from flight_replay.vehicle.link.vehicle_link import VehicleLink
 from flight_replay.vehicle.protocol.mission_download import MissionDownloader
-from flight_replay.vehicle.protocol.mission_items import difference, home_item
+from flight_replay.vehicle.protocol.mission_items import difference
 from flight_replay.vehicle.protocol.mission_upload import MissionUploader, UploadLimits
 
 _ATTEMPTS = 3
@@ -57,7 +57,7 @@ class MissionStorage:
             MissionError: The vehicle refuses it.
             VehicleError: It is armed, the link fails, or the mission on board differs from the one sent.
         """
-        items = (home_item(mission.home or _UNKNOWN_HOME), *mission.items)
+        items = (mission.home_item, *mission.items)
         self._uploaded, self._consequence = None, NOT_REPLACED
         unlike: str | None = None
         for _ in range(_ATTEMPTS):
