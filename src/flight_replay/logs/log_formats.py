@@ -1,6 +1,6 @@
 """The formats of logs that can be read, each found by what a file holds, never by its name.
 
-A new format is a folder with one function, and a line in ``FORMATS``.
+A new format is a folder with one function that is a ``Read``, and a line in ``FORMATS``.
 """
 
 from __future__ import annotations
@@ -17,6 +17,10 @@ from flight_replay.logs.tracks import track_marks
 from flight_replay.logs.vehicles import VehicleId
 
 Read = Callable[[OpenLog, VehicleId | None, Progress | None], Recording]
+"""Reads the usable fixes of the vehicle that wrote a log, or of one of several: by default that with most.
+
+It raises ``LogError`` where there is nothing usable.
+"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,18 +14,8 @@ from flight_replay.logs.vehicles import VehicleId
 
 
 @np.errstate(invalid="ignore", over="ignore")  # damaged values
-def read_dataflash(
-    log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None
-) -> Recording:
-    """Read the usable fixes of the one vehicle that wrote a log.
-
-    Args:
-        log: A DataFlash log.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_dataflash(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read the usable fixes of the one vehicle that wrote a log; see ``log_formats.Read``."""
     stream, collected = RecordStream(log, MESSAGES, progress), Collected()
     for block in stream.blocks():
         collected.add(block)

@@ -22,18 +22,8 @@ _FMT = "FMT"
 
 
 @np.errstate(invalid="ignore", over="ignore")  # damaged values
-def read_dataflash_text(
-    log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None
-) -> Recording:
-    """Read the usable fixes of the one vehicle that wrote a log.
-
-    Args:
-        log: A DataFlash log as text.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_dataflash_text(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read the usable fixes of the one vehicle that wrote a log; see ``log_formats.Read``."""
     lines, collected = _Lines(), Collected()
     for piece in _pieces(log):
         collected.add(lines.read(piece))

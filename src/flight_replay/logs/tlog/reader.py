@@ -37,7 +37,7 @@ _COPY = len(Rejection)  # beside the reasons of ``Rejection``: a copy is as plau
 _FULL_TURN_CDEG = np.uint16(36_000)
 
 
-def read_tlog(log: OpenLog, vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
+def read_tlog(log: OpenLog, vehicle: VehicleId | None, progress: Progress | None) -> Recording:
     """Read the usable fixes of a vehicle, by default the one that has most.
 
     Args:

@@ -94,33 +94,13 @@ _CSV_VIEW = _Dialect(
 )
 
 
-def read_airdata(
-    log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None
-) -> Recording:
-    """Read a table of AirData.
-
-    Args:
-        log: The file.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_airdata(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read a table of AirData; see ``log_formats.Read``."""
     return _read(log, progress, _AIRDATA)
 
 
-def read_dji_csv(
-    log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None
-) -> Recording:
-    """Read a table of DJI CsvView or PhantomHelp.
-
-    Args:
-        log: The file.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_dji_csv(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read a table of DJI CsvView or PhantomHelp; see ``log_formats.Read``."""
     return _read(log, progress, _CSV_VIEW)
 
 

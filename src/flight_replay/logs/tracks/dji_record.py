@@ -10,9 +10,7 @@ from flight_replay.logs.vehicles import VehicleId
 _FIRST_ENCRYPTED = 13
 
 
-def read_dji_record(
-    log: OpenLog, _vehicle: VehicleId | None = None, _progress: Progress | None = None
-) -> Recording:
+def read_dji_record(log: OpenLog, _vehicle: VehicleId | None, _progress: Progress | None) -> Recording:
     """Refuse a flight record, and say what to do.
 
     Raises:

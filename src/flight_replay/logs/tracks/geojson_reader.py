@@ -33,18 +33,8 @@ _NAN = float("nan")
 Place = Sequence[float]
 
 
-def read_geojson(
-    log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None
-) -> Recording:
-    """Read a GeoJSON file.
-
-    Args:
-        log: The file.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_geojson(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read a GeoJSON file; see ``log_formats.Read``."""
     data = contents(log, _MOST_BYTES, progress)
     file = TrackFile(name=log.name, format="geojson", bytes=len(data))
     try:

@@ -26,16 +26,8 @@ _PARTS = {
 """What is read of a point, by the elements around it."""
 
 
-def read_gpx(log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
-    """Read a GPX file.
-
-    Args:
-        log: The file.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_gpx(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read a GPX file; see ``log_formats.Read``."""
     reader = _GpxReader(log.name)
     end = read_xml(LogPieces(log, progress), reader, log.name)
     notes = list(end.notes())

@@ -20,29 +20,13 @@ from flight_replay.logs.tracks.xml_events import read_xml
 from flight_replay.logs.vehicles import VehicleId
 
 
-def read_kml(log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
-    """Read a KML file.
-
-    Args:
-        log: The file.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_kml(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read a KML file; see ``log_formats.Read``."""
     return _read(LogPieces(log, progress), log.name, "kml")
 
 
-def read_kmz(log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
-    """Read the first KML file of a ZIP archive.
-
-    Args:
-        log: The archive.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is none, or nothing usable in it.
-    """
+def read_kmz(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read the first KML file of a ZIP archive; see ``log_formats.Read``."""
     return _read(first_kml(LogPieces(log, progress), log.name), log.name, "kmz")
 
 

@@ -15,18 +15,8 @@ from flight_replay.logs.tracks.track_recording import TrackFile
 from flight_replay.logs.vehicles import VehicleId
 
 
-def read_saved_csv(
-    log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None
-) -> Recording:
-    """Read a table that was saved.
-
-    Args:
-        log: The file.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: There is nothing usable in it.
-    """
+def read_saved_csv(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read a table that was saved; see ``log_formats.Read``."""
     pieces = LogPieces(log, progress)
     table = Table(pieces, log.name)
     wanted: dict[str, tuple[str, Callable[[str], float]]] = {

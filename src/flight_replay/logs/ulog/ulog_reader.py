@@ -36,16 +36,8 @@ _TOPICS = (
 _NO_SAMPLES = Topic(np.zeros(0), {})
 
 
-def read_ulog(log: OpenLog, _vehicle: VehicleId | None = None, progress: Progress | None = None) -> Recording:
-    """Read the vehicle's fixes.
-
-    Args:
-        log: A ULog.
-        progress: Told the stored bytes read so far, and their number (0 where unknown).
-
-    Raises:
-        LogError: It cannot be read, or there is nothing usable in it.
-    """
+def read_ulog(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
+    """Read the vehicle's fixes; see ``log_formats.Read``."""
     read = read_topics(log, _TOPICS, progress)
     positions = positions_of(read.topics)
     if positions is None:
