@@ -48,7 +48,7 @@ WAYPOINT_COMMANDS = frozenset({Command.WAYPOINT, Command.SPLINE_WAYPOINT})
 """Commands that count as waypoints."""
 
 
-_CLIMB_SPEED, _DESCENT_SPEED = 2, 3
+CLIMB_SPEED, DESCENT_SPEED = 2, 3
 """Kinds (param1) of DO_CHANGE_SPEED that are no ground speed."""
 
 
@@ -76,7 +76,7 @@ class MissionItem:
     @property
     def ground_speed_m_s(self) -> float | None:
         """The horizontal speed that this item sets, None where it sets none."""
-        if self.command != Command.CHANGE_SPEED or int(self.params[0]) in (_CLIMB_SPEED, _DESCENT_SPEED):
+        if self.command != Command.CHANGE_SPEED or int(self.params[0]) in (CLIMB_SPEED, DESCENT_SPEED):
             return None
         return self.params[1] if self.params[1] > 0 else None
 
@@ -105,7 +105,7 @@ def change_speed(speed_m_s: float) -> MissionItem:
 
 def change_climb_speed(climb_m_s: float) -> MissionItem:
     """DO_CHANGE_SPEED of the climb speed (param1 2), metres per second; below 0 of the descent speed (3)."""
-    kind = _CLIMB_SPEED if climb_m_s > 0 else _DESCENT_SPEED
+    kind = CLIMB_SPEED if climb_m_s > 0 else DESCENT_SPEED
     params = (float(kind), abs(float(climb_m_s)), 0.0, 0.0)
     return MissionItem(Command.CHANGE_SPEED, Frame.MISSION, params, 0.0, 0.0, 0.0)
 

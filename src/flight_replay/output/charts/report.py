@@ -17,7 +17,7 @@ import numpy as np
 from flight_replay.geometry.error_statistics import ErrorStatistics
 from flight_replay.logs.log_formats import format_title
 from flight_replay.mission.formats.item_text import description
-from flight_replay.mission.items import FIRST_SEQ, Command, MissionItem
+from flight_replay.mission.items import CLIMB_SPEED, DESCENT_SPEED, FIRST_SEQ, Command, MissionItem
 from flight_replay.output.charts.series import (
     FLOWN_COLOUR,
     SMALLEST_RANGE,
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".html", ".htm")
 Summary = Mapping[str, Any]
-_SPEEDS = {2: "climb speed", 3: "descent speed"}
+_SPEEDS = {CLIMB_SPEED: "climb speed", DESCENT_SPEED: "descent speed"}
 _SUMMARIES = {
     None: "Plan only: nothing was flown.",
     "duration": "Flown for the requested duration.",

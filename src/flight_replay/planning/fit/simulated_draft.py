@@ -9,7 +9,7 @@ from math import isfinite
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.mission.items import FIRST_SEQ, Command
+from flight_replay.mission.items import FIRST_SEQ, Command, change_climb_speed, change_speed
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.reference import AT_SEA_LEVEL, Takeoff
 from flight_replay.simulator.dynamics.limits import Limits
@@ -143,14 +143,13 @@ def items_changed(
 
 @lru_cache(maxsize=4096)
 def _speed(seq: int, speed_m_s: float) -> LocalItem:
-    return LocalItem(seq, Command.CHANGE_SPEED, (1.0, speed_m_s, 0.0, 0.0), None, None)
+    return LocalItem(seq, Command.CHANGE_SPEED, change_speed(speed_m_s).params, None, None)
 
 
 @lru_cache(maxsize=4096)
 def climb_item(seq: int, climb_m_s: float) -> LocalItem:
     """The item that changes the climb speed, or the descent speed of one below 0."""
-    kind = 2.0 if climb_m_s > 0 else 3.0
-    return LocalItem(seq, Command.CHANGE_SPEED, (kind, abs(climb_m_s), 0.0, 0.0), None, None)
+    return LocalItem(seq, Command.CHANGE_SPEED, change_climb_speed(climb_m_s).params, None, None)
 
 
 @lru_cache(maxsize=4096)
