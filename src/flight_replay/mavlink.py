@@ -21,6 +21,13 @@ MISSION_RESULTS = {
 """Words for what a MISSION_ACK answers."""
 
 
+def robust_parser() -> Any:
+    """A parser that gives bytes that are no frame as a message of the type "BAD_DATA", and raises nothing."""
+    parser = dialect.MAVLink(None)
+    parser.robust_parsing = True
+    return parser
+
+
 def parsed(parser: Any, data: bytes) -> list[Message]:
     """The messages that ``data`` completes, "BAD_DATA" among them if the parser is robust.
 

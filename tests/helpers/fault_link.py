@@ -18,8 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from pymavlink.dialects.v20 import ardupilotmega
-
+from flight_replay.mavlink import dialect, robust_parser
 from tests.helpers.link_conditions import LinkConditions
 
 FOREVER_S = float("inf")
@@ -72,7 +71,7 @@ class FaultLink:
         self._directions: list[_Direction] = []
         self._in_flight: list[tuple[float, int, _Direction, bytes]] = []
         self._count = 0
-        self._another = ardupilotmega.MAVLink(None, srcSystem=254, srcComponent=190)
+        self._another = dialect.MAVLink(None, srcSystem=254, srcComponent=190)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -130,8 +129,7 @@ class FaultLink:
             return
         for source, sink, to_vehicle in ((program, vehicle, True), (vehicle, program, False)):
             source.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            direction = _Direction(source, sink, to_vehicle, decoder=ardupilotmega.MAVLink(None))
-            direction.decoder.robust_parsing = True
+            direction = _Direction(source, sink, to_vehicle, decoder=robust_parser())
             self._directions.append(direction)
             self._selector.register(source, selectors.EVENT_READ, direction)
 
@@ -173,10 +171,8 @@ class FaultLink:
         except OSError:
             self.disconnect()
             return
-        decoder = ardupilotmega.MAVLink(None)
-        decoder.robust_parsing = True
         kept = self.to_vehicle if direction.to_vehicle else self.from_vehicle
-        messages = [m for m in decoder.parse_buffer(frame) or () if m.get_type() != "BAD_DATA"]
+        messages = [m for m in robust_parser().parse_buffer(frame) or () if m.get_type() != "BAD_DATA"]
         kept += messages
         self.log += [(direction.to_vehicle, message) for message in messages]
 

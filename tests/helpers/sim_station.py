@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from flight_replay.flight_modes import CopterMode
-from flight_replay.mavlink import dialect
+from flight_replay.mavlink import dialect, robust_parser
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
@@ -38,8 +38,7 @@ class Station:
     ) -> None:
         self.link, self.autopilot = link, link.autopilot
         self.received: list[Any] = []
-        self._decoder = dialect.MAVLink(None)
-        self._decoder.robust_parsing = True
+        self._decoder = robust_parser()
         self.mav = dialect.MAVLink(None, system, component)
         self._old = old
         self.raw: list[bytes] = []

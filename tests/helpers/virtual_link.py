@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from flight_replay.mavlink import dialect
+from flight_replay.mavlink import dialect, robust_parser
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
@@ -70,8 +70,7 @@ class VirtualLink:
         self.sent: list[Any] = []
         self.received: list[Any] = []
         self._mav = dialect.MAVLink(None, OUR_SYSTEM, OUR_COMPONENT)
-        self._decoder = dialect.MAVLink(None)
-        self._decoder.robust_parsing = True
+        self._decoder = robust_parser()
         self._random = random.Random(seed)
         self._in_flight: list[tuple[float, int, bool, bytes]] = []
         self._count = 0

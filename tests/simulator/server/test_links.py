@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from flight_replay.exceptions import SimulatorError
-from flight_replay.mavlink import dialect
+from flight_replay.mavlink import dialect, robust_parser
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.parameter_table import Parameters
 from flight_replay.simulator.server.addresses import NetworkAddress, parse_address
@@ -28,8 +28,7 @@ class Client:
         sock.settimeout(60)
         self.socket = sock
         self.mav = dialect.MAVLink(None, system, 190)
-        self._decoder = dialect.MAVLink(None)
-        self._decoder.robust_parsing = True
+        self._decoder = robust_parser()
 
     def send(self, message: object) -> None:
         self.socket.sendall(message.pack(self.mav))  # type: ignore[attr-defined]

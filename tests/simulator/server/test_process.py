@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from flight_replay.exceptions import SimulatorError
-from flight_replay.mavlink import dialect
+from flight_replay.mavlink import robust_parser
 from flight_replay.simulator.autopilot.faults import Faults
 from flight_replay.simulator.autopilot.location import Start
 from flight_replay.simulator.server import child, cli
@@ -40,8 +40,7 @@ def is_running(process_id: int) -> bool:
 def listen(address: str, kind: str, wall_s: float = 60.0) -> object:
     """The first message of a kind from a TCP address."""
     host, port = address.split(":")[1:]
-    decoder = dialect.MAVLink(None)
-    decoder.robust_parsing = True
+    decoder = robust_parser()
     deadline = time.monotonic() + wall_s
     with socket.create_connection((host, int(port)), wall_s) as sock:
         sock.settimeout(wall_s)

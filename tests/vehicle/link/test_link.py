@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from flight_replay.logs.tlog.writer import Recorder
-from flight_replay.mavlink import dialect
+from flight_replay.mavlink import dialect, robust_parser
 from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
@@ -26,8 +26,7 @@ class Vehicle:
         self.server = socket.create_server(("127.0.0.1", 0))
         self.server.settimeout(60)
         self.mav = dialect.MAVLink(None, 1, 1)
-        self.parser = dialect.MAVLink(None)
-        self.parser.robust_parsing = True
+        self.parser = robust_parser()
         self.client: socket.socket | None = None
         self.links: list[Link] = []
 

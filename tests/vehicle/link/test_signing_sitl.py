@@ -19,7 +19,7 @@ from flight_replay import supervisor
 from flight_replay.cli import restore
 from flight_replay.events import Event, Notice
 from flight_replay.exceptions import VehicleError
-from flight_replay.mavlink import dialect
+from flight_replay.mavlink import dialect, robust_parser
 from flight_replay.mission import formats
 from flight_replay.supervisor import Plan
 from flight_replay.vehicle import ConnectedVehicle, connect
@@ -113,8 +113,7 @@ def test_stations_and_restore_reach_a_copter_that_wants_signatures(tmp_path: Pat
 def answer_to_station(station: socket.socket) -> int:
     """The result of a command that an unsigned station sends to the copter."""
     mav = dialect.MAVLink(None, 255, 190)
-    parser = dialect.MAVLink(None)
-    parser.robust_parsing = True
+    parser = robust_parser()
     request = dialect.MAVLink_command_long_message(
         1, 1, dialect.MAV_CMD_REQUEST_MESSAGE, 0, dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION, 0, 0, 0, 0, 0, 0
     )

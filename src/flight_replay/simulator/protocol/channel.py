@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from flight_replay.mavlink import Message, dialect, parsed
+from flight_replay.mavlink import Message, dialect, parsed, robust_parser
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.autopilot.parameter_table import Parameter
 from flight_replay.simulator.flight.copter import STEP_S
@@ -37,8 +37,7 @@ class LinkChannel:
     ) -> None:
         self._autopilot, self._transmit, self._has_room = autopilot, transmit, has_room
         self._number = min(number, 4)
-        self._decoder = dialect.MAVLink(None)
-        self._decoder.robust_parsing = True
+        self._decoder = robust_parser()
         self._encoder = dialect.MAVLink(None, srcComponent=_COMPONENT)
         self._only_mavlink1 = autopilot.faults.firmware.mavlink1
         protocol = autopilot.parameters["SERIAL0_PROTOCOL"]

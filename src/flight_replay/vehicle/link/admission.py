@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from flight_replay.mavlink import dialect, parsed
+from flight_replay.mavlink import dialect, parsed, robust_parser
 
 _MARKERS = (dialect.PROTOCOL_MARKER_V1, dialect.PROTOCOL_MARKER_V2)
 
@@ -21,8 +21,7 @@ class Admission:
     """The decision for one sender; ``admitted`` once its heartbeat came."""
 
     def __init__(self) -> None:
-        self._parser = dialect.MAVLink(None)
-        self._parser.robust_parsing = True
+        self._parser = robust_parser()
         self._began = False
         self.admitted = False
 

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Hashable, Iterator
 from typing import Any
 
-from flight_replay.mavlink import Message, dialect, parsed
+from flight_replay.mavlink import Message, parsed, robust_parser
 
 MAX_SENDERS = 16
 
@@ -27,8 +27,7 @@ class ParserPool:
 
     def _parser(self, sender: Hashable) -> Any:
         if sender not in self._parsers:
-            self._parsers[sender] = dialect.MAVLink(None)
-            self._parsers[sender].robust_parsing = True
+            self._parsers[sender] = robust_parser()
             if len(self._parsers) > MAX_SENDERS:
                 self._parsers.popitem(last=False)
         self._parsers.move_to_end(sender)
