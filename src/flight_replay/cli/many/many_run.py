@@ -137,22 +137,12 @@ class ManyRun:
         return max(_LEAST_TASKS, _TASKS_PER_THREAD * self._threads)
 
     def _submit(self, task: _Task) -> Future:
-        if task.flight is None:
-            future = self.client.submit(
-                survey, task.log, self.job, pure=False, retries=_RETRIES, priority=_SURVEY
-            )
-        else:
-            future = self.client.submit(
-                flight_row,
-                task.log,
-                task.found.sha256,
-                len(task.found.flights),
-                task.flight,
-                self.job,
-                pure=False,
-                retries=_RETRIES,
-                priority=_FLIGHT,
-            )
+        work: tuple[Any, ...] = survey, task.log, self.job
+        found, priority = task.found, _SURVEY
+        if task.flight is not None:
+            work = flight_row, task.log, found.sha256, len(found.flights), task.flight, self.job
+            priority = _FLIGHT
+        future = self.client.submit(*work, pure=False, retries=_RETRIES, priority=priority)
         task.future = future
         self._tasks[future.key] = task
         return future
