@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
+
 import numpy as np
 
 from flight_replay.exceptions import MissionError
@@ -35,7 +37,9 @@ def fly_in_model(route: Route, *, duration_s: float | None, takeoff_m: float) ->
     step_s = step_for_s(route)
     flight = simulate(route.mission, limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
     begin_s, end_s, ended = _planned_end(route.mission, flight, duration_s)
-    reached = sorted(((seq, at_s) for seq, at_s in flight.reached_s.items() if at_s <= end_s), key=_time_s)
+    reached = sorted(
+        ((seq, at_s) for seq, at_s in flight.reached_s.items() if at_s <= end_s), key=itemgetter(1)
+    )
     waypoints = {seq for seq, _ in route.mission.waypoints}
     return _record(
         ended,
@@ -45,10 +49,6 @@ def fly_in_model(route: Route, *, duration_s: float | None, takeoff_m: float) ->
         reached=tuple(reached),
         waypoints_reached=len(waypoints & {seq for seq, _ in reached}),
     )
-
-
-def _time_s(reached: tuple[int, float]) -> float:
-    return reached[1]
 
 
 def _planned_end(mission: Mission, flight: Trajectory, duration_s: float | None) -> tuple[float, float, str]:
