@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.arrays import Flags, Floats, Indices, Integers
 from flight_replay.geometry.geodesy import distance_m
 from flight_replay.logs.plausibility import FASTEST_M_S
 from flight_replay.logs.tlog.clock import stamps
 from flight_replay.logs.tlog.clock.late_records import are_late
-from flight_replay.logs.tlog.clock.record_runs import Integers, Runs
+from flight_replay.logs.tlog.clock.record_runs import Runs
 from flight_replay.logs.tlog.columns import Positions
 
 _WRAP_MS = 1 << 32

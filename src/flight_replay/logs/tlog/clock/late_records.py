@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags, Floats, Indices
+from flight_replay.geometry.arrays import Flags, Floats, Indices, Integers
 from flight_replay.logs.tlog.clock import stamps
-from flight_replay.logs.tlog.clock.record_runs import Integers, Runs
+from flight_replay.logs.tlog.clock.record_runs import Runs
 
 LONGEST_LAG_S = 600.0
 """No link keeps records back for longer: what is older is of another vehicle, or another clock."""

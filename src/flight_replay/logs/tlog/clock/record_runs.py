@@ -7,9 +7,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Indices
+from flight_replay.geometry.arrays import Indices, Integers
 
-Integers = NDArray[np.int64]
 Number = TypeVar("Number", bound=np.generic)
 
 

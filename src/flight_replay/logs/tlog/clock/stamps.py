@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flight_replay.geometry.arrays import Flags
-from flight_replay.logs.tlog.clock.record_runs import Integers
+from flight_replay.geometry.arrays import Flags, Integers
 
 _EARLIEST_US = 946_684_800_000_000  # 2000, before there was MAVLink
 _LATEST_US = 4_102_444_800_000_000  # 2100
