@@ -20,12 +20,13 @@ _MIN_RETRY_S = 0.1  # ArduPilot reads parameters in a thread that is slower than
 _REQUEST_INTERVAL_S = 0.01  # Between requests, so that a slow radio keeps up.
 _TOLERANCE = 1e-4  # Relative: parameters are float32.
 _MAX_ERROR = 1e-3  # Probability of taking a lost answer for an unknown name.
+_READ_S, _WRITE_S = 15.0, 10.0
 _RESTORE_S, _RESTORE_UNANSWERED_S = 4.0, 1.0
 _MAX_INTEGER_UNIT = 0.1
 _UNANSWERED, _UNKNOWN = "the vehicle does not answer", "its firmware has no such parameter"
 
 
-def read_parameters(link: VehicleLink, names: Iterable[str], limit_s: float = 15.0) -> dict[str, float]:
+def read_parameters(link: VehicleLink, names: Iterable[str], limit_s: float = _READ_S) -> dict[str, float]:
     """Values by name; names that the vehicle does not have are left out.
 
     ArduPilot does not answer for a parameter that it does not have: a name counts as unknown when
@@ -34,7 +35,7 @@ def read_parameters(link: VehicleLink, names: Iterable[str], limit_s: float = 15
     return _read(link, names, limit_s).values
 
 
-def _read(link: VehicleLink, names: Iterable[str], limit_s: float = 15.0) -> _ParameterReader:
+def _read(link: VehicleLink, names: Iterable[str], limit_s: float) -> _ParameterReader:
     reader = _ParameterReader(link, list(dict.fromkeys(names)))
     end_s = link.now_s() + limit_s
     with link.inbox("PARAM_VALUE", timesync.MESSAGE_TYPE) as inbox:
@@ -101,7 +102,7 @@ class _ParameterReader:
 def write_parameters(
     link: VehicleLink,
     wanted: Mapping[str, float],
-    limit_s: float = 10.0,
+    limit_s: float = _WRITE_S,
     unanswered_s: float = math.inf,
 ) -> None:
     """Set parameters, each confirmed by the vehicle; one that never answers is left after ``unanswered_s``.
@@ -120,14 +121,15 @@ def set_parameters(
 
     A name that it is ``known`` to have soon shows which names it does not have.
     """
-    reader = _read(link, [*wanted, *known])
+    reader = _read(link, [*wanted, *known], _READ_S)
     why = _UNKNOWN if reader.missing_is_unknown else _UNANSWERED
     unset = {name: why for name in reader.missing if name in wanted}
-    return unset | _written(link, {name: value for name, value in wanted.items() if name not in unset})
+    there = {name: value for name, value in wanted.items() if name not in unset}
+    return unset | _written(link, there, _WRITE_S, math.inf)
 
 
 def _written(
-    link: VehicleLink, wanted: Mapping[str, float], limit_s: float = 10.0, unanswered_s: float = math.inf
+    link: VehicleLink, wanted: Mapping[str, float], limit_s: float, unanswered_s: float
 ) -> dict[str, str]:
     """Set parameters; why not, for each that the vehicle does not confirm in time."""
     reported: dict[str, float] = {}
