@@ -16,7 +16,7 @@ from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import dialect
 from flight_replay.simulator.autopilot import faults as sim
 from flight_replay.simulator.autopilot.faults import Faults, ScriptedFault
-from tests.cli.test_faults import MAX_WALL_S, kind
+from tests.cli.test_faults import MAX_WALL_S, at, kind
 from tests.helpers.fault_link import FOREVER_S, FaultLink, Message, Trigger
 from tests.helpers.follow_runs import TOP_SPEED_M_S, FollowRun, follow, is_in_mode, is_target
 from tests.helpers.link_conditions import LinkConditions
@@ -162,11 +162,6 @@ def test_a_stall_of_the_program_is_made_good(speedup: float, stall_s: float, off
 
 
 # The autopilot, the pilot, and other stations
-
-
-def at(moment: str, after_s: float, action: sim.Action) -> Faults:
-    """A vehicle with one fault."""
-    return Faults(script=(ScriptedFault(moment, after_s, action),))
 
 
 PILOTS = {
