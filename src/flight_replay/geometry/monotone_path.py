@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flight_replay.geometry.arrays import Floats, Indices
+from flight_replay.geometry.arrays import Bytes, Floats, Indices
 
 _BLOCK = 32
 """Rows whose costs are found together."""
@@ -79,7 +78,7 @@ class _Marks:
 
     left: int
     right: int
-    bits: NDArray[np.uint8]
+    bits: Bytes
 
 
 def _forbid(costs: Floats, low: Indices, high: Indices) -> None:

@@ -11,6 +11,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.byte_source import OpenLog, Progress
 from flight_replay.logs.dataflash.collected import MESSAGES, Collected
 from flight_replay.logs.dataflash.dataflash_recording import LogContents, dataflash_recording
+from flight_replay.logs.dataflash.message_rows import Offsets
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.vehicles import VehicleId
 
@@ -65,7 +66,7 @@ class TextRows:
         return True
 
     @property
-    def offset(self) -> np.ndarray:
+    def offset(self) -> Offsets:
         """See ``MessageRows``."""
         return np.array(self._starts, np.int64)
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flight_errors import flight_errors
 from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.reference_motion import ReferenceMotion
@@ -14,14 +15,7 @@ from flight_replay.planning.following.braking import braking_within, is_not_pull
 from flight_replay.planning.route import Route
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.guided_trajectory import Targets, simulate_targets
-from flight_replay.supervisor.follower import (
-    DEFAULT_TUNING,
-    OFF_COURSE,
-    TARGET_S,
-    Follower,
-    MotionTarget,
-    Tuning,
-)
+from flight_replay.supervisor.follower import DEFAULT_TUNING, OFF_COURSE, TARGET_S, Follower, Tuning
 
 _ROWS_A_SAMPLE = 5  # Ten samples a second.
 
@@ -76,10 +70,10 @@ def predicted_following(route: Route, reference: ReferenceMotion, limits: Limits
     return Movement(flight.time_s[kept], ground_m, flight.up_m[kept], flight.heading_deg[kept])
 
 
-def _targets(reference: ReferenceMotion, times_s: np.ndarray, tuning: Tuning) -> Targets:
+def _targets(reference: ReferenceMotion, times_s: Floats, tuning: Tuning) -> Targets:
     """The targets that are sent to a vehicle that keeps up."""
     follower = Follower(reference, np.inf, tuning)
-    sent: list[MotionTarget] = [follower.target(float(time_s)) for time_s in times_s]
+    sent = [follower.target(float(time_s)) for time_s in times_s]
     headings_deg = np.array([np.nan if each.heading_deg is None else each.heading_deg for each in sent])
     return Targets(
         times_s,

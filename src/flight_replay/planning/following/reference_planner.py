@@ -12,7 +12,7 @@ from math import pi, tan
 import numpy as np
 
 from flight_replay.exceptions import MissionError
-from flight_replay.geometry.arrays import Floats
+from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.planning.drag import Drag
@@ -139,7 +139,7 @@ def _heights(knots: Knots, recorded: RecordedMotion, bounds: ReferenceBounds, fl
     )
 
 
-def _headings(knots: Knots, recorded: RecordedMotion, known: np.ndarray, bounds: ReferenceBounds) -> Floats:
+def _headings(knots: Knots, recorded: RecordedMotion, known: Flags, bounds: ReferenceBounds) -> Floats:
     """Coefficients (size, 1), the short way round from fix to fix."""
     turned = np.unwrap(recorded.heading_deg[known], period=360.0)
     samples = Samples(*filled(recorded.time_s[known], turned[:, None]))
