@@ -14,6 +14,7 @@ from flight_replay.simulator.protocol import banner, guided_positions, guided_ta
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import ACCEPTED, FAILED
 from flight_replay.simulator.protocol.commands import command_int, command_long
+from flight_replay.simulator.protocol.mission_upload import acknowledge
 
 MessageHandler = Callable[[Autopilot, Message, Sender], bool]
 
@@ -76,8 +77,7 @@ def _mission_item(autopilot: Autopilot, message: Message, sender: Sender) -> boo
     """A GUIDED target as DroneKit and old stations send it: an item with current 2, or 3 for altitude."""
     if message.current not in (2, 3) or message.mission_type != dialect.MAV_MISSION_TYPE_MISSION:
         return False
-    result = guided_positions.item(autopilot, message)
-    sender.channel.send(dialect.MAVLink_mission_ack_message(sender.system, sender.component, result))
+    acknowledge(sender, guided_positions.item(autopilot, message))
     return True
 
 

@@ -13,7 +13,7 @@ from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.stored_items import item_float, item_int
 from flight_replay.simulator.protocol.channel import Sender
-from flight_replay.simulator.protocol.mission_upload import MissionUpload
+from flight_replay.simulator.protocol.mission_upload import MissionUpload, acknowledge
 
 _MISSION = dialect.MAV_MISSION_TYPE_MISSION
 _ALWAYS_EMPTY = frozenset({dialect.MAV_MISSION_TYPE_FENCE, dialect.MAV_MISSION_TYPE_RALLY})
@@ -23,20 +23,13 @@ _NO_SPACE, _DENIED = dialect.MAV_MISSION_NO_SPACE, dialect.MAV_MISSION_DENIED
 MissionHandler = Callable[[Message, Sender], None]
 
 
-def acknowledge(sender: Sender, result: int, mission_type: int = 0) -> None:
-    """MISSION_ACK to a station."""
-    sender.channel.send(
-        dialect.MAVLink_mission_ack_message(sender.system, sender.component, result, mission_type)
-    )
-
-
 class MissionProtocol:
     """Answers mission messages, by name in ``handlers``."""
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot, self._store = autopilot, autopilot.store
         self._knows_item_int = autopilot.faults.mission.supports_item_int
-        self._upload = upload = MissionUpload(autopilot, acknowledge)
+        self._upload = upload = MissionUpload(autopilot)
         self._warned = False
         self.handlers: dict[str, MissionHandler] = {
             "MISSION_COUNT": self._for_mission(upload.count, self._other_count),

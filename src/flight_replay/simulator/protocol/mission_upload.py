@@ -6,7 +6,6 @@ upload without items for 8 seconds is cancelled. While one station uploads, othe
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from flight_replay.events import Severity
@@ -20,6 +19,13 @@ from flight_replay.simulator.protocol.channel import Sender
 REQUEST_RETRY_S = 1.0
 TIMEOUT_S = 8.0
 _ACCEPTED, _ERROR = dialect.MAV_MISSION_ACCEPTED, dialect.MAV_MISSION_ERROR
+
+
+def acknowledge(sender: Sender, result: int, mission_type: int = 0) -> None:
+    """MISSION_ACK to a station."""
+    sender.channel.send(
+        dialect.MAVLink_mission_ack_message(sender.system, sender.component, result, mission_type)
+    )
 
 
 @dataclass(slots=True)
@@ -36,8 +42,8 @@ class _Transfer:
 class MissionUpload:
     """At most one upload at a time into the autopilot's mission store."""
 
-    def __init__(self, autopilot: Autopilot, acknowledge: Callable[[Sender, int], None]) -> None:
-        self._autopilot, self._store, self._ack = autopilot, autopilot.store, acknowledge
+    def __init__(self, autopilot: Autopilot) -> None:
+        self._autopilot, self._store = autopilot, autopilot.store
         self._faults = autopilot.faults.mission
         self._capacity = min(CAPACITY, self._faults.capacity)
         self._warned = False
@@ -55,16 +61,16 @@ class MissionUpload:
         if now_s - transfer.received_s > TIMEOUT_S:
             self._end()
             self._autopilot.say(Severity.WARNING, "Mission upload timeout")
-            self._ack(transfer.sender, dialect.MAV_MISSION_OPERATION_CANCELLED)
+            acknowledge(transfer.sender, dialect.MAV_MISSION_OPERATION_CANCELLED)
         elif now_s - transfer.requested_s > REQUEST_RETRY_S:
             self._request(transfer)
 
     def count(self, message: Message, sender: Sender) -> None:
         """MISSION_COUNT begins an upload, or begins the station's own upload again."""
         if self._transfer is not None and not self._transfer.sender.is_same_station(sender):
-            self._ack(sender, dialect.MAV_MISSION_DENIED)
+            acknowledge(sender, dialect.MAV_MISSION_DENIED)
         elif message.count > self._capacity:
-            self._ack(sender, dialect.MAV_MISSION_NO_SPACE)
+            acknowledge(sender, dialect.MAV_MISSION_NO_SPACE)
             self._autopilot.say(Severity.WARNING, f"Only {self._capacity} items are supported")
         else:
             self._store.truncate(message.count)
@@ -76,7 +82,7 @@ class MissionUpload:
             self._begin(sender, message.start_index, message.end_index)
         else:
             self._autopilot.say(Severity.WARNING, "Flight plan update rejected")
-            self._ack(sender, _ERROR)
+            acknowledge(sender, _ERROR)
 
     def _begin(self, sender: Sender, first_seq: int, last_seq: int) -> None:
         now_s = self._autopilot.time_s
@@ -91,7 +97,7 @@ class MissionUpload:
         self._end()
         self._autopilot.trigger("upload")
         self._autopilot.say(Severity.INFO, "Flight plan received")
-        self._ack(transfer.sender, self._faults.result_of_upload)
+        acknowledge(transfer.sender, self._faults.result_of_upload)
 
     def _request(self, transfer: _Transfer) -> None:
         transfer.requested_s = self._autopilot.time_s
@@ -107,11 +113,11 @@ class MissionUpload:
             self._autopilot.say(Severity.WARNING, "got MISSION_ITEM; GCS should send MISSION_ITEM_INT")
         transfer = self._transfer
         if transfer is None:
-            self._ack(sender, _ERROR)
+            acknowledge(sender, _ERROR)
         elif message.seq != transfer.next_seq:
-            self._ack(sender, dialect.MAV_MISSION_INVALID_SEQUENCE)
+            acknowledge(sender, dialect.MAV_MISSION_INVALID_SEQUENCE)
         elif not transfer.sender.is_same_station(sender):
-            self._ack(sender, dialect.MAV_MISSION_DENIED)
+            acknowledge(sender, dialect.MAV_MISSION_DENIED)
         else:
             self._receive_item(message, transfer)
 
@@ -120,7 +126,7 @@ class MissionUpload:
         result = self._store_item(message, transfer)
         if result != _ACCEPTED:
             self._end()
-            self._ack(transfer.sender, result)
+            acknowledge(transfer.sender, result)
             return
         transfer.received_s = self._autopilot.time_s
         transfer.next_seq += 1
