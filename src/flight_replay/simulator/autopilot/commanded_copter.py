@@ -240,9 +240,9 @@ class CommandedCopter:
         self._destination_m = None
         self._copter.stop()
 
-    def change_speed(self, kind: int, speed_m_s: float) -> bool:
+    def change_speed(self, kind: int, speed_m_s: float) -> None:
         """Change the speed until the mode changes: kind 0 and 1 horizontal, 2 climb, 3 descent."""
-        return self._copter.change_speed(kind, speed_m_s)
+        self._copter.change_speed(kind, speed_m_s)
 
     def fly_mission(self, items: Sequence[LocalItem], seq: int) -> MissionRun:
         """Fly the mission from a sequence number on."""

@@ -23,11 +23,10 @@ _INTEGER_LIMITS = {2: (-(2**7), 2**7 - 1), 4: (-(2**15), 2**15 - 1), 6: (-(2**31
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter: ``param_type`` is its MAV_PARAM_TYPE, ``index`` its position in the full list."""
+    """One parameter: ``param_type`` is its MAV_PARAM_TYPE."""
 
     name: str
     param_type: int
-    index: int
     value: float
 
 
@@ -70,18 +69,18 @@ class Parameters(Mapping[str, float]):
             .joinpath("parameters.csv")
             .open(encoding="ascii") as lines
         ):
-            rows = [row for row in csv.DictReader(lines) if row["name"] not in absent]
-        for index, row in enumerate(rows):
-            self._add(index, row["name"], _TYPES[row["type"]], float(row["value"]))
+            for row in csv.DictReader(lines):
+                if row["name"] not in absent:
+                    self._add(row["name"], _TYPES[row["type"]], float(row["value"]))
         self._order = list(self._parameters)
         for name, value in (values or {}).items():
             self.assign(name, value)
 
-    def _add(self, index: int, name: str, param_type: int, value: float) -> None:
+    def _add(self, name: str, param_type: int, value: float) -> None:
         if name in self._renamed:
             name, factor = self._renamed[name]
             param_type, value = _REAL, value * factor
-        self._parameters[name] = Parameter(name, param_type, index, stored_value(value, param_type))
+        self._parameters[name] = Parameter(name, param_type, stored_value(value, param_type))
 
     def __getitem__(self, name: str) -> float:
         if name in self._renamed:
@@ -106,7 +105,7 @@ class Parameters(Mapping[str, float]):
     def assign(self, name: str, value: float) -> Parameter:
         """Set a parameter as its type stores it, and call ``on_change``; KeyError for an unknown name."""
         old = self._parameters[name]
-        new = Parameter(name, old.param_type, old.index, stored_value(value, old.param_type))
+        new = Parameter(name, old.param_type, stored_value(value, old.param_type))
         self._parameters[name] = new
         for listener in self.on_change:
             listener(new)
