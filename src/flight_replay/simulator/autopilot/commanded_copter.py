@@ -33,8 +33,8 @@ class CommandedCopter:
         parameters: Mapping[str, float],
         start: Start,
         *,
-        takeoff_climbs: bool = True,
-        checks_speed: bool = True,
+        takeoff_climbs: bool,
+        checks_speed: bool,
     ) -> None:
         """On the ground.
 
