@@ -12,9 +12,9 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.objective import Evaluation, evaluate
-from flight_replay.planning.fit.reference import Hover, LocalTrack
+from flight_replay.planning.fit.reference import LEAST_HOLD_S, Hover, LocalTrack
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft, simulate_draft
-from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S, with_speeds
+from flight_replay.planning.fit.speed_schedule import with_speeds
 from flight_replay.simulator.dynamics.limits import Limits
 
 _simulated = lru_cache(maxsize=4)(simulate_draft)

@@ -19,6 +19,8 @@ SHORTEST_HOVER_S = 5.0
 """Shorter pauses are flown slowly: to brake, wait and start again takes ArduCopter as long."""
 ROOMY_HOVER_S = 3.5
 """Where legs are long anyway, so much is worth a stop: one speed a leg would smear it over all of a leg."""
+LEAST_HOLD_S = 1.0
+"""Items wait whole seconds."""
 SETTLE_HOLD_S, TIMED_SETTLE_HOLD_S = 1.0, 6.0
 """At the first place a vehicle comes to rest before what is timed begins. On the way there its target hardly
 moves, and the noise of the estimated velocity slows it down (_track_scalar_dt), which takes seconds to wear
@@ -131,7 +133,7 @@ def holds_s(places: int, hovers: Mapping[int, Hover], *, timed: bool) -> Floats:
     hold_s = np.zeros(places)
     hold_s[0] = TIMED_SETTLE_HOLD_S if timed else SETTLE_HOLD_S
     for place, hover in hovers.items():
-        hold_s[place] = max(1.0, round(hover.seconds))
+        hold_s[place] = max(LEAST_HOLD_S, round(hover.seconds))
     return hold_s
 
 

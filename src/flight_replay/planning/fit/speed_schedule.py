@@ -17,7 +17,7 @@ from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.planning.fit.climb_speeds import steep_legs
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, Offsets
-from flight_replay.planning.fit.reference import Hover, LocalTrack
+from flight_replay.planning.fit.reference import LEAST_HOLD_S, Hover, LocalTrack
 
 SLOWEST_M_S = 0.35
 """A little more than creeping (``objective.CREEPING_SPEED_M_S``); ArduCopter ignores less than 0.2 m/s."""
@@ -27,7 +27,6 @@ came 0.2 s late, with all that followed. It waits instead."""
 SLOWEST_CLIMB_M_S = 0.25
 """Of steep legs; it is their ground speed, too."""
 FASTEST_M_S = 30.0
-LEAST_HOLD_S = 1.0
 _LAG_S = 0.5
 """The vehicle passes a place so long after its target has reached it."""
 _OFF_S = 0.6

@@ -20,6 +20,7 @@ import numpy as np
 from flight_replay.planning.fit.chains.draft_legs import DraftLegs
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import LEAST_HOLD_S
 from flight_replay.planning.fit.rounds import FIRST_DAMPING, State, flown_leaving
 
 _MOST_CHAINS = 12
@@ -62,7 +63,7 @@ def _joined(
     for at, ((k, _), (m, place)) in enumerate(pairwise(rows)):
         if problem.timed and k != m and hold_s[at] > 0:
             leaves_s = float(states[m].best.passed_s[place - 1])
-            hold_s[at] = max(1.0, hold_s[at] + round(leaves_s - passed_s[at]))
+            hold_s[at] = max(LEAST_HOLD_S, hold_s[at] + round(leaves_s - passed_s[at]))
             passed_s[at] = leaves_s
     joined = Draft(
         np.concatenate([part.places_m for part in parts]),

@@ -24,8 +24,8 @@ from flight_replay.geometry.arrays import Flags
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
+from flight_replay.planning.fit.reference import LEAST_HOLD_S
 from flight_replay.planning.fit.rounds import changed_flown
-from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S
 
 _SLOW_M_S = 0.5
 

@@ -18,8 +18,8 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
+from flight_replay.planning.fit.reference import LEAST_HOLD_S
 from flight_replay.planning.fit.rounds import changed_flown
-from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S
 
 _SHORT_M_PER_M_S3 = 2.0
 """Only legs that are shorter have such errors, by the jerk that the vehicle flies them with (WPNAV_JERK)."""

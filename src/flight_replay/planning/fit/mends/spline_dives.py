@@ -18,8 +18,8 @@ from flight_replay.planning.dives import STEP_S, falls_m_s, too_fast_m_s
 from flight_replay.planning.fit.draft import Draft, with_every_speed
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import FitProblem
+from flight_replay.planning.fit.reference import LEAST_HOLD_S
 from flight_replay.planning.fit.rounds import changed_flown
-from flight_replay.planning.fit.speed_schedule import LEAST_HOLD_S
 from flight_replay.simulator.dynamics.limits import Limits
 
 _MOST_ROUNDS = 10

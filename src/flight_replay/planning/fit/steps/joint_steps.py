@@ -34,10 +34,10 @@ from flight_replay.planning.fit.legs.flight_derivatives import (
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.place_moves import kept_in_corridor
 from flight_replay.planning.fit.problem import Budget, FitProblem
+from flight_replay.planning.fit.reference import LEAST_HOLD_S
 from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown, flown_on_time
 from flight_replay.planning.fit.speed_schedule import (
     FASTEST_M_S,
-    LEAST_HOLD_S,
     Schedule,
     slowest_m_s,
     speed_caps_m_s,
