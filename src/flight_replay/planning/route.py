@@ -22,41 +22,43 @@ from flight_replay.simulator.dynamics.limits import Limits
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Route:
-    """A mission, the recorded fixes that it covers, and what is known of it before it is flown.
-
-    ``recorded`` is what of ``covered`` was flown, ``wanted`` the same as a replay is measured with: in
-    metres around ``frame``, its clock counting from its first fix, its heights as wanted; ``planned_up_m``
-    are those that the mission asks for at its fixes, where the vehicle cannot climb as fast as wanted.
-    ``recording`` is the flown part of all that the route was made from. ``planned_error`` is the path error
-    of the mission's path, ``predicted_duration_s`` the time in AUTO, or of following, ``predicted`` the
-    errors of the flight where the planning simulated it, ``predicted_flight`` that flight, by the clock of
-    ``wanted``. ``reference`` is the motion to follow in GUIDED,
-    where the mission is only its outline, and is not uploaded, ``pace`` times as fast as recorded: the clock
-    of ``wanted`` is that of the reference. ``required_limits`` are the fields of
-    ``Limits`` to raise on the vehicle before it flies, in SI units; ``objective_m`` is what a fit made
-    small; ``limits`` are those that the plan is made with; ``heights`` says what the route does with them;
-    ``notes`` are sentences for people.
-    """
+    """A mission, the recorded fixes that it covers, and what is known of it before it is flown."""
 
     method: str
     mission: Mission
     covered: Track
     recorded: Track
+    """What of ``covered`` was flown."""
     wanted: Movement
+    """The same as a replay is measured with: in metres around ``frame``, its heights as wanted, its clock
+    counting from its first fix, or that of ``reference``."""
     planned_up_m: Floats
+    """The heights that the mission asks for at its fixes; not those wanted, where the vehicle is too slow."""
     recording: Track
+    """The flown part of all that the route was made from."""
     path: Path
     planned_error: PathErrors
+    """The path error of the mission's path."""
     predicted_duration_s: float
+    """The time in AUTO, or of following."""
     predicted: FlightErrors | None = None
+    """The errors of the flight, where the planning simulated it."""
     predicted_flight: Movement | None = None
+    """That flight, by the clock of ``wanted``."""
     objective_m: float | None = None
+    """What a fit made small."""
     reference: ReferenceMotion | None = None
+    """The motion to follow in GUIDED; the mission is only its outline then, and is not uploaded."""
     pace: float = 1.0
+    """How many times as fast as recorded ``reference`` is."""
     required_limits: Mapping[str, float] = field(default_factory=dict)
+    """The fields of ``Limits`` to raise on the vehicle before it flies, in SI units."""
     limits: VehicleLimits = field(default_factory=VehicleLimits)
+    """Those that the plan is made with."""
     heights: RouteHeights | None = None
+    """What the route does with heights."""
     notes: tuple[str, ...] = ()
+    """Sentences for people."""
 
     @property
     def frame(self) -> LocalFrame:

@@ -66,24 +66,24 @@ class Plan(FlightPlan):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FollowPlan(FlightPlan):
-    """A recording followed in GUIDED: ``duration_s`` is the recording's time, None for all of it.
-
-    ``recorded_s`` is when the last fix was recorded. The reference waits for a vehicle that is farther
-    from it than ``max_error_m``; three times that ends the flight. The way to the recording's begin is
-    flown at ``approach_m_s``, by None at the vehicle's own ``speed_m_s``. ``speedup`` is that of a simulator
-    that is slowed down where this machine is too busy for it; None if its clock is not to be changed.
-    Of the ``passes``, all but the last only teach the next one.
-    """
+    """A recording followed in GUIDED."""
 
     reference: ReferenceMotion
     recorded_s: float
+    """When the last fix was recorded."""
     duration_s: float | None = 60.0
+    """How much of the recording's time; None for all of it."""
     max_error_m: float = 3.0
+    """The reference waits for a vehicle that is farther from it; three times that ends the flight."""
     tuning: Tuning = field(default_factory=Tuning)
     approach_m_s: float | None = None
+    """The speed of the way to the recording's begin; None for the vehicle's own, ``speed_m_s``."""
     speed_m_s: float = 10.0
     speedup: float | None = None
+    """That of a simulator, which is slowed down where this machine is too busy for it; None to leave its
+    clock alone."""
     passes: int = 1
+    """All but the last only teach the next one."""
 
     @property
     def end_s(self) -> float:
@@ -99,23 +99,23 @@ class FollowPlan(FlightPlan):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightRecord:
-    """How a flight that reached AUTO, or the recording's begin, went; times are of the vehicle's clock.
-
-    ``ended`` is "duration", "final waypoint", "mission complete", "recording complete", "pilot",
-    "failsafe", "link lost", "reboot", "disarmed", "mission changed", "off course" or "no progress";
-    ``problem`` is None if the flight ended as planned, else one sentence. ``reached`` holds (sequence
-    number, time) of each item in the order reached, ``flown`` the positions reported in AUTO or while
-    following, ``auto_start_s`` the time when that began. ``recording_s`` (n,) is the recording's time at
-    each flown position, None for a mission.
-    """
+    """How a flight that reached AUTO, or the recording's begin, went; times are of the vehicle's clock."""
 
     waypoints_reached: int
     ended: str
+    """Why it ended: "duration", "final waypoint", "mission complete", "recording complete", "pilot",
+    "failsafe", "link lost", "reboot", "disarmed", "mission changed", "off course" or "no progress"."""
     problem: str | None
+    """None if the flight ended as planned, else one sentence."""
     auto_start_s: float
+    """When AUTO, or following, began."""
     auto_s: float
+    """How long it lasted."""
     rtl_confirmed: bool
     landed: bool
     reached: tuple[tuple[int, float], ...]
+    """Sequence number and time of each item, in the order reached."""
     flown: Track
+    """The positions reported in AUTO, or while following."""
     recording_s: Floats | None = None
+    """The recording's time at each flown position (n,), None for a mission."""

@@ -84,32 +84,33 @@ class FlightErrorSeries:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReplaySeries:
-    """Everything that the charts of a replay draw; what does not exist is None.
-
-    ``recording`` is all of the recorded flight, ``recorded`` what of it was flown again, or is
-    planned to be. ``planned_height`` holds times and heights above home that the plan asks for,
-    ``predicted`` is where the model flies it, with ``predicted_error``, ``flown`` the flight, with
-    ``flown_error``; ``home_m`` is (north, east). ``reached`` holds (time, planned altitude) of each waypoint
-    reached. ``time_label`` is what charts over time say of their time, ``error_label`` what those of errors
-    say. Of a recording that is not ``timed`` charts over time show nothing but its errors.
-    """
+    """Everything that the charts of a replay draw; what does not exist is None."""
 
     recording: TrackSeries
+    """All of the recorded flight."""
     recorded: TrackSeries
+    """What of it was flown again, or is planned to be."""
     planned_m: Floats
     waypoints_m: Floats
     waypoint_seqs: tuple[int, ...]
     planned_error: PathErrorSeries
     planned_height: tuple[Floats, Floats]
+    """Times, and heights above home that the plan asks for."""
     time_label: str
+    """What charts over time say of their time."""
     error_label: str
+    """What those of errors say."""
     timed: bool = True
+    """Whether the recording is; if not, charts over time show nothing but its errors."""
     home_m: Floats | None = None
+    """North and east."""
     predicted: TrackSeries | None = None
+    """Where the model flies it."""
     predicted_error: FlightErrorSeries = FlightErrorSeries()
     flown: TrackSeries | None = None
     flown_error: FlightErrorSeries = FlightErrorSeries()
     reached: tuple[tuple[float, float], ...] = ()
+    """Time and planned altitude of each waypoint reached."""
 
     @property
     def predicted_unflown(self) -> TrackSeries | None:
