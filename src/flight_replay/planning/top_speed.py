@@ -32,8 +32,7 @@ def with_speed_note(route: Route, asked_m_s: float, limits: Limits) -> Route:
     top_m_s = _top_speed_m_s(route.predicted_flight)
     if top_m_s >= _REACHED * asked_m_s:
         return route
-    home = route.mission.home
-    amsl_m = 0.0 if home is None or home.alt_amsl_m is None else home.alt_amsl_m
+    amsl_m = route.mission.home_item.alt_m
     if _drag_m_s2(top_m_s / _LEANS_ALL, amsl_m) >= GRAVITY_M_S2 * tan(limits.lean_angle_rad):
         why = (
             f"at its greatest lean, {degrees(limits.lean_angle_rad):.0f} degrees, drag as of SITL's "

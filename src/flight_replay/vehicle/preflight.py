@@ -208,7 +208,7 @@ def _check_areas(
 
 def _heights_m(mission: Mission) -> Floats:
     """Altitude of each waypoint above home, metres; above terrain counts as above home."""
-    home_amsl_m = (mission.home.alt_amsl_m or 0.0) if mission.home else 0.0
+    home_amsl_m = mission.home_item.alt_m
     return np.array(
         [item.alt_m - (home_amsl_m if item.frame == Frame.ABSOLUTE else 0.0) for _, item in mission.waypoints]
     )

@@ -106,16 +106,12 @@ def home_frame(mission: Mission) -> LocalFrame:
     raise MissionError("The mission has neither home nor waypoint; add a waypoint.")
 
 
-def _home_amsl_m(mission: Mission) -> float:
-    return (mission.home.alt_amsl_m or 0.0) if mission.home else 0.0
-
-
 def _flat(frame: LocalFrame) -> FlatFrame:
     return FlatFrame(frame.lat_deg, frame.lon_deg)
 
 
 def _items(mission: Mission) -> tuple[LocalItem, ...]:
-    items = local_items(mission, _flat(home_frame(mission)), _home_amsl_m(mission))
+    items = local_items(mission, _flat(home_frame(mission)), mission.home_item.alt_m)
     for item in items:
         if not item.is_simulated:
             raise MissionError(f"Item {item.seq} (command {item.command}) cannot be simulated; remove it.")
@@ -169,7 +165,7 @@ def simulate(  # noqa: PLR0913
             position_m=start,
             velocity_m_s=velocity_m_s,
             wind_m_s=wind_m_s,
-            home_amsl_m=_home_amsl_m(mission),
+            home_amsl_m=mission.home_item.alt_m,
             step_s=step_s,
         )
     )
@@ -195,7 +191,7 @@ def simulate_flight(
         MissionError: the mission has no location, never ends, or has an item that cannot be simulated.
     """
     items = _items(mission)
-    copter = Copter(limits, home_amsl_m=_home_amsl_m(mission))
+    copter = Copter(limits, home_amsl_m=mission.home_item.alt_m)
     recorder = _Recorder(copter)
     up = _first_altitude_m(items) if takeoff_m is None else takeoff_m
     copter.takeoff(up)
