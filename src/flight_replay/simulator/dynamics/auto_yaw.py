@@ -87,7 +87,7 @@ class AutoYaw(SnapshotPart):
         self._roi_m = north_east_m
 
     def set_fixed_yaw(
-        self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool
+        self, angle_rad: float, rate_rad_s: float = 0.0, direction: float = 0.0, *, relative: bool = False
     ) -> None:
         """Turn to an angle, or by one (AutoYaw::set_fixed_yaw)."""
         if relative:
