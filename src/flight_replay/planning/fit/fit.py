@@ -105,7 +105,7 @@ def _searched(
     with threadpool_limits(1, user_api="blas"):
         starts = _at_speed(speed_m_s, _starts(problem, recording, max_points))
         best, stopped = search(problem, starts, max_points, budget)
-    return best, f"Fitted in {budget.spent + budget.besides:.0f} simulations: {stopped}."
+    return best, f"Fitted in {budget.spent:.0f} simulations: {stopped}."
 
 
 def problem_for(recording: LocalTrack, max_points: int, limits: Limits, *, timed: bool) -> FitProblem:

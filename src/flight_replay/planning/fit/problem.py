@@ -92,21 +92,22 @@ class FirstDraft:
 
 
 class Budget:
-    """Flights in the model that the search may take; ``spend`` tells of them as they are flown.
-
-    What is flown ``besides`` counts as flown, but leaves as many for the search.
-    """
+    """Flights in the model that the search may take; ``spend`` tells of them as they are flown."""
 
     def __init__(self, flights: int, progress: Callable[[int, int], None]) -> None:
         self.flights = flights
         self.spent = 0.0
-        self.besides = 0.0
         self._progress = progress
 
     def spend(self, flights: float) -> None:
         """Count flights, or parts of one."""
         self.spent += flights
         self._progress(min(round(self.spent), self.flights), self.flights)
+
+    def spend_besides(self, flights: float) -> None:
+        """Count flights that leave as many as there were."""
+        self.flights += round(flights)
+        self.spend(round(flights))
 
     def affords(self, flights: float, overdrawn: float = 0.0) -> bool:
         """Whether so many flights are left, with a share more than there may be to overdraw."""

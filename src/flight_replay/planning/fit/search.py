@@ -87,7 +87,7 @@ def _relieved_soon(problem: FitProblem, states: list[State], most: int, budget: 
     besides = Budget(_SOON_FLIGHTS, lambda done, total: None)
     while (fewer := with_fewer_places(problem, found, besides)) is not found:
         found = fewer
-    budget.besides += besides.spent
+    budget.spend_besides(besides.spent)
     return [*states, found] if found.objective_m < _MUCH_BETTER * best.objective_m else states
 
 
