@@ -2,8 +2,10 @@
 
 from flight_replay.events import (
     Climbing,
+    DistanceToStart,
     DistanceToWaypoint,
     Event,
+    Following,
     LinkLost,
     Phase,
     PhaseStarted,
@@ -39,4 +41,17 @@ def test_each_event_is_logged_once_with_the_vehicles_time() -> None:
         LoggedEvent(12.5, "Waiting for vehicle to initialise... (no fix)", False),
         LoggedEvent(12.5, ">>> Arming motors", False),
         LoggedEvent(12.5, "Warning: link lost, no message from the vehicle for 4.0 s", True),
+    ]
+
+
+def test_following_is_logged_where_the_recording_begins_to_wait_or_goes_on() -> None:
+    """Not every second: a report of ten minutes would list six hundred."""
+    log = EventLog()
+    log.listener(DistanceToStart(5.0))
+    for second, waiting in enumerate([False, False, True, True, False, False]):
+        log.listener(Following(float(second), second, 9.0, 0.25, waiting))
+    assert [entry.text for entry in log.entries] == [
+        "0 of 9 s, 0.25 m off",
+        "2 of 9 s, 0.25 m off, waiting for the vehicle",
+        "4 of 9 s, 0.25 m off",
     ]
