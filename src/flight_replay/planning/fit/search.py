@@ -53,10 +53,12 @@ def search(
         MissionError: in none of them the vehicle stays up.
     """
     way = _TIMED if problem.timed else _UNTIMED
-    states = _relieved_soon(problem, way.begun(problem, starts, budget), most, budget)
+    states = way.begun(problem, starts, budget)
     small_enough = [state for state in states if len(state.best.draft) <= most]
     if not small_enough:
         raise MissionError(COMES_DOWN)
+    relieved_soon = _relieved_soon(problem, small_enough, budget)
+    states, small_enough = states + relieved_soon, small_enough + relieved_soon
     others = sorted(small_enough, key=lambda state: state.objective_m)[1:]
     best = _exchanged(problem, [], states, most, budget)
     if len(states) > 1 and budget.affords(EXCHANGE_FLIGHTS):
@@ -74,21 +76,19 @@ def search(
     return without_errors(problem, without_leaps(problem, undived)), stopped
 
 
-def _relieved_soon(problem: FitProblem, states: list[State], most: int, budget: Budget) -> list[State]:
-    """The states, and the best of them with fewer places if that is much better.
+def _relieved_soon(problem: FitProblem, states: list[State], budget: Budget) -> list[State]:
+    """The best of some states with fewer places, if that is much better; else none.
 
-    A stop at the beginning may make all of a long flight late, of which steps that lead nowhere take what
-    there is of the budget.
+    A stop at the beginning may make all of a long flight late. No step makes up for it, and all try to.
     """
-    small_enough = [state for state in states if len(state.best.draft) <= most]
-    if not problem.timed or not small_enough:
-        return states
-    best = found = min(small_enough, key=lambda state: state.objective_m)
+    if not problem.timed:
+        return []
+    best = found = min(states, key=lambda state: state.objective_m)
     besides = Budget(_SOON_FLIGHTS, lambda done, total: None)
     while (fewer := with_fewer_places(problem, found, besides)) is not found:
         found = fewer
     budget.spend_besides(besides.spent)
-    return [*states, found] if found.objective_m < _MUCH_BETTER * best.objective_m else states
+    return [found] if found.objective_m < _MUCH_BETTER * best.objective_m else []
 
 
 def _relieved(problem: FitProblem, best: State, budget: Budget) -> State:
