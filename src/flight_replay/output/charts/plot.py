@@ -44,7 +44,6 @@ _SCALE_BAR_SHARE, _SCALE_BAR_IN = 0.075, 0.31
 """So far below the map is the scale bar, as a share of its height, at most: beside the name of its axis."""
 _POINT_M = 0.01
 """A line that extends less than this, as of a flight straight up, is nowhere to be seen on a map."""
-_SCALE_TEXT_SHARE = 0.085 / 0.075
 _STYLE: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -213,8 +212,8 @@ def _draw_scale_and_north(axes: Axes) -> None:
     low = min(_SCALE_BAR_SHARE, _SCALE_BAR_IN / height_in)
     style: dict[str, Any] = {"transform": axes.transAxes, "color": "black", "clip_on": False}
     axes.plot([0.985 - share, 0.985], [-low, -low], lw=2.5, solid_capstyle="butt", gid="scale-bar", **style)
-    text: dict[str, Any] = {"ha": "center", "va": "top", "transform": axes.transAxes}
-    axes.text(0.985 - share / 2, -low * _SCALE_TEXT_SHARE, f"{length_m:g} m", **text)
+    text: dict[str, Any] = {"ha": "right", "va": "center", "transform": axes.transAxes}
+    axes.text(0.975 - share, -low, f"{length_m:g} m", **text)
     arrow = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.2}
     axes.annotate("", (0.985, 0.99), (0.985, 0.9), xycoords="axes fraction", arrowprops=arrow)
     axes.text(0.985, 0.995, "N", ha="center", va="bottom", weight="bold", transform=axes.transAxes)
