@@ -10,6 +10,7 @@ second, their ratio to the loop, and the most memory that the program itself too
 
 from __future__ import annotations
 
+import argparse
 import random
 import subprocess
 import sys
@@ -86,8 +87,13 @@ def run(command: list[str]) -> tuple[float, float]:
 
 def main() -> None:
     """Make the logs, and print a row for each way."""
-    counts = [int(each) for each in sys.argv[1:]]
-    count, looped = (*counts, *(200, 40)[len(counts) :])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("logs", nargs="?", type=int, default=200)
+    parser.add_argument("looped", nargs="?", type=int, default=40)
+    options = parser.parse_args()
+    count, looped = options.logs, options.looped
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "logs").mkdir()

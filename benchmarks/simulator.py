@@ -10,8 +10,8 @@ recorded to ours, and the position error at equal times since the first waypoint
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -140,9 +140,15 @@ def spiral(count: int) -> Mission:
     return Mission(items, Home(47.0, 8.0, 0.0))
 
 
-def main(arguments: list[str]) -> None:
-    directory = Path(arguments[0]) if arguments else TRUTH
-    names = arguments[1:] or sorted(path.stem for path in directory.glob("*.waypoints"))
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("directory", nargs="?", type=Path, default=TRUTH)
+    parser.add_argument("names", nargs="*")
+    options = parser.parse_args()
+    directory = options.directory
+    names = options.names or sorted(path.stem for path in directory.glob("*.waypoints"))
     print(f"{'':20s} path error, m   position error  AUTO, s          take-off, s      RTL, s")
     print(f"{'':20s}   mean    max     mean    max")
     for name in names:
@@ -152,4 +158,4 @@ def main(arguments: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

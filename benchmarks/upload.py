@@ -10,6 +10,7 @@ where it is not installed.
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
@@ -138,7 +139,11 @@ def measured(
 
 
 def main() -> None:
-    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 3
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("runs", nargs="?", type=int, default=3)
+    runs = parser.parse_args().runs
     peers: dict[str, Callable[[FaultLink, LinkConditions], float]] = {
         "flight-replay": ours,
         "DroneKit": dronekits,

@@ -1,10 +1,15 @@
 """The documentation agrees with the program, and its links lead somewhere."""
 
+import json
 import re
+import subprocess
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from flight_replay.cli.main import main
 from flight_replay.cli.options import build_parser
 from tests.helpers.paths import ROOT
 
@@ -41,6 +46,35 @@ def test_the_options_page_is_the_help(monkeypatch: pytest.MonkeyPatch) -> None:
     shown = build_parser().format_help()
     assert found[1].split()[-200:] == shown.split()[-200:]
     assert set(shown.split()) == set(found[1].split())
+
+
+def keys_of(value: object) -> Iterator[str]:
+    """The names of all that a JSON value holds."""
+    for part in value if isinstance(value, list) else ():
+        yield from keys_of(part)
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield key
+            yield from keys_of(part)
+
+
+def test_the_json_object_is_documented(capsys: pytest.CaptureFixture[str]) -> None:
+    """Each key of a plan's object; reasons of what was rejected are words for people."""
+    assert main([str(ROOT / "data" / "flight.tlog"), "--dry-run", "--json"]) == 0
+    page = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+    section = page.partition("## The JSON object")[2]
+    named = set(re.findall(r"\w+", section))
+    assert [
+        key for key in keys_of(json.loads(capsys.readouterr().out)) if " " not in key and key not in named
+    ] == []
+
+
+@pytest.mark.parametrize("name", ["follow", "many", "simulator", "upload"])
+def test_benchmarks_say_what_they_do(name: str) -> None:
+    """And end, without a run."""
+    command = [sys.executable, str(ROOT / "benchmarks" / f"{name}.py"), "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert "positional arguments" in done.stdout
 
 
 def test_the_library_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

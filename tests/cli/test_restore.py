@@ -144,6 +144,14 @@ def test_an_interrupted_restore_says_so(
     assert "interrupted; what is on board may be incomplete" in capsys.readouterr().err
 
 
+def test_the_help_says_what_each_argument_is(capsys: pytest.CaptureFixture[str]) -> None:
+    """A person reads it in the field, when a vehicle has the wrong mission."""
+    assert restore.main(["--help"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "parameters-before-….parm" in shown
+    assert "BAUD baud rate of a serial port (default: 57600)" in shown
+
+
 def test_an_error_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A file that does not exist is exit status 1, wrong usage is 2."""
     assert restore.main([str(tmp_path / "none.waypoints"), "tcp:127.0.0.1:5760"]) == 1

@@ -204,7 +204,7 @@ def _add_safety(group: argparse._ArgumentGroup) -> None:
         dest="max_distance_m",
         metavar="M",
         type=option_types.positive,
-        help="maximum distance of the first waypoint from home in metres (default: 1000)",
+        help="maximum distance of the first waypoint from the vehicle in metres (default: 1000)",
     )
     add_max_error(group)
     group.add_argument(
@@ -254,7 +254,7 @@ def _vehicle_group(parser: argparse.ArgumentParser) -> None:
         "--sim",
         choices=("auto", "sitl", "builtin"),
         help="simulator to start: ArduPilot SITL, downloaded if there is none, or the built-in copter; "
-        "auto: SITL if there is one on this machine (default: auto)",
+        "auto: SITL if there is one on this machine, else the built-in copter (default: auto)",
     )
     group.add_argument("--sitl", metavar="PATH", type=Path, help="ArduPilot SITL binary to start")
     add_speedup(
@@ -312,8 +312,8 @@ def _add_display(group: argparse._ArgumentGroup) -> None:
         "--gcs",
         metavar="STRING",
         action="append",
-        help="share the vehicle with a ground station: send to udpout:HOST:PORT, listen at udpin:HOST:PORT, "
-        "or connect to tcp:HOST:PORT (repeatable)",
+        help="share the vehicle with a ground station: send to udpout:HOST:PORT, connect to tcp:HOST:PORT, "
+        "or listen at udpin:HOST:PORT or tcpin:HOST:PORT (repeatable)",
     )
     group.add_argument(
         "--gcs-open",

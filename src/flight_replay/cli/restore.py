@@ -83,10 +83,19 @@ def _parser() -> argparse.ArgumentParser:
         description="Upload a mission that was saved before a replay, or put parameters (.parm) back.",
         allow_abbrev=False,
     )
-    parser.add_argument("file", metavar="FILE", type=Path)
-    parser.add_argument("connection", metavar="CONNECTION")
-    parser.add_argument("baud", metavar="BAUD", nargs="?", type=option_types.baud, default=57600)
-    parser.add_argument("--signing-key", metavar="FILE", type=Path)
+    parser.add_argument(
+        "file", metavar="FILE", type=Path, help="mission-before-….waypoints or parameters-before-….parm"
+    )
+    parser.add_argument("connection", metavar="CONNECTION", help="as for flight-replay --connect")
+    parser.add_argument(
+        "baud",
+        metavar="BAUD",
+        nargs="?",
+        type=option_types.baud,
+        default=57600,
+        help="baud rate of a serial port (default: 57600)",
+    )
+    parser.add_argument("--signing-key", metavar="FILE", type=Path, help="as for flight-replay")
     return parser
 
 

@@ -22,7 +22,7 @@ from flight_replay.vehicle.identity import RTL_END_PARAMETERS, Identity
 from flight_replay.vehicle.route_words import MissionWords, RouteWords
 
 MAX_DISTANCE_M = 1000.0
-"""The default of ``--max-distance``: how far from home the first waypoint may be."""
+"""The default of ``--max-distance``: how far from the vehicle the first waypoint may be."""
 _FLYABLE_FRAMES = frozenset({Frame.ABSOLUTE, Frame.RELATIVE, Frame.TERRAIN})
 
 

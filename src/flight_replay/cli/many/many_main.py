@@ -69,7 +69,7 @@ def _run(options: ManyOptions) -> int:
     if found.passed_over and not options.quiet:
         count = sum(found.passed_over.values())
         kinds = ", ".join(f"{suffix} {number}" for suffix, number in found.passed_over.most_common(5))
-        write_line(sys.stderr, f"Passed over {count} files that are no logs by their names: {kinds}")
+        write_line(sys.stderr, f"Files passed over, no logs by their names: {count} ({kinds})")
     if not found.files:
         raise FlightReplayError("no log is found; name logs, or folders with logs")
     with ExitStack() as stack:
@@ -109,7 +109,7 @@ def _replay_all(options: ManyOptions, files: Sequence[LogFile], store: ResultSto
     from flight_replay.cli.many.many_run import ManyRun
 
     if store.found and not options.quiet:
-        write_line(sys.stderr, f"Going on with {options.out}: {store.found} rows are there")
+        write_line(sys.stderr, f"Going on with {options.out}: rows that are there: {store.found}")
     if all(store.is_done(each.path, each.bytes, each.modified_ns) for each in files):
         return
     progress = RunProgress(as_json=options.json, quiet=options.quiet)

@@ -193,7 +193,7 @@ def _add_results_group(parser: argparse.ArgumentParser) -> None:
         help="write JSON Lines to standard output: every row as it comes, and the summary",
     )
     group.add_argument("-v", dest="verbose", action="store_true", help="show tracebacks")
-    group.add_argument("-q", dest="quiet", action="store_true", help="show only warnings and errors")
+    group.add_argument("-q", dest="quiet", action="store_true", help="show only errors")
     group.add_argument(
         "--version",
         action=option_groups.VersionAction,

@@ -150,9 +150,9 @@ def summary_lines(summary: FleetSummary) -> list[str]:
         f" Formats: {_counted(summary.formats)}; vehicles: {_counted(summary.vehicles)}",
     ]
     if summary.copies:
-        lines.append(f" {summary.copies} rows are of copies of logs, and not counted again")
+        lines.append(f" Rows of copies of logs, not counted again: {summary.copies}")
     if summary.unfit:
-        lines.append(f" {summary.unfit} planned flights are doubtful; see the column doubts")
+        lines.append(f" Planned flights that are doubtful, see the column doubts: {summary.unfit}")
     if summary.reasons:
         lines.append(" Why not:")
         lines += [f"  {count} x {text}" for text, count in summary.reasons.most_common(_REASONS)]
