@@ -29,7 +29,7 @@ class Recording:
         modes: ArduPilot's flight mode at each fix of the track (n,), as in ``flight_modes``, -1 where it
             is unknown; None where the log does not tell.
         firmware: What the log says of it, such as "ArduCopter V4.6.0".
-        vehicle_type: The kind of vehicle in words, such as "quadrotor" or "fixed wing".
+        vehicle_type: The kind of vehicle in words, such as "quadcopter" or "fixed wing".
         is_multicopter: Whether that kind of vehicle is a multicopter; None where the log does not tell.
         start_utc_s: When the first fix of the track was recorded, Unix time.
         notes: What a person should know about how the log was read, one sentence each.
