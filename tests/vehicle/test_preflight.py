@@ -50,6 +50,24 @@ def test_an_unknown_battery_is_unknown_in_the_briefing() -> None:
     assert check(COPTER, route(1), at, takeoff_altitude_m=30.0).lines[2] == "Battery: unknown"
 
 
+@pytest.mark.parametrize(
+    ("parameters", "why"),
+    [
+        ({"FS_GCS_ENABLE": 0.0, "SYSID_MYGCS": 255.0}, "FS_GCS_ENABLE is 0"),
+        ({"FS_GCS_ENABLE": 1.0, "SYSID_MYGCS": 254.0}, "SYSID_MYGCS is 254, not 255"),
+        ({"FS_GCS_ENABLE": 1.0, "MAV_GCS_SYSID": 1.0}, "MAV_GCS_SYSID is 1, not 255"),
+        ({"FS_GCS_ENABLE": 1.0, "MAV_GCS_SYSID": 1.0, "MAV_GCS_SYSID_HI": 255.0}, ""),
+        ({"FS_GCS_ENABLE": 1.0, "SYSID_MYGCS": 255.0}, ""),
+        ({}, ""),
+    ],
+)
+def test_the_briefing_names_a_failsafe_that_does_not_act(parameters: dict[str, float], why: str) -> None:
+    """ArduCopter's is off by default, and counts the heartbeats of one system id."""
+    identity = replace(COPTER, parameters=parameters)
+    lines = check(identity, route(1), HERE, takeoff_altitude_m=30.0).lines[5:]
+    assert lines == ((f"Lost link: the vehicle does not come home by itself ({why})",) if why else ())
+
+
 def test_a_far_away_first_waypoint_is_refused() -> None:
     """1000 m by default, or what was asked for."""
     with pytest.raises(MissionError, match=r"1101 m from the vehicle, more than 1000 m; .*--max-distance"):

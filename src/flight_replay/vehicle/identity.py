@@ -12,6 +12,7 @@ from flight_replay.logs.vehicle_kinds import MULTICOPTERS
 from flight_replay.mavlink import Message, dialect
 from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
+from flight_replay.vehicle.link.own_ids import OUR_SYSTEM
 from flight_replay.vehicle.link.vehicle_link import VehicleLink
 from flight_replay.vehicle.protocol.commands import command_long
 from flight_replay.vehicle.protocol.parameters import read_parameters
@@ -32,7 +33,13 @@ RTL_END_PARAMETERS = ("RTL_ALT_FINAL", "RTL_ALT_FINAL_M")
 """Where RTL ends, 0 on the ground: cm, or in 4.7 metres."""
 _RTL_LOITER, _USUAL_RTL_LOITER_MS = "RTL_LOIT_TIME", 5000.0
 _RALLY_POINTS, _RALLY_LIMIT_KM = "RALLY_TOTAL", "RALLY_LIMIT_KM"
-_CHECKED_PARAMETERS = (*FENCE_PARAMETERS, *RTL_END_PARAMETERS, _RTL_LOITER, _RALLY_POINTS, _RALLY_LIMIT_KM)
+_GCS_FAILSAFE = "FS_GCS_ENABLE"
+_GCS_SYSTEMS, _LAST_GCS_SYSTEM = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
+"""Whose heartbeats the failsafe counts, up to 4.6 and in 4.7, where it may be all up to a last one, or 0."""
+_CHECKED_PARAMETERS = (
+    *FENCE_PARAMETERS, *RTL_END_PARAMETERS, _RTL_LOITER, _RALLY_POINTS, _RALLY_LIMIT_KM,
+    _GCS_FAILSAFE, *_GCS_SYSTEMS, _LAST_GCS_SYSTEM,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +77,18 @@ class Identity:
             return 0.0
         limit_km = self.parameters.get(_RALLY_LIMIT_KM, 0.0)
         return limit_km * 1000.0 if limit_km > 0 else inf
+
+    @property
+    def without_failsafe(self) -> str:
+        """Why no failsafe acts when this program's link is lost; empty where one does, or is unknown."""
+        if self.parameters.get(_GCS_FAILSAFE, 1.0) == 0.0:
+            return f"{_GCS_FAILSAFE} is 0"
+        last = self.parameters.get(_LAST_GCS_SYSTEM, 0.0)
+        for name in _GCS_SYSTEMS:
+            first = self.parameters.get(name, OUR_SYSTEM)
+            if not first <= OUR_SYSTEM <= max(first, last):
+                return f"{name} is {first:.0f}, not {OUR_SYSTEM}"
+        return ""
 
     @property
     def is_multicopter(self) -> bool:

@@ -39,6 +39,7 @@ class Briefing:
     """What a person has to know before a vehicle is armed: degrees, metres, volts, percent.
 
     ``beginning`` names where the route begins, ``extent`` what there is of it: see ``RouteWords``.
+    ``without_failsafe`` is why the vehicle stays out if the link is lost, or empty.
     """
 
     vehicle: str
@@ -51,6 +52,7 @@ class Briefing:
     first_m: float
     farthest_m: float
     highest_m: float
+    without_failsafe: str = ""
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -59,12 +61,15 @@ class Briefing:
         if self.battery_percent is not None:
             battery += f", {self.battery_percent:.0f} %"
         beginning = self.beginning.removeprefix("the ").capitalize()
+        why = self.without_failsafe
+        lost_link = (f"Lost link: the vehicle does not come home by itself ({why})",) if why else ()
         return (
             f"Vehicle: {self.vehicle}",
             f"Position: {self.lat_deg:.7f}, {self.lon_deg:.7f}",
             f"Battery: {battery}",
             f"{beginning}: {self.first_m:.0f} m away",
             f"Route: {self.extent}up to {self.farthest_m:.0f} m away and {self.highest_m:.0f} m above home",
+            *lost_link,
         )
 
 
@@ -125,6 +130,7 @@ def _briefing(
         first_m=float(distances_m[0]),
         farthest_m=float(distances_m.max()),
         highest_m=float(heights_m.max()),
+        without_failsafe=identity.without_failsafe,
     )
 
 
