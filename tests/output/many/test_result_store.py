@@ -118,14 +118,38 @@ def test_other_options_are_other_rows(table: Path) -> None:
 
 
 def test_what_failed_is_done_again_if_asked_and_what_was_unreadable_always(table: Path) -> None:
+    """Its rows stay until that is done: a run may name other logs."""
     unreadable = {"log": "b.tlog", "options_id": "x", "status": "unreadable", "log_rows": 1}
     write_rows(table, [row(1), row(2, status="failed"), unreadable])
     store = ResultStore(table, "x")
-    assert [each.get("flight") for each in store.rows()] == [1, 2]
+    assert store.found == 2
+    assert not store.is_done("b.tlog", None, None)
+    store.add(row(1, log="b.tlog", sha256="bb", rows=1))
     store.close()
     store = ResultStore(table, "x", redo=went_wrong)
-    assert [each.get("flight") for each in store.rows()] == [1]
+    assert not store.has_flight("aa", (1, 1, 2))
+    store.add(row(3, rows=3))
+    assert [(each["log"], each.get("flight"), each["status"]) for each in store.rows()] == [
+        ("a.tlog", 1, "planned"),
+        ("a.tlog", 2, "failed"),
+        ("b.tlog", 1, "planned"),
+        ("a.tlog", 3, "planned"),
+    ]
+    store.add(row(2, status="flown"))
     store.close()
+    assert [each["status"] for each in rows_of(table) if each["flight"] == 2] == ["flown"]
+
+
+def test_a_failed_flight_that_is_done_again_from_another_path_has_one_row(table: Path) -> None:
+    """As the same folder by its absolute path; a copy of what failed does not count."""
+    write_rows(table, [row(1, rows=1, status="failed")])
+    store = ResultStore(table, "x", redo=went_wrong)
+    store.add(row(1, rows=1, log="copy.tlog", status="failed", copy_of="a.tlog"))
+    store.write()
+    assert [each["log"] for each in store.rows()] == ["a.tlog", "copy.tlog"]
+    store.add(row(1, rows=1, log="/logs/a.tlog", status="flown"))
+    store.close()
+    assert [each["log"] for each in rows_of(table)] == ["/logs/a.tlog"]
 
 
 def test_two_runs_do_not_write_one_table(table: Path) -> None:

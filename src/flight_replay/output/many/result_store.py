@@ -70,7 +70,7 @@ class ResultStore:
         Args:
             path: the table, .parquet or .csv.
             options_id: of the rows that will be added; those of other options stay as they are.
-            redo: whether a row of these options is dropped, and its flight done again.
+            redo: whether the flight of a row of these options is done again; the row stays until it is.
 
         Raises:
             FlightReplayError: It cannot be read or written, or another run is writing it.
@@ -89,19 +89,13 @@ class ResultStore:
             raise
 
     def _load(self, redo: Callable[[Row], bool] | None) -> None:
-        """Put what a crash left in the journal into the table, without what is in both, or to be redone."""
-        dropped = self._path.is_file() and any(self._is_redone(row, redo) for row in rows_of(self._path))
-        if dropped or next(self._journal.rows(), None) is not None or not self._path.is_file():
-            self._write(lambda row: not self._is_redone(row, redo))
+        """Put what a crash left in the journal into the table, and see what is done."""
+        if next(self._journal.rows(), None) is not None or not self._path.is_file():
+            self._write()
         for row in rows_of(self._path):
-            if row.get("options_id") == self._options_id:
+            if row.get("options_id") == self._options_id and not _is_redone(row, redo):
                 self._index.add(row)
                 self.found += 1
-
-    def _is_redone(self, row: Row, redo: Callable[[Row], bool] | None) -> bool:
-        """Whether a row is dropped: a log that could not be read then may be readable now."""
-        mine = row.get("options_id") == self._options_id
-        return mine and (row.get("log_sha256") is None or bool(redo and redo(row)))
 
     def is_done(self, path: str, size: int | None, modified_ns: int | None) -> bool:
         """Whether all rows of the log at a path are there, as far as its size and time tell, if known."""
@@ -138,19 +132,20 @@ class ResultStore:
     def write(self) -> None:
         """Write the table with all that waits in the journal."""
         if self._waiting:
-            self._write(lambda _: True)
+            self._write()
 
-    def _write(self, keep: Callable[[Row], bool]) -> None:
+    def _write(self) -> None:
         began_s = time.monotonic()
-        write_rows(self._path, _distinct(self._all_rows(), keep))
+        write_rows(self._path, self._all_rows())
         self._journal.clear()
         self._waiting = 0
         self._written_s = time.monotonic()
         self._wait_s = max(_LEAST_WAIT_S, _WAIT_SHARE * (self._written_s - began_s))
 
     def _all_rows(self) -> Iterator[Row]:
+        new = _NewRows(self._journal.rows())
         if self._path.is_file():
-            yield from rows_of(self._path)
+            yield from (row for row in rows_of(self._path) if not new.replace(row))
         yield from self._journal.rows()
 
     def close(self) -> None:
@@ -163,14 +158,37 @@ class ResultStore:
         self._journal.close(remove=True)
 
 
-def _distinct(rows: Iterator[Row], keep: Callable[[Row], bool]) -> Iterator[Row]:
-    """The rows to keep, each once: after a crash between both, a row is in the table and in the journal."""
-    seen: set[int] = set()
-    for row in rows:
-        key = hash(_row_key(row))
-        if key not in seen and keep(row):
-            seen.add(key)
-            yield row
+class _NewRows:
+    """The rows that go to a table, and which of its rows they replace."""
+
+    def __init__(self, rows: Iterator[Row]) -> None:
+        self._keys, self._logs, self._flights = set[int](), set[int](), set[int]()
+        for row in rows:
+            self._keys.add(hash(_row_key(row)))
+            self._logs.add(hash((str(row["log"]), row.get("options_id"))))
+            if row.get("copy_of") is None:
+                self._flights.add(hash(_flight_of_log(row)))
+
+    def replace(self, row: Row) -> bool:
+        """Whether they are of a row's flight, that failed, or of a log that was not read, or had no flight.
+
+        After a crash between both, a row is in the table and in the journal.
+        """
+        if hash(_row_key(row)) in self._keys:
+            return True
+        if row.get("flight") is None:
+            return hash((str(row["log"]), row.get("options_id"))) in self._logs
+        return went_wrong(row) and hash(_flight_of_log(row)) in self._flights
+
+
+def _is_redone(row: Row, redo: Callable[[Row], bool] | None) -> bool:
+    """Whether a flight is done again: a log that could not be read then may be readable now."""
+    return row.get("log_sha256") is None or bool(redo and redo(row))
+
+
+def _flight_of_log(row: Row) -> tuple[object, ...]:
+    """Which flight of which content a row is of, wherever the log was."""
+    return row.get("log_sha256"), row.get("options_id"), flight_key(row)
 
 
 def _row_key(row: Row) -> _RowKey:
