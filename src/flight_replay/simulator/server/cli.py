@@ -87,7 +87,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="X",
         help="how many times faster than real time it runs; SIM_SPEEDUP changes it in flight (default: 1)",
     )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {version('flight-replay')}")
+    parser.add_argument(
+        "--version",
+        action="version",
+        version=f"%(prog)s {version('flight-replay')}",
+        help="show the version and exit",
+    )
     return parser
 
 
