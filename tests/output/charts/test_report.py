@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from flight_replay.exceptions import FlightReplayError
-from flight_replay.mission.items import change_climb_speed
+from flight_replay.mission.items import Command, Frame, MissionItem, change_climb_speed
 from flight_replay.output.charts.report import ReportText, _time_charts, save_report
 from flight_replay.output.charts.series import replay_series
 from flight_replay.output.event_log import LoggedEvent
@@ -114,6 +114,19 @@ def test_the_report_lists_mission_and_events(page: Page) -> None:
     assert rows["1"] == ["1", "waypoint, 30 m above home", "47.3977000", "8.5456000", "30.0", "0.0"]
     assert rows["2"][-1] == "2.0"
     assert ["12.3", "Warning: <lost>"] in page.rows
+
+
+def test_no_time_is_told_of_a_turn(tmp_path: Path) -> None:
+    """The vehicle reads it as it passes the waypoint before, and makes it later."""
+    route, record, outcome = made_replay()
+    first, *others = route.mission.items
+    turn = MissionItem(Command.CONDITION_YAW, Frame.RELATIVE, (90.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
+    turning = replace(route, mission=replace(route.mission, items=(first, turn, *others)))
+    record = replace(record, reached=tuple((seq, 100.0 + seq) for seq in (1, 2, 3)))
+    save_report(tmp_path / "a.html", ReportText(summary()), turning, record, outcome)
+    rows = {row[0]: row for row in Page((tmp_path / "a.html").read_text(encoding="utf-8")).rows if row}
+    assert rows["2"] == ["2", "turn to 90°"]
+    assert rows["3"][-1] == "2.0"
 
 
 def test_the_report_has_the_command(page: Page) -> None:

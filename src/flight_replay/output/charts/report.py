@@ -320,7 +320,7 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
         row = {"seq": str(seq), "item": _item_text(item), "lat": "", "lon": "", "alt": "", "reached": ""}
         if item.is_waypoint or item.command == Command.SET_ROI:
             row |= {"lat": f"{item.lat_deg:.7f}", "lon": f"{item.lon_deg:.7f}", "alt": f"{item.alt_m:.1f}"}
-        if seq in reached:
+        if item.is_waypoint and seq in reached:  # A turn is passed long before it is made.
             row["reached"] = f"{reached[seq] - start_s:.1f}"
         rows.append(row)
     return rows
