@@ -61,6 +61,17 @@ def test_fixes_below_the_floor_are_counted() -> None:
     assert (low.raised.fixes, low.raised.max_m) == (15, 3.0)
     (note,) = low.notes
     assert note.startswith("15 of 51 flown fixes are recorded below the floor of 5 m, by up to 3.0 m")
+    assert note.endswith(" (--floor).")
+
+
+def test_of_a_flight_down_a_cliff_is_said_how_its_heights_are_kept() -> None:
+    """So much higher that the lowest is at the floor, which is not said once it is asked for."""
+    track = straight_track(altitudes_m=[-38.7] * 30 + [6.0] * 21)
+    for raise_m, said_m in ((0.0, 44), (10.0, 44), (44.0, None)):
+        route = spaced_route(track, altitude_m=RECORDED, raise_m=raise_m)
+        notes = route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0, raise_m=raise_m).notes
+        said = [note for note in notes if note.endswith(f"add --altitude recorded+{said_m}.")]
+        assert len(said) == (said_m is not None)
 
 
 def test_raised_heights_have_their_floor() -> None:
