@@ -55,9 +55,13 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
         (
             ["--connect", "udpin:"],
             2.0,
-            "add --limits recorded if it is simulated, else fly slower, with --speed",
+            "if it is simulated, else follow the recording more slowly, with --mode guided --speed 0.5x.",
         ),
-        (["--limits", "recorded"], 8.0, "To let it keep up, fly slower, with --speed M_PER_S."),
+        (
+            ["--limits", "recorded"],
+            8.0,
+            "To let it keep up, follow the recording more slowly, with --mode guided --speed 0.5x.",
+        ),
         ([], 0.5, None),
     ],
 )

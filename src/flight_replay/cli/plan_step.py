@@ -305,7 +305,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
 
 def _to_keep_up(options: Options) -> str:
     """What to change for a vehicle that is behind the recording; only simulated ones have limits raised."""
-    slower = "fly slower, with --speed M_PER_S"
+    slower = "follow the recording more slowly, with --mode guided --speed 0.5x"
     if options.limits == "recorded":
         return f"To let it keep up, {slower}."
     if options.connect is None:
