@@ -74,6 +74,12 @@ def test_of_a_flight_down_a_cliff_is_said_how_its_heights_are_kept() -> None:
         assert len(said) == (said_m is not None)
 
 
+def test_of_a_flight_that_is_all_below_the_floor_is_said_how_its_heights_are_kept() -> None:
+    """As of a track that begins in the air, where home is not known."""
+    (note,) = heights([0.0] * 10 + [3.0] * 41, takeoff_m=5.0).notes
+    assert note.endswith(" (--floor). To keep differences in height, add --altitude recorded+5.")
+
+
 def test_raised_heights_have_their_floor() -> None:
     """What is below it even so is counted, by what it would be flown at."""
     track = straight_track(altitudes_m=[-8.0] * 10 + [2.0] * 41)

@@ -100,7 +100,7 @@ def _floor_note(floor_m: float, below_m: Floats, of_fixes: int, raise_m: float) 
         f"{len(below_m)} of {of_fixes} flown fixes {are} below the floor of {floor_m:g} m, by up to "
         f"{below_m.max():.1f} m; they are flown at the floor (--floor)."
     )
-    if below_m.max() <= floor_m + _DOWNHILL_M:
+    if below_m.max() <= floor_m + _DOWNHILL_M and len(below_m) < of_fixes:
         return told
     return f"{told} To keep differences in height, add --altitude recorded+{ceil(raise_m + below_m.max())}."
 
