@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.planning.altitude import RECORDED, Recorded
-from flight_replay.planning.heights import RouteHeights
+from flight_replay.planning.altitude import RECORDED
+from flight_replay.planning.heights import RouteHeights, heights_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
@@ -19,8 +19,10 @@ def heights(
     """Those of a route that flies 51 recorded altitudes."""
     track = straight_track(altitudes_m=altitudes_m)
     track = replace(track, amsl_m=track.alt_m + 400.0)
-    speed: Recorded | None = RECORDED if timed else None
-    route = spaced_route(track, altitude_m=RECORDED, floor_m=floor_m, speed_m_s=speed)
+    route = spaced_route(track, altitude_m=RECORDED, floor_m=floor_m)
+    if timed:
+        planned_m = heights_of(track, RECORDED, floor_m, Limits()).planned_m
+        route = replace(route, planned_up_m=planned_m[: len(route.wanted)])
     return route_heights(route, Limits(), takeoff_m=takeoff_m, floor_m=floor_m)
 
 
