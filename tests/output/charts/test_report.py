@@ -16,6 +16,7 @@ from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
+from tests.helpers.made_tracks import straight_track
 
 
 def summary(*, flown: bool = True) -> dict[str, Any]:
@@ -169,6 +170,13 @@ def test_altitude_and_speed_are_shown_from_0() -> None:
     """Millimetres around 30 m must not look like much."""
     charts: list[Any] = list(_time_charts(replay_series(*made_replay())))
     assert [chart.y_range.start for chart in charts[-2:]] == [0, 0]
+
+
+def test_the_speed_of_a_hover_is_next_to_nothing() -> None:
+    """Of a vehicle that only climbs, millimetres a second must not look like much."""
+    lift = straight_track(speed_m_s=1e-3, altitudes_m=[float(height) for height in range(5, 56)])
+    charts: list[Any] = list(_time_charts(replay_series(spaced_route(lift, altitude_m="recorded"))))
+    assert (charts[-1].title.text, charts[-1].y_range.end) == ("ground speed", 0.1)
 
 
 def test_a_plan_without_recorded_times_has_no_chart_over_time() -> None:
