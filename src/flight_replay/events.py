@@ -128,10 +128,19 @@ class PassFlown:
 
 @dataclass(frozen=True, slots=True)
 class WaypointReached:
-    """The vehicle reported reaching mission item ``seq`` at ``time_s`` of its own clock."""
+    """The vehicle reached the waypoint that is mission item ``seq`` at ``time_s`` of its own clock.
+
+    ``waypoint`` is its number among the waypoints; None stands for ``seq``, as in ``DistanceToWaypoint``.
+    """
 
     seq: int
     time_s: float
+    waypoint: int | None = None
+
+    @property
+    def number(self) -> int:
+        """Which waypoint it is, counted from 1."""
+        return self.seq if self.waypoint is None else self.waypoint
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,9 +55,13 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
         (
             ["--connect", "udpin:"],
             2.0,
-            "add --limits recorded if it is simulated, else fly slower, with --speed",
+            "if it is simulated, else follow the recording more slowly, with --mode guided --speed 0.5x.",
         ),
-        (["--limits", "recorded"], 8.0, "To let it keep up, fly slower, with --speed M_PER_S."),
+        (
+            ["--limits", "recorded"],
+            8.0,
+            "To let it keep up, follow the recording more slowly, with --mode guided --speed 0.5x.",
+        ),
         ([], 0.5, None),
     ],
 )
@@ -79,6 +83,16 @@ def test_a_speed_that_is_not_reached_is_said() -> None:
         route, events = planned("--speed", speed)
         assert sum(said in note for note in route.notes) == times
         assert sum(isinstance(event, Notice) and said in event.text for event in events) == times
+
+
+@pytest.mark.parametrize(("times_as_fast", "told"), [(2.0, True), (0.1, False)])
+def test_of_a_recorded_speed_that_is_not_reached_the_time_is_said(times_as_fast: float, told: bool) -> None:
+    """Legs of 3 m are flown more slowly than any recording; one that creeps is kept up with."""
+    options = parse_options(["--speed", "recorded", "--max-points", "30"])
+    track = sped_up(wander(3), times_as_fast)
+    notes = plan_step.Planner(options, track, ignore).route(VehicleLimits()).notes
+    said = [note for note in notes if note.startswith("The vehicle is expected to take ")]
+    assert [note.endswith("; --route fit keeps up better.") for note in said] == [True] * told
 
 
 @pytest.mark.parametrize(("beyond", "told"), [(1, []), (30, [" 30 of 80 positions are left out"])])

@@ -54,6 +54,7 @@ OTHER_LINES = [
     (Following(1.0, 12.3, 60.0, 0.234, waiting=False), " 12 of 60 s, 0.23 m off"),
     (Following(1.0, 12.3, 60.0, 3.5, waiting=True), " 12 of 60 s, 3.50 m off, waiting for the vehicle"),
     (WaypointReached(1, 12.34), " Reached waypoint (1) at 12.3 s"),
+    (WaypointReached(7, 12.34, 3), " Reached waypoint (3) at 12.3 s"),
     (Notice("Flying the built-in copter"), "Flying the built-in copter"),
     (Notice("the route is long", warning=True), "Warning: the route is long"),
     (LinkLost(4.0), "Warning: link lost, no message from the vehicle for 4.0 s"),

@@ -9,7 +9,6 @@ from flight_replay.planning.fit import fit
 from flight_replay.planning.heights import heights_of
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import route_of
-from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import wander
 from tests.helpers.made_tracks import straight_track
@@ -45,18 +44,6 @@ def test_recorded_heights_can_be_raised() -> None:
     track = straight_track(fixes=3, altitudes_m=[-7.0, 8.0, 12.0])
     assert heights_of(track, "recorded", floor_m=5.0, raise_m=10.0).wanted_m.tolist() == [5.0, 18.0, 22.0]
     assert heights_of(track, 30.0, raise_m=10.0).wanted_m.tolist() == [30.0] * 3
-
-
-def test_a_spaced_route_climbs_sooner_at_the_recorded_speed() -> None:
-    """Its waypoints before the jump are higher than recorded, those behind it lower."""
-    track = straight_track(altitudes_m=JUMP_M)
-    timed = spaced_route(track, altitude_m="recorded", speed_m_s="recorded")
-    heights = [item.alt_m for _, item in timed.mission.waypoints]
-    assert heights[20] > 11.0
-    assert heights[28] < 39.0
-    assert timed.wanted.up_m.tolist() == JUMP_M
-    own = spaced_route(track, altitude_m="recorded")
-    assert [item.alt_m for _, item in own.mission.waypoints] == JUMP_M
 
 
 @pytest.mark.slow

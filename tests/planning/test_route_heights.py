@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flight_replay.planning.altitude import RECORDED, Recorded
-from flight_replay.planning.heights import RouteHeights
+from flight_replay.planning.altitude import RECORDED
+from flight_replay.planning.heights import RouteHeights, heights_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
@@ -19,8 +19,10 @@ def heights(
     """Those of a route that flies 51 recorded altitudes."""
     track = straight_track(altitudes_m=altitudes_m)
     track = replace(track, amsl_m=track.alt_m + 400.0)
-    speed: Recorded | None = RECORDED if timed else None
-    route = spaced_route(track, altitude_m=RECORDED, floor_m=floor_m, speed_m_s=speed)
+    route = spaced_route(track, altitude_m=RECORDED, floor_m=floor_m)
+    if timed:
+        planned_m = heights_of(track, RECORDED, floor_m, Limits()).planned_m
+        route = replace(route, planned_up_m=planned_m[: len(route.wanted)])
     return route_heights(route, Limits(), takeoff_m=takeoff_m, floor_m=floor_m)
 
 
@@ -61,6 +63,23 @@ def test_fixes_below_the_floor_are_counted() -> None:
     assert (low.raised.fixes, low.raised.max_m) == (15, 3.0)
     (note,) = low.notes
     assert note.startswith("15 of 51 flown fixes are recorded below the floor of 5 m, by up to 3.0 m")
+    assert note.endswith(" (--floor).")
+
+
+def test_of_a_flight_down_a_cliff_is_said_how_its_heights_are_kept() -> None:
+    """So much higher that the lowest is at the floor, which is not said once it is asked for."""
+    track = straight_track(altitudes_m=[-38.7] * 30 + [6.0] * 21)
+    for raise_m, said_m in ((0.0, 44), (10.0, 44), (44.0, None)):
+        route = spaced_route(track, altitude_m=RECORDED, raise_m=raise_m)
+        notes = route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0, raise_m=raise_m).notes
+        said = [note for note in notes if note.endswith(f"add --altitude recorded+{said_m}.")]
+        assert len(said) == (said_m is not None)
+
+
+def test_of_a_flight_that_is_all_below_the_floor_is_said_how_its_heights_are_kept() -> None:
+    """As of a track that begins in the air, where home is not known."""
+    (note,) = heights([0.0] * 10 + [3.0] * 41, takeoff_m=5.0).notes
+    assert note.endswith(" (--floor). To keep differences in height, add --altitude recorded+5.")
 
 
 def test_raised_heights_have_their_floor() -> None:

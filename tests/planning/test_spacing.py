@@ -122,6 +122,14 @@ def test_a_given_speed_is_asked_for_once_after_a_second_here() -> None:
     assert [item.command for item in items].count(Command.CHANGE_SPEED) == 1
 
 
+def test_recorded_heights_are_kept_at_recorded_speeds_too() -> None:
+    """A hill flown over at 10 m/s up and down: the vehicle climbs to its top, later than the recorded one."""
+    recorded_m = [10.0] * 10 + [*np.linspace(20, 60, 5), *np.linspace(50, 10, 5)] + [10.0] * 31
+    track = straight_track(altitudes_m=recorded_m)
+    route = spaced_route(track, spacing_m=0.5, altitude_m="recorded", speed_m_s="recorded")
+    assert [item.alt_m for _, item in route.mission.waypoints] == recorded_m
+
+
 def test_recorded_speeds_change_only_where_the_flight_did() -> None:
     """A flight at 4 m/s, then at 8 m/s, needs two speed changes."""
     slow, fast = straight_track(4.0, 30), straight_track(8.0, 60)

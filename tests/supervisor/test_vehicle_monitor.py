@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from flight_replay.events import Event, LinkLost, Severity, StatusText, VehicleState, WaypointReached
+from flight_replay.mission.items import Command, Frame, Mission, MissionItem
 from flight_replay.supervisor import Deadlines
 from flight_replay.supervisor.flight_ended import FlightEnded
 from flight_replay.supervisor.vehicle_interface import (
@@ -279,7 +280,19 @@ def test_an_item_is_reached_once_with_all_before_it() -> None:
     scripted.process(state(53.0), MissionCurrent(4, 5, complete=True))
     assert scripted.monitor.progress.reached == {1: 51.0, 2: 51.0, 3: 52.0, 4: 53.0}
     reached = [event for event in scripted.events if isinstance(event, WaypointReached)]
-    assert reached == [WaypointReached(seq, scripted.monitor.progress.reached[seq]) for seq in (1, 2, 3, 4)]
+    reached_s = scripted.monitor.progress.reached
+    assert reached == [WaypointReached(seq, reached_s[seq], seq) for seq in (1, 2, 3, 4)]
+
+
+def test_of_turns_and_speed_changes_no_waypoint_is_told() -> None:
+    """They are read long before a turn is made; waypoints are counted without them."""
+    first, second = route(2).items
+    turn = MissionItem(Command.CONDITION_YAW, Frame.RELATIVE, (90.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
+    scripted = Scripted()
+    scripted.monitor.record_auto(Mission((first, turn, turn, second)))
+    scripted.process(state(50.0), AUTO, MissionCurrent(4, 5), state(60.0), MissionItemReached(4))
+    reached = [event for event in scripted.events if isinstance(event, WaypointReached)]
+    assert reached == [WaypointReached(1, 50.0, 1), WaypointReached(4, 60.0, 2)]
 
 
 @pytest.mark.parametrize("heard", [[AUTO, MissionCurrent(1, 10)], []], ids=["in AUTO", "before AUTO"])

@@ -27,7 +27,7 @@ from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
-from flight_replay.planning.top_speed import with_speed_note
+from flight_replay.planning.top_speed import with_recorded_speed_note, with_speed_note
 from flight_replay.planning.unrecorded_ways import unrecorded_notes
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
@@ -196,6 +196,8 @@ def _planned_route(
     route = replace(route, notes=(*route.notes, *unrecorded_notes(route.covered)))
     if isinstance(options.speed_m_s, float):
         route = with_speed_note(route, options.speed_m_s, limits)
+    elif options.speed_m_s == RECORDED and options.route == "spacing":  # A fit says where it is late.
+        route = with_recorded_speed_note(route)
     return replace(route, required_limits=required_limits)
 
 
@@ -305,7 +307,7 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
 
 def _to_keep_up(options: Options) -> str:
     """What to change for a vehicle that is behind the recording; only simulated ones have limits raised."""
-    slower = "fly slower, with --speed M_PER_S"
+    slower = "follow the recording more slowly, with --mode guided --speed 0.5x"
     if options.limits == "recorded":
         return f"To let it keep up, {slower}."
     if options.connect is None:

@@ -116,7 +116,7 @@ def _pass_flown(event: PassFlown) -> str:
 
 @event_line.register
 def _waypoint_reached(event: WaypointReached) -> str:
-    return f" Reached waypoint ({event.seq}) at {event.time_s:.1f} s"
+    return f" Reached waypoint ({event.number}) at {event.time_s:.1f} s"
 
 
 @event_line.register

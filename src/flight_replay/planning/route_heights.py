@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import copysign
+from math import ceil, copysign
 
 import numpy as np
 
@@ -18,6 +18,8 @@ _LEVEL_M = 0.05
 """A first waypoint so near to the take-off altitude is at it."""
 _KEPT_M = 0.5
 """Heights that are nearer to the wanted ones than this are kept."""
+_DOWNHILL_M = 3.0
+"""Farther below home a recording led down a slope or a cliff; less may be a drift of the barometer."""
 _SIDES = " too high", " too low"
 _LONGEST_SIMULATED_CLIMB_M = 500.0
 _STEP_S = 0.05
@@ -94,10 +96,13 @@ def _climb_note(takeoff_m: float, first_m: float, climb_s: float, *, followed: b
 
 def _floor_note(floor_m: float, below_m: Floats, of_fixes: int, raise_m: float) -> str:
     are = f"are, {raise_m:g} m higher than recorded," if raise_m else "are recorded"
-    return (
+    told = (
         f"{len(below_m)} of {of_fixes} flown fixes {are} below the floor of {floor_m:g} m, by up to "
         f"{below_m.max():.1f} m; they are flown at the floor (--floor)."
     )
+    if below_m.max() <= floor_m + _DOWNHILL_M and len(below_m) < of_fixes:
+        return told
+    return f"{told} To keep differences in height, add --altitude recorded+{ceil(raise_m + below_m.max())}."
 
 
 def _limited_note(off: Flags, off_m: Floats, time_s: Floats) -> str:

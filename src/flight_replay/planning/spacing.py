@@ -83,14 +83,14 @@ def spaced_route(  # noqa: PLR0913
         track: at least one fix.
         spacing_m: waypoints are farther apart than this, over the ground, or with recorded heights in space.
         max_points: maximum number of waypoints; speed changes come on top.
-        altitude_m: altitude above home, constant or as recorded.
+        altitude_m: above home, constant or as recorded: no top is cut off to be in time, as legs are late.
         floor_m: lower recorded altitudes are raised to this.
         raise_m: so much higher than recorded.
         speed_m_s: ground speed, as recorded, or None for the vehicle's own setting.
         limits: what the vehicle may do; ArduCopter's defaults if None.
     """
     limits = limits or Limits()
-    heights = heights_of(track, altitude_m, floor_m, limits if speed_m_s == RECORDED else None, raise_m)
+    heights = heights_of(track, altitude_m, floor_m, raise_m=raise_m)
     kept = decimate(track, spacing_m, max_points, heights.planned_m if altitude_m == RECORDED else None)
     fixes = track.select(kept)
     waypoints = [

@@ -17,6 +17,8 @@ _REACHED = 0.95
 """Of the speed that is asked for; the vehicle is at it only for a moment where legs are short."""
 _LEANS_ALL = 0.9
 """Of the speed at which drag takes the greatest lean, as the rotors lose some thrust in the air they meet."""
+_WORTH_TELLING_S, _WORTH_TELLING_SHARE = 5.0, 0.1
+"""A flight that takes longer by no more than this, or this share, is about as fast as the recorded one."""
 
 
 def with_speed_note(route: Route, asked_m_s: float, limits: Limits) -> Route:
@@ -41,6 +43,21 @@ def with_speed_note(route: Route, asked_m_s: float, limits: Limits) -> Route:
     else:
         why = "its legs are too short, and its turns too sharp, for more"
     note = f"The vehicle is expected to fly at up to {top_m_s:.1f} m/s, not at {asked_m_s:g} m/s: {why}."
+    return replace(route, notes=(*route.notes, note))
+
+
+def with_recorded_speed_note(route: Route) -> Route:
+    """The route with a sentence on a predicted flight that takes longer than the recorded one."""
+    if route.predicted_flight is None:
+        return route
+    recorded_s = float(route.wanted.time_s[-1] - route.wanted.time_s[0])
+    flown_s = float(route.predicted_flight.time_s[-1])
+    if flown_s - recorded_s <= max(_WORTH_TELLING_S, _WORTH_TELLING_SHARE * recorded_s):
+        return route
+    note = (
+        f"The vehicle is expected to take {flown_s:.0f} s for what was recorded in {recorded_s:.0f} s: its "
+        "legs are too short, or its limits too low, for the recorded speed; --route fit keeps up better."
+    )
     return replace(route, notes=(*route.notes, note))
 
 

@@ -55,6 +55,14 @@ class MissionProgress:
         self._at = max(seq, FIRST_SEQ), state
         return self._reached_up_to(seq if complete else seq - 1, state.time_s)
 
+    def waypoints_among(self, seqs: list[int]) -> list[tuple[int, int]]:
+        """Which of some items are waypoints: the item, and the waypoint's number.
+
+        Nobody knows when a turn or speed change was begun: they count as reached once they were read.
+        """
+        numbers = {seq: number for number, (seq, _) in enumerate(self._waypoints, 1)}
+        return [(seq, numbers[seq]) for seq in seqs if seq in numbers]
+
     def _not_flown(self, seq: int, now: VehicleState) -> list[int]:
         """The numbers of waypoints before an item, if the vehicle cannot have flown to all of them."""
         before, then = self._at or (0, now)

@@ -410,5 +410,5 @@ class VehicleMonitor:
         for jump in self.progress.jumps[self._jumps_told :]:
             self.emit(Notice(jump, warning=True))
         self._jumps_told = len(self.progress.jumps)
-        for seq in seqs:
-            self.emit(WaypointReached(seq, self.time_s))
+        for seq, number in self.progress.waypoints_among(seqs):
+            self.emit(WaypointReached(seq, self.time_s, number))

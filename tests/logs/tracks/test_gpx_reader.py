@@ -122,6 +122,7 @@ def test_heights_that_count_from_the_air_are_told_for_a_segment_behind_a_gap_too
     assert recording.track.alt_m[40] == 0.0
     told = "Heights of 1 of its 2 flights count from a first fix that moves: if that was in the air"
     assert recording.notes[0].startswith(told)
+    assert recording.notes[0].endswith(", they are too low; raise them with --altitude recorded+M")
 
 
 def test_of_tracks_at_the_same_time_the_longer_one_is_read() -> None:

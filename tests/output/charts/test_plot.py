@@ -43,6 +43,13 @@ def test_a_flight_straight_up_is_a_dot_on_the_map(speed_m_s: float, marker: str)
     assert (recorded.get_label(), recorded.get_marker()) == ("recorded", marker)
 
 
+def test_the_speed_of_a_hover_is_next_to_nothing() -> None:
+    """Of a vehicle that only climbs, millimetres a second must not look like much."""
+    lift = straight_track(speed_m_s=1e-3, altitudes_m=np.linspace(10.0, 40.0, 51).tolist())
+    speed = replay_figure(spaced_route(lift, altitude_m="recorded")).axes[-1]
+    assert (speed.get_title(), speed.get_ylim()[1]) == ("ground speed", 0.1)
+
+
 def texts(path: Path, monkeypatch: pytest.MonkeyPatch, *, flown: bool) -> list[str]:
     """Every text in an SVG of the replay; matplotlib leaves each as a comment beside its outlines."""
     route, record, outcome = made_replay()

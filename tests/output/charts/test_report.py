@@ -9,13 +9,14 @@ from typing import Any
 import pytest
 
 from flight_replay.exceptions import FlightReplayError
-from flight_replay.mission.items import change_climb_speed
+from flight_replay.mission.items import Command, Frame, MissionItem, change_climb_speed
 from flight_replay.output.charts.report import ReportText, _time_charts, save_report
 from flight_replay.output.charts.series import replay_series
 from flight_replay.output.event_log import LoggedEvent
 from flight_replay.output.json_summary import flight_summary, route_summary
 from flight_replay.planning.spacing import spaced_route
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
+from tests.helpers.made_tracks import straight_track
 
 
 def summary(*, flown: bool = True) -> dict[str, Any]:
@@ -116,6 +117,19 @@ def test_the_report_lists_mission_and_events(page: Page) -> None:
     assert ["12.3", "Warning: <lost>"] in page.rows
 
 
+def test_no_time_is_told_of_a_turn(tmp_path: Path) -> None:
+    """The vehicle reads it as it passes the waypoint before, and makes it later."""
+    route, record, outcome = made_replay()
+    first, *others = route.mission.items
+    turn = MissionItem(Command.CONDITION_YAW, Frame.RELATIVE, (90.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
+    turning = replace(route, mission=replace(route.mission, items=(first, turn, *others)))
+    record = replace(record, reached=tuple((seq, 100.0 + seq) for seq in (1, 2, 3)))
+    save_report(tmp_path / "a.html", ReportText(summary()), turning, record, outcome)
+    rows = {row[0]: row for row in Page((tmp_path / "a.html").read_text(encoding="utf-8")).rows if row}
+    assert rows["2"] == ["2", "turn to 90°"]
+    assert rows["3"][-1] == "2.0"
+
+
 def test_the_report_has_the_command(page: Page) -> None:
     """It can be pasted into a shell."""
     assert "flight-replay --tlog 'my flight.tlog' --speedup 10" in page.texts
@@ -156,6 +170,13 @@ def test_altitude_and_speed_are_shown_from_0() -> None:
     """Millimetres around 30 m must not look like much."""
     charts: list[Any] = list(_time_charts(replay_series(*made_replay())))
     assert [chart.y_range.start for chart in charts[-2:]] == [0, 0]
+
+
+def test_the_speed_of_a_hover_is_next_to_nothing() -> None:
+    """Of a vehicle that only climbs, millimetres a second must not look like much."""
+    lift = straight_track(speed_m_s=1e-3, altitudes_m=[float(height) for height in range(5, 56)])
+    charts: list[Any] = list(_time_charts(replay_series(spaced_route(lift, altitude_m="recorded"))))
+    assert (charts[-1].title.text, charts[-1].y_range.end) == ("ground speed", 0.1)
 
 
 def test_a_plan_without_recorded_times_has_no_chart_over_time() -> None:

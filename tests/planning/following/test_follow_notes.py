@@ -69,6 +69,15 @@ def test_a_jump_is_no_gap() -> None:
 def test_a_vehicle_that_turns_more_slowly_is_said() -> None:
     times_s = np.arange(0.0, 30.0, 0.25)
     spins_deg = np.where(times_s < 10.0, 0.0, 150.0 * (times_s - 10.0)) % 360.0
-    (note,) = _notes(times_s, spins_deg)
+    (note,) = _notes(times_s, spins_deg, pace=0.5)
     assert note.startswith("The vehicle does not turn as fast as recorded: ")
     assert "% of the headings are more than 30 degrees off, the worst 1" in note
+    assert note.endswith(" s; follow slower, such as with --speed 0.25x.")
+
+
+def test_for_a_turn_that_comes_a_little_late_nothing_is_slowed_down() -> None:
+    """70 degrees at twice the vehicle's rate."""
+    times_s = np.arange(0.0, 30.0, 0.25)
+    (note,) = _notes(times_s, np.clip(120.0 * (times_s - 10.0), 0.0, 140.0))
+    assert note.startswith("The vehicle does not turn as fast as recorded: ")
+    assert "slower" not in note

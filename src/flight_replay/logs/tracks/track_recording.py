@@ -96,7 +96,10 @@ def _heights_from_the_air(track: Track, above_home: Track) -> list[str]:
     if not count:
         return []
     which = "Its heights" if count == len(flights) else f"Heights of {count} of its {len(flights)} flights"
-    return [f"{which} count from a first fix that moves: if that was in the air, they are too low"]
+    return [
+        f"{which} count from a first fix that moves: if that was in the air, they are too low; "
+        "raise them with --altitude recorded+M"
+    ]
 
 
 def nothing_usable(file: TrackFile, why: str) -> str:

@@ -106,7 +106,7 @@ def _fill(figure: Figure, series: ReplaySeries) -> None:
         axes.set_xlabel(series.error_label if n < len(errors) else series.time_label)
         draw(axes, series)
         low, high = axes.get_ylim()
-        axes.set_ylim(min(0.0, low), max(high, (1 + _MARGIN_SHARE) * float(axes.dataLim.y1)))
+        axes.set_ylim(min(0.0, low), max(high, (1 + _MARGIN_SHARE) * float(axes.dataLim.y1), SMALLEST_RANGE))
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
     # The length of a metre on the page is known only after the layout.
     figure.draw_without_rendering()

@@ -140,10 +140,12 @@ def _time_charts(series: ReplaySeries) -> list[Model]:
 
 
 def _begin_at_zero(chart: figure) -> None:
-    """Show 0, too, as the plot does: millimetres must not look like much."""
+    """Show 0, too, and some range above it, as the plot does: millimetres must not look like much."""
     lines, y_range = cast("list[Any]", chart.renderers), cast("Any", chart.y_range)
     if all(np.nanmin(line.data_source.data["y"], initial=0.0) >= 0.0 for line in lines):
         y_range.start = 0
+    if all(np.nanmax(line.data_source.data["y"], initial=0.0) < SMALLEST_RANGE for line in lines):
+        y_range.end = SMALLEST_RANGE
 
 
 def _errors_shown(series: ReplaySeries) -> list[tuple[str, str, ErrorSeries | None, ErrorSeries | None]]:
@@ -320,7 +322,7 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
         row = {"seq": str(seq), "item": _item_text(item), "lat": "", "lon": "", "alt": "", "reached": ""}
         if item.is_waypoint or item.command == Command.SET_ROI:
             row |= {"lat": f"{item.lat_deg:.7f}", "lon": f"{item.lon_deg:.7f}", "alt": f"{item.alt_m:.1f}"}
-        if seq in reached:
+        if item.is_waypoint and seq in reached:  # A turn is passed long before it is made.
             row["reached"] = f"{reached[seq] - start_s:.1f}"
         rows.append(row)
     return rows

@@ -40,7 +40,7 @@ _UNTIMED_LABEL = f"way along the recording (s at {UNTIMED_SPEED_M_S:g} m/s)"
 MAX_CHART_POINTS = 4000
 """Most points of a line in a chart."""
 SMALLEST_RANGE = 0.1
-"""Of an axis of errors, metres or degrees: millimetres must not look like much."""
+"""Of an axis of errors, heights or speeds: millimetres must not look like much."""
 SMALLEST_MAP_M = 5.0
 """So much is on a map at least: of a hover, neither noise nor rounding must look like a way."""
 

@@ -13,7 +13,7 @@ from flight_replay.planning.following.samples import Bridge
 from flight_replay.planning.unrecorded_ways import GAP_S, gaps_note
 
 _WORTH_TELLING_M, _WORTH_TELLING_DEG = 1.0, 30.0
-_WORTH_SLOWING_M = 3.0
+_WORTH_SLOWING_M, _WORTH_SLOWING_DEG = 3.0, 90.0
 """A motion that is farther off somewhere may be followed slower."""
 
 
@@ -39,7 +39,7 @@ def follow_notes(
         *(_jump_note(motion, bridge) for bridge in bridges),
         _gaps_note(motion, bridges, pace),
         _positions_note(motion, reference, pace),
-        _headings_note(motion, reference),
+        _headings_note(motion, reference, pace),
     )
     return tuple(filter(None, notes))
 
@@ -79,7 +79,7 @@ def _positions_note(motion: RecordedMotion, reference: ReferenceMotion, pace: fl
     )
 
 
-def _headings_note(motion: RecordedMotion, reference: ReferenceMotion) -> str:
+def _headings_note(motion: RecordedMotion, reference: ReferenceMotion, pace: float) -> str:
     known = np.isfinite(motion.heading_deg)
     headings = reference.headings_deg(motion.time_s[known])
     if headings is None:
@@ -88,10 +88,11 @@ def _headings_note(motion: RecordedMotion, reference: ReferenceMotion) -> str:
     share, worst = _share_and_worst(off_deg, _WORTH_TELLING_DEG)
     if not share:
         return ""
+    next_step = f"; {slower(pace)}" if off_deg[worst] > _WORTH_SLOWING_DEG else ""
     return (
         f"The vehicle does not turn as fast as recorded: {share:.1f} % of the headings are more than "
         f"{_WORTH_TELLING_DEG:.0f} degrees off, the worst {off_deg[worst]:.0f} degrees, "
-        f"at {motion.time_s[known][worst]:.0f} s."
+        f"at {motion.time_s[known][worst]:.0f} s{next_step}."
     )
 
 
