@@ -9,7 +9,6 @@ from flight_replay.planning.altitude import RECORDED, Recorded
 from flight_replay.planning.heights import RouteHeights
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
-from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_tracks import straight_track
 
 
@@ -21,7 +20,7 @@ def heights(
     track = replace(track, amsl_m=track.alt_m + 400.0)
     speed: Recorded | None = RECORDED if timed else None
     route = spaced_route(track, altitude_m=RECORDED, floor_m=floor_m, speed_m_s=speed)
-    return route_heights(route, Limits(), takeoff_m=takeoff_m, floor_m=floor_m)
+    return route_heights(route, takeoff_m=takeoff_m, floor_m=floor_m)
 
 
 def test_a_level_route_has_nothing_to_say() -> None:
@@ -67,7 +66,7 @@ def test_raised_heights_have_their_floor() -> None:
     """What is below it even so is counted, by what it would be flown at."""
     track = straight_track(altitudes_m=[-8.0] * 10 + [2.0] * 41)
     route = spaced_route(track, altitude_m=RECORDED, raise_m=10.0)
-    raised = route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0, raise_m=10.0)
+    raised = route_heights(route, takeoff_m=5.0, floor_m=5.0, raise_m=10.0)
     assert (raised.raised.fixes, raised.raised.max_m) == (10, 3.0)
     (note,) = raised.notes
     assert note.startswith(
@@ -90,7 +89,7 @@ def test_heights_that_cannot_be_kept_are_said() -> None:
 def test_a_constant_altitude_has_no_floor() -> None:
     """Nothing is raised, whatever was recorded."""
     route = spaced_route(straight_track(altitudes_m=1.0), altitude_m=30.0)
-    constant = route_heights(route, Limits(), takeoff_m=30.0, floor_m=None)
+    constant = route_heights(route, takeoff_m=30.0, floor_m=None)
     assert (constant.floor_m, constant.raised.fixes, constant.notes) == (None, 0, ())
 
 
@@ -98,4 +97,4 @@ def test_unknown_heights_are_not_counted() -> None:
     """Where the recording has no height it is flown at that of the next fix, and was not below the floor."""
     track = replace(straight_track(), alt_m=np.append(np.full(20, np.nan), np.full(31, 12.0)))
     route = spaced_route(track, altitude_m="recorded")
-    assert route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0).raised.fixes == 0
+    assert route_heights(route, takeoff_m=5.0, floor_m=5.0).raised.fixes == 0

@@ -90,7 +90,7 @@ def test_a_plan_is_drawn_without_flown_lines(tmp_path: Path, monkeypatch: pytest
 
 def test_a_plan_is_drawn_with_what_is_predicted(tmp_path: Path) -> None:
     """Path, heights, speeds and every error."""
-    save_plot(tmp_path / "a.svg", with_prediction(made_replay()[0], Limits(), 30.0))
+    save_plot(tmp_path / "a.svg", with_prediction(made_replay()[0], 30.0))
     page = (tmp_path / "a.svg").read_text(encoding="utf-8")
     for text in (
         "predicted",
@@ -152,7 +152,7 @@ def test_a_single_fix_can_be_drawn(tmp_path: Path) -> None:
 def test_the_map_of_a_hover_is_some_metres_wide() -> None:
     """Neither noise nor rounding looks like a way; the single errors and the recorded height are dots."""
     hover = figure_of_eight().select(slice(0, 1))
-    figure = replay_figure(with_prediction(spaced_route(hover), Limits(), 30.0))
+    figure = replay_figure(with_prediction(spaced_route(hover), 30.0))
     paths, *errors, altitude, _ = figure.axes
     for low, high in (paths.get_xlim(), paths.get_ylim()):
         assert (low + high) / 2 == pytest.approx(0.0, abs=0.01)

@@ -18,7 +18,6 @@ from flight_replay.output.charts.series import (
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import route_of
 from flight_replay.planning.spacing import spaced_route
-from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 
@@ -118,7 +117,7 @@ def test_a_plan_has_no_flown_series() -> None:
 def test_a_plan_has_heights_and_what_is_predicted() -> None:
     """By the clock of the errors: the first waypoint is reached at 0, at the height of take-off."""
     route, record, outcome = made_replay()
-    route = with_prediction(route, Limits(), 30.0)
+    route = with_prediction(route, 30.0)
     series = replay_series(route)
     times_s, heights_m = series.planned_height
     assert (times_s[0], times_s[-1]) == pytest.approx((0.0, 0.4 * 299))
