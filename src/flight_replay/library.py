@@ -173,4 +173,4 @@ def figure(route: Route, flight: FlightResult | None = None) -> Figure:
     check_kind(route, Route, "route", _ROUTE)
     if flight is not None:
         check_kind(flight, FlightResult, "flight", "replay(route)")
-    return replay_figure(route, *((flight.record, flight.outcome) if flight else (None, None)))
+    return replay_figure(route, None if flight is None else flight.outcome)

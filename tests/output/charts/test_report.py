@@ -20,8 +20,8 @@ from tests.helpers.made_replays import figure_of_eight, made_following, made_rep
 
 def summary(*, flown: bool = True) -> dict[str, Any]:
     """A ``--json`` object that fits the made-up replay."""
-    route, record, outcome = made_replay()
-    flight = dict(flight_summary("ArduCopter V4.6.0", True, record, outcome))
+    route, outcome = made_replay()
+    flight = dict(flight_summary("ArduCopter V4.6.0", True, outcome))
     flight["position_error_m"] = {"mean": None, "p95": None, "max": None}
     return {
         "log": {
@@ -77,10 +77,11 @@ class Page(HTMLParser):
 def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
     """The report of the made-up replay."""
     path = tmp_path_factory.mktemp("report") / "replay.html"
-    route, record, outcome = made_replay()
+    route, outcome = made_replay()
+    record = replace(outcome.record, problem="the vehicle did not confirm RTL")
     events = (LoggedEvent(None, "Arm and Takeoff", False), LoggedEvent(12.3, "Warning: <lost>", True))
     text = ReportText(summary(), events, ["--tlog", "my flight.tlog", "--speedup", "10"])
-    save_report(path, text, route, replace(record, problem="the vehicle did not confirm RTL"), outcome)
+    save_report(path, text, route, replace(outcome, record=record))
     return Page(path.read_text(encoding="utf-8"))
 
 
@@ -168,27 +169,28 @@ def test_a_plan_without_recorded_times_has_no_chart_over_time() -> None:
 
 def test_an_unplanned_end_is_at_the_top(tmp_path: Path) -> None:
     """Such as a flight that a pilot took over."""
-    route, record, outcome = made_replay()
-    save_report(tmp_path / "a.html", ReportText(summary()), route, replace(record, ended="pilot"), outcome)
+    route, outcome = made_replay()
+    ended = replace(outcome, record=replace(outcome.record, ended="pilot"))
+    save_report(tmp_path / "a.html", ReportText(summary()), route, ended)
     assert "did not end as planned: pilot." in (tmp_path / "a.html").read_text(encoding="utf-8")
 
 
 def test_other_suffixes_are_refused() -> None:
     """The error names the file and the suffixes."""
-    route, _, _ = made_replay()
+    route, _ = made_replay()
     with pytest.raises(FlightReplayError, match=r'a\.pdf: unknown suffix "\.pdf"; use one of \.html'):
         save_report("a.pdf", ReportText(summary()), route)
 
 
 def test_a_recording_that_is_followed_has_a_report(tmp_path: Path) -> None:
     """Its motion stands where a mission has its waypoints, and there is no table of items."""
-    route, record, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
+    route, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
     results = summary() | {
         "route": route_summary(route),
-        "flight": flight_summary("ArduCopter V4.6.0", True, record, outcome),
+        "flight": flight_summary("ArduCopter V4.6.0", True, outcome),
     }
-    record = replace(record, ended="recording complete")
-    save_report(tmp_path / "a.html", ReportText(results), route, record, outcome)
+    whole = replace(outcome, record=replace(outcome.record, ended="recording complete"))
+    save_report(tmp_path / "a.html", ReportText(results), route, whole)
     page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
     rows = {row[0]: row[1:] for row in page.rows if row}
     assert "The whole recording was followed." in page.texts
