@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from flight_replay.exceptions import VehicleError
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, source_of
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 
@@ -109,7 +109,7 @@ class DroneKitConnection:
 
     def deliver(self, message: Message) -> None:
         """Pass a message to DroneKit if the vehicle itself sent it, not its gimbal or another vehicle."""
-        if (message.get_srcSystem(), message.get_srcComponent()) != (self._system, self._component):
+        if source_of(message) != (self._system, self._component):
             return
         for listener in self._listeners:
             try:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from flight_replay.logs.tlog.writer import Recorder
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, source_of
 from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.signing import Signing, is_signed, without_signature
@@ -207,7 +207,7 @@ class Link:
         if not self._accepts(message, frame) or not self._is_of_one_vehicle(message, frame):
             return
         self._record(frame)
-        source = (message.get_srcSystem(), message.get_srcComponent())
+        source = source_of(message)
         if frame[0] == dialect.PROTOCOL_MARKER_V2 and self._vehicle in (None, source):
             self._heard_mavlink2.add(source)
         for receiver in self._receivers:
@@ -220,7 +220,7 @@ class Link:
     def _is_of_one_vehicle(self, message: Message, frame: bytes) -> bool:
         """Whether a frame is not one of another vehicle with the same ids as the one that is followed."""
         sender, now_s = self._transport.sender, time.monotonic()
-        source = (message.get_srcSystem(), message.get_srcComponent())
+        source = source_of(message)
         if self._vehicle is None:
             is_new = source not in self._senders
             if message.get_type() == "HEARTBEAT" and not (is_new and len(self._senders) >= _MAX_VEHICLES):

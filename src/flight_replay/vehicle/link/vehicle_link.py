@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol
 
-from flight_replay.mavlink import Message
+from flight_replay.mavlink import Message, source_of
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.round_trip import RoundTrip
@@ -85,7 +85,7 @@ class DroneKitLink:
         inbox = _QueueInbox()
 
         def receive(message: Message) -> None:
-            source = (message.get_srcSystem(), message.get_srcComponent())
+            source = source_of(message)
             if message.get_type() in types and source == (self.system, self.component) and is_for_us(message):
                 inbox.queue.put(message)
 

@@ -13,7 +13,7 @@ from math import hypot, radians
 from statistics import median
 
 from flight_replay.geometry.flat_earth import FlatFrame
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, source_of
 from flight_replay.supervisor.vehicle_interface import Target
 from flight_replay.vehicle.link.vehicle_link import VehicleLink
 from flight_replay.vehicle.protocol.commands import command_long
@@ -86,7 +86,7 @@ class MotionTargets:
 
     def receive(self, message: Message) -> None:
         """Process a message, on the link's thread."""
-        if (message.get_srcSystem(), message.get_srcComponent()) == (self._link.system, self._link.component):
+        if source_of(message) == (self._link.system, self._link.component):
             self._origin.receive(message)
 
     @property

@@ -14,7 +14,7 @@ from typing import Any
 
 from flight_replay.events import StatusText, VehicleState
 from flight_replay.flight_modes import mode_name
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, source_of
 from flight_replay.supervisor.vehicle_interface import (
     Heartbeat,
     HomePosition,
@@ -82,7 +82,7 @@ class Telemetry:
 
     def receive(self, message: Message) -> None:
         """Process a message, on the link's thread."""
-        source = (message.get_srcSystem(), message.get_srcComponent())
+        source = source_of(message)
         if source != self._source or self._is_duplicate(message):
             return
         self.received_s[message.get_type()] = time.monotonic()
