@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from flight_replay.events import Listener, Notice
 from flight_replay.exceptions import VehicleError
-from flight_replay.mission.fence import FenceArea, active_fence_types, areas_from_items
+from flight_replay.mission.fence import FenceArea, FenceType, active_fence_types, areas_from_items
 from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.vehicle_link import VehicleLink
 from flight_replay.vehicle.protocol.mission_download import FENCE, MissionDownloader
 
-_AREAS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _OFFERS = 4
 _NOT_TOLD = (
     "the route is not checked against the polygon of the vehicle's fence, which its firmware does not tell"
@@ -39,7 +38,7 @@ def stored_fence_areas(
     Raises:
         VehicleError: The vehicle does not send them, they are invalid, or need MAVLink 2.
     """
-    if not active_fence_types(identity.parameters) & _AREAS:
+    if FenceType.AREAS not in active_fence_types(identity.parameters):
         return ()
     points = identity.parameters.get("FENCE_TOTAL")
     if not identity.serves_fence:
