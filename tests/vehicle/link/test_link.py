@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from flight_replay.logs.tlog.writer import Recorder
-from flight_replay.mavlink import dialect, robust_parser
+from flight_replay.mavlink import dialect, robust_parser, source_of
 from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
@@ -168,6 +168,22 @@ def test_mavlink_2_is_sent_at_once_to_a_vehicle_that_was_heard_in_it(vehicle: Ve
     link.follow(1, 1)
     link.send(PING)
     assert vehicle.version_of_ping() == 0xFD
+
+
+def test_receivers_of_the_vehicle_hear_no_others(vehicle: Vehicle) -> None:
+    """Neither a gimbal with the vehicle's system id nor another vehicle."""
+    link = vehicle.linked()
+    link.follow(1, 1)
+    heard = heard_on(link)
+    of_vehicle: list[Any] = []
+    link.add_receiver(of_vehicle.append, of_vehicle=True)
+    for system, component in ((1, 1), (1, 154), (2, 1), (1, 1)):
+        vehicle.mav.srcSystem, vehicle.mav.srcComponent = system, component
+        vehicle.send(BEAT)
+    for _ in range(4):
+        heard.get(timeout=60)
+    link.close()
+    assert [source_of(message) for message in of_vehicle] == [(1, 1), (1, 1)]
 
 
 def test_a_closed_connection_is_reopened(vehicle: Vehicle) -> None:

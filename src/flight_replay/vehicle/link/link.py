@@ -58,7 +58,7 @@ class Link:
         self.ignored = 0
         """How many frames were ignored because of their signature, or because they had none."""
         self._recorder = recorder
-        self._receivers: list[Receiver] = []
+        self._receivers: list[tuple[Receiver, bool]] = []
         self._mav = dialect.MAVLink(None, srcSystem=OUR_SYSTEM, srcComponent=OUR_COMPONENT)
         self._parsers = ParserPool()
         self._vehicle: tuple[int, int] | None = None
@@ -77,13 +77,16 @@ class Link:
         """Start to receive, and to send heartbeats."""
         self._thread.start()
 
-    def add_receiver(self, receiver: Receiver) -> None:
-        """Call ``receiver`` with every message received, whoever sent it."""
-        self._receivers = [*self._receivers, receiver]
+    def add_receiver(self, receiver: Receiver, *, of_vehicle: bool = False) -> None:
+        """Call ``receiver`` with every message received, or with those of the vehicle that is followed.
+
+        Its gimbal's and another vehicle's are not among the latter.
+        """
+        self._receivers = [*self._receivers, (receiver, of_vehicle)]
 
     def remove_receiver(self, receiver: Receiver) -> None:
         """Call ``receiver`` no longer."""
-        self._receivers = [other for other in self._receivers if other != receiver]
+        self._receivers = [other for other in self._receivers if other[0] != receiver]
 
     @property
     def signs(self) -> bool:
@@ -210,7 +213,9 @@ class Link:
         source = source_of(message)
         if frame[0] == dialect.PROTOCOL_MARKER_V2 and self._vehicle in (None, source):
             self._heard_mavlink2.add(source)
-        for receiver in self._receivers:
+        for receiver, of_vehicle in self._receivers:
+            if of_vehicle and source != self._vehicle:
+                continue
             try:
                 receiver(message)
             except Exception:

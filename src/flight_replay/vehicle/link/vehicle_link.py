@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol
 
-from flight_replay.mavlink import Message, source_of
+from flight_replay.mavlink import Message
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.round_trip import RoundTrip
@@ -85,11 +85,10 @@ class DroneKitLink:
         inbox = _QueueInbox()
 
         def receive(message: Message) -> None:
-            source = source_of(message)
-            if message.get_type() in types and source == (self.system, self.component) and is_for_us(message):
+            if message.get_type() in types and is_for_us(message):
                 inbox.queue.put(message)
 
-        self._link.add_receiver(receive)
+        self._link.add_receiver(receive, of_vehicle=True)
         try:
             yield inbox
         finally:
