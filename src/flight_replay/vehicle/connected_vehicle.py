@@ -27,6 +27,7 @@ from flight_replay.mission.items import Mission
 from flight_replay.supervisor.vehicle_interface import Rebooted, Report, Target
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
+from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.connection_string import open_transport, silence_hint
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
 from flight_replay.vehicle.link.link import Link
@@ -174,7 +175,7 @@ class ConnectedVehicle:
         now_s = self._vehicle_link.now_s()
         if now_s - self._measured_s >= _ROUND_TRIP_EVERY_S:
             self._measured_s = now_s
-            self._commands.measure_round_trip()
+            timesync.ping(self._vehicle_link)
         return self._vehicle_link.round_trip.from_freshest_s
 
     def _refuse_armed(self, consequence: str, max_age_s: float = math.inf, timeout_s: float = 0.0) -> None:

@@ -55,7 +55,7 @@ def stored_fence_areas(
 
 def _takes_mavlink2(link: Link, vehicle_link: VehicleLink) -> bool:
     """Whether the vehicle sends MAVLink 2, if need be once it hears some: ports of 4.1 wait for that."""
-    with vehicle_link.inbox(timesync.MESSAGE_TYPE) as inbox:
+    with vehicle_link.inbox("TIMESYNC") as inbox:
         for _ in range(_OFFERS):
             if link.vehicle_sends_mavlink2:
                 break
@@ -63,7 +63,6 @@ def _takes_mavlink2(link: Link, vehicle_link: VehicleLink) -> bool:
             stamp_ns = timesync.ping(vehicle_link)
             end_s = vehicle_link.now_s() + vehicle_link.round_trip.retry_s
             while (message := inbox.get(end_s - vehicle_link.now_s())) is not None:
-                timesync.measure(vehicle_link, message)
                 if message.ts1 == stamp_ns:
                     break
     return link.vehicle_sends_mavlink2

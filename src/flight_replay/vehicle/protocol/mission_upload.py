@@ -74,8 +74,7 @@ class MissionUploader:
         """
         now_s = self._link.now_s
         end_s = now_s() + _TOTAL_S + _ITEM_S * len(self._items)
-        types = ("MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK", timesync.MESSAGE_TYPE)
-        with self._link.inbox(*types) as inbox:
+        with self._link.inbox("MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK") as inbox:
             self._send_count()
             progress_s = now_s()
             while True:
@@ -86,8 +85,6 @@ class MissionUploader:
                     self._round_trip.lost()
                     timesync.ping(self._link)
                     self._resend()
-                elif timesync.measure(self._link, message):
-                    continue
                 elif message.get_type() == "MISSION_ACK":
                     if self._on_ack(message, inbox):
                         progress(len(self._items))
