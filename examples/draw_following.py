@@ -34,7 +34,7 @@ COLOURS = {"3 m rule": "#E69F00", "fitted mission": "#0072B2", "followed in GUID
 
 def mission_flight(route: Route) -> Movement:
     """A mission in the flight model, from when its first waypoint is reached until its last is."""
-    flown, last_s, _ = predicted_flight(route, Limits(), ALTITUDE_M)
+    flown, last_s, _ = predicted_flight(route, ALTITUDE_M)
     return flown.select((flown.time_s >= 0) & (flown.time_s <= last_s))
 
 
@@ -46,7 +46,7 @@ def flights() -> tuple[Movement, dict[str, Movement]]:
     fitted = route_of("fit", found.mission, found.flown, heights=found.heights)
     followed = followed_route(track, np.full(len(track), ALTITUDE_M), Limits(), FollowOptions())
     assert followed.reference is not None
-    in_step = predicted_following(followed, followed.reference, Limits())
+    in_step = predicted_following(followed, followed.reference)
     movements = (mission_flight(spaced), mission_flight(fitted), in_step)
     return followed.wanted, dict(zip(COLOURS, movements, strict=True))
 

@@ -23,6 +23,7 @@ from flight_replay.geometry.flight_errors import FlightErrors
 from flight_replay.logs.track import Track
 from flight_replay.mission.items import Home
 from flight_replay.output.comparison import compare_tracks
+from flight_replay.planning.altitude import Recorded
 from flight_replay.planning.route import Route
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.signals import as_keyboard_interrupt
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
     from flight_replay.cli.flight_step import FlightResult
 
-Recorded = Literal["recorded"]
 _TRACK, _ROUTE = "read_log(path).track", "plan(read_log(path).track)"
 """Where arguments come from."""
 
@@ -173,4 +173,4 @@ def figure(route: Route, flight: FlightResult | None = None) -> Figure:
     check_kind(route, Route, "route", _ROUTE)
     if flight is not None:
         check_kind(flight, FlightResult, "flight", "replay(route)")
-    return replay_figure(route, *((flight.record, flight.outcome) if flight else (None, None)))
+    return replay_figure(route, None if flight is None else flight.outcome)

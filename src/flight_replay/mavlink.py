@@ -38,3 +38,8 @@ def parsed(parser: Any, data: bytes) -> list[Message]:
     del parser.buf[: parser.buf_index]
     parser.buf_index = 0
     return list(messages)
+
+
+def source_of(message: Message) -> tuple[int, int]:
+    """The system and component that sent a message."""
+    return message.get_srcSystem(), message.get_srcComponent()

@@ -20,10 +20,8 @@ from tests.helpers.made_replays import made_replay
 @pytest.fixture(scope="module")
 def result() -> ReplayResult:
     """The made-up replay, with the sample log as the one that was read."""
-    route, record, outcome = made_replay()
-    return ReplayResult(
-        read_log(sample_log()), (), route, FlightResult("ArduCopter V4.6.0", True, record, outcome)
-    )
+    route, outcome = made_replay()
+    return ReplayResult(read_log(sample_log()), (), route, FlightResult("ArduCopter V4.6.0", True, outcome))
 
 
 @pytest.mark.parametrize(

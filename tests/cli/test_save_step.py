@@ -20,7 +20,6 @@ from flight_replay.logs.sample import sample_log
 from flight_replay.logs.track import Armed
 from flight_replay.output.outcome import Outcome
 from flight_replay.planning.route import Route
-from flight_replay.supervisor.flight_plan import FlightRecord
 from tests.helpers.made_replays import made_following, made_replay
 
 
@@ -30,10 +29,10 @@ def result(request: pytest.FixtureRequest) -> ReplayResult:
     return result_of(*request.param())
 
 
-def result_of(route: Route, record: FlightRecord, outcome: Outcome) -> ReplayResult:
+def result_of(route: Route, outcome: Outcome) -> ReplayResult:
     """A replay whose log tells the time of day."""
     log = replace(read_log(sample_log()), track=route.recording, start_utc_s=1_700_000_000.0)
-    return ReplayResult(log, (), route, FlightResult("ArduCopter V4.6.0", True, record, outcome))
+    return ReplayResult(log, (), route, FlightResult("ArduCopter V4.6.0", True, outcome))
 
 
 def saved(folder: Path, result: ReplayResult, *names: str) -> Options:

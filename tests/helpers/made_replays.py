@@ -30,7 +30,7 @@ def figure_of_eight(n: int = 300, aside_m: float = 0.0, begin_s: float = 100.0, 
     )
 
 
-def made_replay() -> tuple[Route, FlightRecord, Outcome]:
+def made_replay() -> tuple[Route, Outcome]:
     """The figure of eight in 60 waypoints, flown 10 % slower and 1 m aside, all but the last reached."""
     route = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60)
     flown = figure_of_eight(aside_m=1.0, begin_s=1000.0, slower=1.1)
@@ -45,7 +45,7 @@ def made_replay() -> tuple[Route, FlightRecord, Outcome]:
         reached=tuple((seq, 1000.0 + 2.0 * seq) for seq, _ in route.mission.waypoints[:-1]),
         flown=flown,
     )
-    return route, record, compare_flight(route, record)
+    return route, compare_flight(route, record)
 
 
 def made_following(
@@ -55,7 +55,7 @@ def made_following(
     back_s: float = 0.0,
     end_s: float = 110.0,
     pace: float = 1.0,
-) -> tuple[Route, FlightRecord, Outcome]:
+) -> tuple[Route, Outcome]:
     """The figure of eight followed in GUIDED, a metre north of its reference.
 
     Args:
@@ -88,7 +88,7 @@ def made_following(
         flown=track_from_columns(1000.0 + since_s, lat_deg, lon_deg, places_m[:, 2]),
         recording_s=recording_s,
     )
-    return route, record, compare_flight(route, record)
+    return route, compare_flight(route, record)
 
 
 def vehicle_at(

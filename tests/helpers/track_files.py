@@ -9,6 +9,7 @@ from datetime import datetime, timedelta, timezone
 
 from flight_replay.logs.byte_source import OpenLog
 from flight_replay.logs.log_formats import recognised
+from flight_replay.logs.read_log import read_open_log
 from flight_replay.logs.recording import Recording
 
 START = datetime(2026, 3, 1, 10, 0, tzinfo=timezone.utc)
@@ -21,8 +22,7 @@ Point = tuple[float | None, float, float, float]
 
 def read_bytes(data: bytes, name: str = "made") -> Recording:
     """What is read of a file of these bytes, its format found by them."""
-    log = OpenLog(name, io.BytesIO(data))
-    return recognised(log).read(log, None, None)
+    return read_open_log(OpenLog(name, io.BytesIO(data)))
 
 
 def kind_of_bytes(data: bytes) -> str:

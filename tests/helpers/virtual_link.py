@@ -125,6 +125,8 @@ class VirtualLink:
             return
         for message in self._decoder.parse_buffer(frame) or []:
             self.received.append(message)
+            if message.get_type() == "TIMESYNC":
+                self.round_trip.answered(message, self._now_s)
             for inbox in self._inboxes:
                 if message.get_type() in inbox.types and is_for_us(message):
                     inbox.messages.append(message)

@@ -143,7 +143,7 @@ def test_a_replay_is_the_part_in_auto() -> None:
     track = loops(1)
     modes = np.full(len(track), CopterMode.GUIDED, np.int16)
     modes[20:60] = CopterMode.AUTO
-    recording = Recording(path="made", format="tlog", bytes=0, track=track, modes=modes)
+    recording = Recording(path="made", bytes=0, track=track, modes=modes)
     part, words = part_in(recording, [CopterMode.AUTO, CopterMode.GUIDED])
     assert (len(part), words) == (40, "its AUTO part")
     assert part_in(recording, [CopterMode.LOITER])[1] == "what was flown"
@@ -155,6 +155,6 @@ def test_a_take_off_in_guided_is_no_replay() -> None:
     modes = np.full(len(track), CopterMode.LOITER, np.int16)
     modes[track.time_s < 9.0] = CopterMode.GUIDED
     assert (modes == CopterMode.GUIDED).any()
-    recording = Recording(path="made", format="tlog", bytes=0, track=track, modes=modes)
+    recording = Recording(path="made", bytes=0, track=track, modes=modes)
     part, words = part_in(recording, [CopterMode.AUTO, CopterMode.GUIDED])
     assert (part.time_s[-1], words) == (track.time_s[-1], "what was flown")

@@ -14,7 +14,7 @@ from tests.helpers.made_replays import made_following, made_replay
 
 def test_items_are_numbered_from_1_without_home() -> None:
     """Sequence numbers are those on board, where home is item 0."""
-    route, _, _ = made_replay()
+    route, _ = made_replay()
     summary = route_summary(route)
     count = len(route.mission.items)
     assert [item["seq"] for item in summary["items"]] == list(range(1, count + 1))
@@ -23,9 +23,10 @@ def test_items_are_numbered_from_1_without_home() -> None:
 
 def test_errors_that_do_not_exist_are_null() -> None:
     """A flight that reached no waypoint has no error; its keys stay, and the reason is there."""
-    route, record, _ = made_replay()
+    route, outcome = made_replay()
+    record = outcome.record
     record = replace(record, reached=())
-    summary = flight_summary("ArduCopter V4.6.0", True, record, compare_flight(route, record))
+    summary = flight_summary("ArduCopter V4.6.0", True, compare_flight(route, record))
     nothing = {"mean": None, "p95": None, "max": None}
     assert summary["position_error_m"] == summary["height_error_m"] == nothing
     assert summary["path_error_m"] == {"recorded_to_flown": nothing, "flown_to_recorded": nothing}
@@ -42,8 +43,8 @@ def test_errors_that_do_not_exist_are_null() -> None:
 
 def test_the_alignment_and_the_coverage_are_told() -> None:
     """What was put on what, how many fixes were compared, and how much of the recording was flown."""
-    route, record, outcome = made_replay()
-    summary = flight_summary("ArduCopter V4.6.0", True, record, outcome)
+    route, outcome = made_replay()
+    summary = flight_summary("ArduCopter V4.6.0", True, outcome)
     assert summary["alignment"]["flown_s"] == 1002.0
     assert summary["alignment"]["recorded_s"] == 0.0
     assert summary["alignment"]["fixes"] == len(outcome.errors.position_m)
@@ -56,7 +57,7 @@ def test_the_alignment_and_the_coverage_are_told() -> None:
 
 def test_a_route_that_cannot_be_predicted_says_so() -> None:
     """No prediction is null; a fit has its objective."""
-    route, _, _ = made_replay()
+    route, _ = made_replay()
     assert route_summary(route)["predicted"] is None
     assert route_summary(route)["heights"] is None
     assert "objective_m" not in route_summary(route)
@@ -65,7 +66,7 @@ def test_a_route_that_cannot_be_predicted_says_so() -> None:
 
 def test_the_limits_of_a_plan_are_told() -> None:
     """Always, in m/s, m/s², m/s³, m and degrees; those of no vehicle are the defaults of ArduCopter 4.6."""
-    route, _, _ = made_replay()
+    route, _ = made_replay()
     assert route_summary(route)["limits"] == {
         "vehicle": None,
         "speed_m_s": 10.0,
@@ -101,7 +102,7 @@ def test_the_limits_of_a_plan_are_told() -> None:
 
 def test_heights_have_their_own_object() -> None:
     """The climb to the first waypoint is negative for a descent; changes have a count and a maximum."""
-    route, _, _ = made_replay()
+    route, _ = made_replay()
     raised, none = HeightChange(12, 3.25), HeightChange(0, 0.0)
     heights = RouteHeights(30.0, 5.0, 18.0, 5.0, raised, none, ("words",))
     assert route_summary(replace(route, heights=heights))["heights"] == {
@@ -117,7 +118,7 @@ def test_heights_have_their_own_object() -> None:
 
 def test_a_motion_that_is_followed_has_its_own_object() -> None:
     """Instead of items; the flight says how long the recording waited."""
-    route, record, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
+    route, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
     summary = route_summary(route)
     assert (summary["method"], summary["points"], summary["items"]) == ("guided", 0, [])
     motion = summary["reference"]
@@ -125,6 +126,6 @@ def test_a_motion_that_is_followed_has_its_own_object() -> None:
     assert motion["lowest_m"] == motion["highest_m"] == 30.0
     assert 3.0 < motion["top_speed_m_s"] < 6.0
     assert "reference" not in route_summary(made_replay()[0])
-    alignment = flight_summary("ArduCopter V4.6.0", True, record, outcome)["alignment"]
+    alignment = flight_summary("ArduCopter V4.6.0", True, outcome)["alignment"]
     assert alignment["waited_s"] == 7.0
     assert alignment["flown_s"] == 1005.0

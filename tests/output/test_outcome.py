@@ -183,7 +183,7 @@ def test_a_flight_without_positions_is_compared() -> None:
 
 def test_a_flight_in_step_is_compared_by_the_recordings_clock() -> None:
     """A metre beside the reference is a metre at equal times, which need no waypoint."""
-    route, _, outcome = made_following()
+    route, outcome = made_following()
     errors = outcome.errors
     assert statistics(errors.position_m).mean == pytest.approx(1.0, abs=0.1)
     assert statistics(errors.height_m).max < 0.01
@@ -199,7 +199,8 @@ def test_a_flight_in_step_is_compared_by_the_recordings_clock() -> None:
 
 def test_what_is_flown_beyond_the_last_fix_has_no_error() -> None:
     """The vehicle is on its way as the recording ends, and comes to rest behind that."""
-    route, record, outcome = made_following(end_s=152.0)
+    route, outcome = made_following(end_s=152.0)
+    record = outcome.record
     assert record.recording_s is not None and record.recording_s[-1] > route.wanted.time_s[-1] + 1.0
     ends_m = outcome.errors.path_m.place_m[-1] - route.wanted.north_east_m[-1]
     beyond_m = record.flown.north_east_m(route.frame)[-1] - route.wanted.north_east_m[-1]
@@ -208,8 +209,8 @@ def test_what_is_flown_beyond_the_last_fix_has_no_error() -> None:
 
 def test_waiting_is_no_error_but_is_told() -> None:
     """A recording that waits 7 s has the same errors as one that does not."""
-    _, _, free = made_following()
-    _, _, waited = made_following(waits_at_s=40.0, waits_s=7.0)
+    _, free = made_following()
+    _, waited = made_following(waits_at_s=40.0, waits_s=7.0)
     assert waited.waited_s == pytest.approx(7.0, abs=0.1)
     assert statistics(waited.errors.position_m).max == pytest.approx(
         statistics(free.errors.position_m).max, abs=0.05
@@ -219,7 +220,8 @@ def test_waiting_is_no_error_but_is_told() -> None:
 
 def test_after_a_rejoin_the_second_time_over_counts() -> None:
     """A clock that goes back 4 s makes times that rise, and no fix is compared twice."""
-    _, record, outcome = made_following(waits_at_s=40.0, waits_s=3.0, back_s=4.0)
+    _, outcome = made_following(waits_at_s=40.0, waits_s=3.0, back_s=4.0)
+    record = outcome.record
     assert record.recording_s is not None and np.diff(record.recording_s).min() < -3.0
     assert outcome.waited_s == pytest.approx(7.0, abs=0.2)
     times_s = outcome.errors.position_m.time_s
@@ -229,7 +231,8 @@ def test_after_a_rejoin_the_second_time_over_counts() -> None:
 
 def test_a_follower_that_never_began_has_no_error() -> None:
     """It was stopped during the run-up: the reason is told in words of following."""
-    route, record, _ = made_following()
+    route, outcome = made_following()
+    record = outcome.record
     assert record.recording_s is not None
     begun = int(np.searchsorted(record.recording_s, -0.5))
     early = replace(record, flown=record.flown.select(slice(begun)), recording_s=record.recording_s[:begun])
@@ -241,14 +244,16 @@ def test_a_follower_that_never_began_has_no_error() -> None:
 
 def test_a_slower_replay_covers_recorded_seconds() -> None:
     """At half the pace the coverage is still in the recording's seconds."""
-    route, record, _ = made_following()
+    route, outcome = made_following()
+    record = outcome.record
     slow = replace(route, wanted=replace(route.wanted, time_s=2.0 * route.wanted.time_s))
     assert compare_flight(slow, record).coverage.recorded_s == pytest.approx(55.0, abs=0.5)
 
 
 def test_the_clocks_are_put_on_each_other_between_two_positions() -> None:
     """The vehicle's time at the first fix, not that of its next position."""
-    route, record, _ = made_following()
+    route, outcome = made_following()
+    record = outcome.record
     assert record.recording_s is not None
     outcome = compare_flight(route, replace(record, recording_s=record.recording_s + 0.04))
     assert outcome.first_waypoint_s == pytest.approx(1004.96)

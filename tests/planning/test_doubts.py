@@ -30,7 +30,7 @@ def flown_east(speed_m_s: float, *, armed: Armed = Armed.YES) -> Track:
 
 def said(track: Track, **known: object) -> list[str]:
     """What is doubted of a recording of a track."""
-    recording = Recording(path="made", format="tlog", bytes=0, track=track, **known)  # type: ignore[arg-type]
+    recording = Recording(path="made", bytes=0, track=track, **known)  # type: ignore[arg-type]
     return doubts(recording, find_flights(track), track)
 
 

@@ -54,7 +54,7 @@ def test_a_fit_that_climbs_sooner_is_less_late() -> None:
     climbing = replace(track, alt_m=height_m, amsl_m=400.0 + height_m)
     result = fit(climbing, max_points=30, altitude_m="recorded", speed_m_s="recorded")
     route = route_of("fit", result.mission, result.flown, heights=result.heights)
-    predicted = with_prediction(route, Limits(), 10.0).predicted
+    predicted = with_prediction(route, 10.0).predicted
     assert predicted is not None
     assert predicted.position_m.statistics is not None
     assert predicted.position_m.statistics.mean < 2.5

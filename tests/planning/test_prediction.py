@@ -17,7 +17,7 @@ from tests.helpers.fit_tracks import along, draft_of
 def test_a_route_is_predicted_both_ways() -> None:
     """Along a square at 4 m/s the copter cuts corners by less than 2 m, and flies at 30 m."""
     track = along([(0, 0), (60, 0), (60, 60), (0, 60)], 4.0)
-    route = with_prediction(spaced_route(track, spacing_m=19.9), Limits(), 30.0)
+    route = with_prediction(spaced_route(track, spacing_m=19.9), 30.0)
     assert route.predicted is not None
     path = route.predicted.path_m
     assert 0 < path.recorded_to_path.error.max() < 2.0
@@ -30,13 +30,13 @@ def test_a_route_is_predicted_both_ways() -> None:
 def test_a_route_that_is_too_long_is_not_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
     """It would take minutes to simulate."""
     monkeypatch.setattr(prediction, "LONGEST_SIMULATED_M", 10.0)
-    assert with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0)), Limits(), 30.0).predicted is None
+    assert with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0)), 30.0).predicted is None
 
 
 def test_a_flight_that_does_not_end_is_not_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
     """The route stays as it is."""
     monkeypatch.setattr("flight_replay.simulator.flight.trajectory._LONGEST_S", 1.0)
-    assert with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0)), Limits(), 30.0).predicted is None
+    assert with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0)), 30.0).predicted is None
 
 
 @pytest.mark.parametrize("takeoff_m", [10.0, 30.0, 60.0])
@@ -44,7 +44,7 @@ def test_the_time_in_auto_is_that_of_a_whole_flight(takeoff_m: float) -> None:
     """With the climb, or descent, from the take-off to the first waypoint."""
     route = spaced_route(along([(0, 0), (60, 0), (60, 60)], 4.0), spacing_m=19.9)
     begin_s, end_s = simulate_flight(route.mission, Limits(), takeoff_m=takeoff_m).auto_s
-    predicted_s = with_prediction(route, Limits(), takeoff_m).predicted_duration_s
+    predicted_s = with_prediction(route, takeoff_m).predicted_duration_s
     assert predicted_s == pytest.approx(end_s - begin_s, abs=1.0)
 
 
@@ -57,7 +57,7 @@ def test_a_mission_with_a_leg_that_ardupilot_does_not_plan_is_told() -> None:
     longer_m = draft.places_m.copy()
     longer_m[1] *= 2.0
     bad, good = (
-        with_prediction(replace(route, mission=each.mission(FlatFrame(47.3, 8.5), Limits())), Limits(), 20.0)
+        with_prediction(replace(route, mission=each.mission(FlatFrame(47.3, 8.5), Limits())), 20.0)
         for each in (asked, replace(asked, places_m=longer_m))
     )
     assert any("reports an internal error on a short straight leg" in note for note in bad.notes)

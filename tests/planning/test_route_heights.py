@@ -23,7 +23,7 @@ def heights(
     if timed:
         planned_m = heights_of(track, RECORDED, floor_m, Limits()).planned_m
         route = replace(route, planned_up_m=planned_m[: len(route.wanted)])
-    return route_heights(route, Limits(), takeoff_m=takeoff_m, floor_m=floor_m)
+    return route_heights(route, takeoff_m=takeoff_m, floor_m=floor_m)
 
 
 def test_a_level_route_has_nothing_to_say() -> None:
@@ -71,7 +71,7 @@ def test_of_a_flight_down_a_cliff_is_said_how_its_heights_are_kept() -> None:
     track = straight_track(altitudes_m=[-38.7] * 30 + [6.0] * 21)
     for raise_m, said_m in ((0.0, 44), (10.0, 44), (44.0, None)):
         route = spaced_route(track, altitude_m=RECORDED, raise_m=raise_m)
-        notes = route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0, raise_m=raise_m).notes
+        notes = route_heights(route, takeoff_m=5.0, floor_m=5.0, raise_m=raise_m).notes
         said = [note for note in notes if note.endswith(f"add --altitude recorded+{said_m}.")]
         assert len(said) == (said_m is not None)
 
@@ -86,7 +86,7 @@ def test_raised_heights_have_their_floor() -> None:
     """What is below it even so is counted, by what it would be flown at."""
     track = straight_track(altitudes_m=[-8.0] * 10 + [2.0] * 41)
     route = spaced_route(track, altitude_m=RECORDED, raise_m=10.0)
-    raised = route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0, raise_m=10.0)
+    raised = route_heights(route, takeoff_m=5.0, floor_m=5.0, raise_m=10.0)
     assert (raised.raised.fixes, raised.raised.max_m) == (10, 3.0)
     (note,) = raised.notes
     assert note.startswith(
@@ -109,7 +109,7 @@ def test_heights_that_cannot_be_kept_are_said() -> None:
 def test_a_constant_altitude_has_no_floor() -> None:
     """Nothing is raised, whatever was recorded."""
     route = spaced_route(straight_track(altitudes_m=1.0), altitude_m=30.0)
-    constant = route_heights(route, Limits(), takeoff_m=30.0, floor_m=None)
+    constant = route_heights(route, takeoff_m=30.0, floor_m=None)
     assert (constant.floor_m, constant.raised.fixes, constant.notes) == (None, 0, ())
 
 
@@ -117,4 +117,4 @@ def test_unknown_heights_are_not_counted() -> None:
     """Where the recording has no height it is flown at that of the next fix, and was not below the floor."""
     track = replace(straight_track(), alt_m=np.append(np.full(20, np.nan), np.full(31, 12.0)))
     route = spaced_route(track, altitude_m="recorded")
-    assert route_heights(route, Limits(), takeoff_m=5.0, floor_m=5.0).raised.fixes == 0
+    assert route_heights(route, takeoff_m=5.0, floor_m=5.0).raised.fixes == 0

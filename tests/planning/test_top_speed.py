@@ -17,7 +17,7 @@ def notes(spacing_m: float, speed_m_s: float, limits: Limits | None = None) -> t
     limits = limits or Limits()
     track = along([(0, 0), (600, 0)], 10.0)
     route = spaced_route(track, spacing_m=spacing_m, speed_m_s=speed_m_s, limits=limits)
-    return with_speed_note(with_prediction(route, limits, 30.0), speed_m_s, limits).notes
+    return with_speed_note(with_prediction(route, 30.0), speed_m_s).notes
 
 
 @pytest.mark.parametrize(
@@ -46,6 +46,6 @@ def test_a_speed_that_is_reached_is_not_told() -> None:
 
 def test_without_a_predicted_flight_nothing_is_told() -> None:
     """Nobody knows how fast it would be."""
-    route = with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0), speed_m_s=20.0), Limits(), 30.0)
+    route = with_prediction(spaced_route(along([(0, 0), (60, 0)], 4.0), speed_m_s=20.0), 30.0)
     unknown = replace(route, predicted_flight=None)
-    assert with_speed_note(unknown, 20.0, Limits()) is unknown
+    assert with_speed_note(unknown, 20.0) is unknown

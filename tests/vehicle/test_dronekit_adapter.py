@@ -1,4 +1,4 @@
-"""The adapter to DroneKit: importable on any Python, receives one vehicle only, and has no side effects."""
+"""The adapter to DroneKit: importable on any Python, receives the vehicle, and has no side effects."""
 
 from __future__ import annotations
 
@@ -25,18 +25,19 @@ class FakeLink:
     def send(self, message: Any) -> None:
         self.sent.append(message)
 
-    def add_receiver(self, receiver: Any) -> None:
+    def add_receiver(self, receiver: Any, *, of_vehicle: bool) -> None:
+        assert of_vehicle
         self.receivers.append(receiver)
 
 
-def arrived(message: Any, system: int, component: int) -> Any:
-    frame = message.pack(dialect.MAVLink(None, system, component))
+def arrived(message: Any) -> Any:
+    frame = message.pack(dialect.MAVLink(None, 7, 1))
     return dialect.MAVLink(None).parse_buffer(frame)[0]
 
 
 def connected() -> tuple[FakeLink, Any]:
     link = FakeLink()
-    return link, dronekit_vehicle(link, 7, 1)  # type: ignore[arg-type]
+    return link, dronekit_vehicle(link, 7)  # type: ignore[arg-type]
 
 
 def test_the_import_leaves_collections_unchanged() -> None:
@@ -71,13 +72,10 @@ def test_the_root_logger_stays_unchanged() -> None:
         root.handlers[:] = kept
 
 
-def test_dronekit_receives_the_vehicles_messages_only() -> None:
-    """Not those of a gimbal of the same system or of another vehicle."""
+def test_dronekit_receives_the_vehicles_messages() -> None:
     link, drone = connected()
     (deliver,) = link.receivers
-    deliver(arrived(dialect.MAVLink_heartbeat_message(2, 3, 128, 4, 4, 3), 7, 1))
-    for source in ((7, 154), (8, 1)):
-        deliver(arrived(dialect.MAVLink_heartbeat_message(2, 3, 0, 5, 4, 3), *source))
+    deliver(arrived(dialect.MAVLink_heartbeat_message(2, 3, 128, 4, 4, 3)))
     assert (drone.mode.name, drone.armed) == ("GUIDED", True)
 
 
@@ -85,8 +83,8 @@ def test_an_error_in_dronekit_does_no_harm() -> None:
     """A mode newer than DroneKit raises in it."""
     link, drone = connected()
     (deliver,) = link.receivers
-    deliver(arrived(dialect.MAVLink_heartbeat_message(2, 3, 128, 99, 4, 3), 7, 1))
-    deliver(arrived(dialect.MAVLink_sys_status_message(0, 0, 0, 0, 12100, 100, 55, 0, 0, 0, 0, 0, 0), 7, 1))
+    deliver(arrived(dialect.MAVLink_heartbeat_message(2, 3, 128, 99, 4, 3)))
+    deliver(arrived(dialect.MAVLink_sys_status_message(0, 0, 0, 0, 12100, 100, 55, 0, 0, 0, 0, 0, 0)))
     assert drone.battery.voltage == 12.1
 
 

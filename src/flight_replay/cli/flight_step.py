@@ -37,8 +37,12 @@ class FlightResult:
 
     vehicle: str
     simulated: bool
-    record: FlightRecord
     outcome: Outcome
+
+    @property
+    def record(self) -> FlightRecord:
+        """How the flight went."""
+        return self.outcome.record
 
 
 def fly(
@@ -77,8 +81,7 @@ def fly(
     if recorder:
         record = replace(record, problem=record.problem or recorder.problem)
     listener(Finished(record.ended, record.problem, record.landed))
-    outcome = compare_flight(route, record)
-    return route, FlightResult(identity.name, identity.simulated, record, outcome)
+    return route, FlightResult(identity.name, identity.simulated, compare_flight(route, record))
 
 
 def _flown(

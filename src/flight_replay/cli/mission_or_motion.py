@@ -187,7 +187,7 @@ class AsMotion:
         options, route = self._options, self._route
         tuning = braking_within(tuning_of(identity), route.limits.limits)
         return FollowPlan(
-            reference=reference_for(self._reference, route, route.limits.limits, tuning),
+            reference=reference_for(self._reference, route, tuning),
             recorded_s=float(route.wanted.time_s[-1]),
             duration_s=None if options.duration_s is None else options.duration_s / options.pace,
             max_error_m=options.max_error_m,

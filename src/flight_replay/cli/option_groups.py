@@ -9,6 +9,23 @@ from pathlib import Path
 from flight_replay.cli import option_types
 from flight_replay.output.console.terminal import write_line, write_verbatim
 from flight_replay.planning.spacing import MAX_POINTS, SPACING_M
+from flight_replay.writing.terminal_text import Parser
+
+
+def new_parser(prog: str, description: str, examples: str) -> Parser:
+    """A parser with ``--help`` alone, which ends with some examples."""
+    parser = Parser(
+        prog=prog,
+        description=description,
+        epilog=examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+    # For an option outside a group argparse formats a help text, which takes longer than parsing.
+    group = parser.add_argument_group("options")
+    group.add_argument("-h", "--help", action="help", help="show this help message and exit")
+    return parser
 
 
 def add_groups(parser: argparse.ArgumentParser) -> None:

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from flight_replay.cli.option_combinations import check_combinations, without_effect
-from flight_replay.cli.option_groups import add_groups
+from flight_replay.cli.option_groups import add_groups, new_parser
 from flight_replay.planning.altitude import FLOOR_M, Recorded
 from flight_replay.planning.spacing import MAX_POINTS, SPACING_M
-from flight_replay.writing.terminal_text import Parser
 
 _EXAMPLES = """\
 examples:
@@ -129,17 +128,11 @@ def _parsed(parser: argparse.ArgumentParser, argv: Sequence[str]) -> dict[str, A
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of ``flight-replay``."""
-    parser = Parser(
-        prog="flight-replay",
-        description="Fly a recorded drone flight again: turn the log of a flight into a mission, fly it\n"
+    parser = new_parser(
+        "flight-replay",
+        "Fly a recorded drone flight again: turn the log of a flight into a mission, fly it\n"
         "on a simulator or a real vehicle, and compare the flight with the recording.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        add_help=False,
+        _EXAMPLES,
     )
-    # For an option outside a group argparse formats a help text, which takes longer than parsing.
-    group = parser.add_argument_group("options")
-    group.add_argument("-h", "--help", action="help", help="show this help message and exit")
     add_groups(parser)
     return parser

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flight_replay.cli.flight_step import FlightResult
     from flight_replay.logs.recording import Recording
     from flight_replay.output.event_log import LoggedEvent
+    from flight_replay.output.outcome import Outcome
     from flight_replay.planning.route import Route
 
 
@@ -38,6 +39,11 @@ class ReplayResult:
     flights: tuple[Flight, ...]
     route: Route
     flight: FlightResult | None
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the flight went."""
+        return None if self.flight is None else self.flight.outcome
 
 
 def check_outputs(options: Options) -> None:
@@ -148,8 +154,7 @@ def problems_of_writing(path: Path, write: Callable[[], None]) -> list[str]:
 def _save_plot(path: Path, result: ReplayResult) -> None:
     from flight_replay.output.charts.plot import save_plot
 
-    record, outcome = (result.flight.record, result.flight.outcome) if result.flight else (None, None)
-    save_plot(path, result.route, record, outcome)
+    save_plot(path, result.route, result.outcome)
 
 
 def _save_report(
@@ -157,9 +162,8 @@ def _save_report(
 ) -> None:
     from flight_replay.output.charts.report import ReportText, save_report
 
-    record, outcome = (result.flight.record, result.flight.outcome) if result.flight else (None, None)
     text = ReportText(json_object(result), events, repeat_arguments(arguments))
-    save_report(path, text, result.route, record, outcome)
+    save_report(path, text, result.route, result.outcome)
 
 
 def print_result(options: Options, result: ReplayResult, console: Console, arguments: Sequence[str]) -> None:
@@ -177,15 +181,14 @@ def json_object(result: ReplayResult) -> dict[str, Any]:
     return {
         "log": log_summary(result.log, result.flights),
         "route": route_summary(result.route),
-        "flight": flight and flight_summary(flight.vehicle, flight.simulated, flight.record, flight.outcome),
+        "flight": flight and flight_summary(flight.vehicle, flight.simulated, flight.outcome),
     }
 
 
 def result_lines(result: ReplayResult, arguments: Sequence[str]) -> list[str]:
     """The result as lines of text, which but for the last, a command, fit a terminal of 80 columns."""
     lines = route_lines(result.route)
-    if result.flight:
-        outcome = result.flight.outcome
-        command = whole_flight_command(arguments, outcome.coverage.fly_all)
-        lines += flight_lines(result.route, result.flight.record, outcome, command)
+    if result.outcome is not None:
+        command = whole_flight_command(arguments, result.outcome.coverage.fly_all)
+        lines += flight_lines(result.route, result.outcome, command)
     return lines

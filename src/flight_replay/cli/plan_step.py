@@ -22,8 +22,8 @@ from flight_replay.output.json_summary import reference_summary
 from flight_replay.planning.altitude import RECORDED, altitudes_m, home_of
 from flight_replay.planning.doubts import check_moves, doubts
 from flight_replay.planning.flown_part import flown_part
-from flight_replay.planning.heights import RouteHeights
 from flight_replay.planning.prediction import with_prediction
+from flight_replay.planning.required_limits import required_limits
 from flight_replay.planning.route import Route, route_of
 from flight_replay.planning.route_heights import route_heights
 from flight_replay.planning.spacing import spaced_route
@@ -157,10 +157,9 @@ class Planner:
             MissionError: The track cannot be flown as the options ask.
         """
         route = self._plan(vehicle)
-        used = replace(vehicle, limits=replace(vehicle.limits, **route.required_limits))
         for note in (*vehicle.notes, *_motion_notes(route), *route.notes):
             self._listener(Notice(f" {note}"))
-        return replace(route, limits=used)
+        return replace(route, limits=replace(vehicle, limits=route.limits.limits))
 
     def _plan(self, vehicle: VehicleLimits) -> Route:
         """The route for a vehicle of these limits, from before if it was planned with the same."""
@@ -178,9 +177,8 @@ def _planned_route(
 ) -> Route:
     if options.mode == "guided":
         return _followed_route(options, track, vehicle)
-    own_limits = vehicle.limits
-    required_limits = _required_limits(track, own_limits) if options.limits == "recorded" else {}
-    limits = replace(own_limits, **required_limits)
+    raised = required_limits(track, vehicle.limits) if options.limits == "recorded" else {}
+    limits = replace(vehicle.limits, **raised)
     if options.route == "fit":
         route = _fitted_route(options, track, limits, listener)
     else:
@@ -189,16 +187,16 @@ def _planned_route(
         route.mission, track, "--max-points" if options.route == "fit" else "--spacing or --max-points"
     )
     listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from {source}"))
-    route = _with_heights(options, route, limits)
+    route = _with_heights(options, route)
     if options.heading == "recorded":
-        route = _with_recorded_headings(options, route, limits)
-    route = with_prediction(route, limits, options.takeoff_altitude_m)
-    route = replace(route, notes=(*route.notes, *unrecorded_notes(route.covered)))
+        route = _with_recorded_headings(options, route)
+    route = with_prediction(route, options.takeoff_altitude_m)
+    route = route.with_notes(*unrecorded_notes(route.covered))
     if isinstance(options.speed_m_s, float):
-        route = with_speed_note(route, options.speed_m_s, limits)
+        route = with_speed_note(route, options.speed_m_s)
     elif options.speed_m_s == RECORDED and options.route == "spacing":  # A fit says where it is late.
         route = with_recorded_speed_note(route)
-    return replace(route, required_limits=required_limits)
+    return replace(route, required_limits=raised)
 
 
 def _followed_route(options: Options, track: Track, vehicle: VehicleLimits) -> Route:
@@ -216,9 +214,7 @@ def _followed_route(options: Options, track: Track, vehicle: VehicleLimits) -> R
     )
     heights_m = altitudes_m(track, options.altitude_m, options.floor_m, options.raise_m)
     route = followed_route(track, heights_m, limits, follow)
-    route = with_prediction(route, limits, options.max_error_m)
-    heights = _heights(options, route, limits)
-    return replace(route, heights=heights, notes=(*route.notes, *heights.notes))
+    return _with_heights(options, with_prediction(route, options.max_error_m))
 
 
 def _motion_notes(route: Route) -> list[str]:
@@ -234,36 +230,23 @@ def _motion_notes(route: Route) -> list[str]:
     ]
 
 
-def _with_heights(options: Options, route: Route, limits: Limits) -> Route:
-    """The route with what it does with heights, and with the time of the climb to its first waypoint."""
-    heights = _heights(options, route, limits)
-    return replace(
-        route,
-        heights=heights,
-        predicted_duration_s=route.predicted_duration_s + heights.climb_s,
-        notes=(*route.notes, *heights.notes),
-    )
-
-
-def _heights(options: Options, route: Route, limits: Limits) -> RouteHeights:
+def _with_heights(options: Options, route: Route) -> Route:
+    """The route with what it does with heights, and with the time of a climb to its first waypoint."""
     floor_m = options.floor_m if options.altitude_m == RECORDED else None
-    return route_heights(
-        route, limits, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m, raise_m=options.raise_m
+    heights = route_heights(
+        route, takeoff_m=options.takeoff_altitude_m, floor_m=floor_m, raise_m=options.raise_m
     )
+    climb_s = heights.climb_s if route.reference is None else 0.0  # That is no part of following.
+    duration_s = route.predicted_duration_s + climb_s
+    return replace(route, heights=heights, predicted_duration_s=duration_s).with_notes(*heights.notes)
 
 
-def _with_recorded_headings(options: Options, route: Route, limits: Limits) -> Route:
+def _with_recorded_headings(options: Options, route: Route) -> Route:
     # Planned with the model of the whole vehicle, which a route without headings need not import.
     from flight_replay.planning.heading import with_recorded_headings
 
     timed = options.speed_m_s == RECORDED
-    return with_recorded_headings(route, limits, options.takeoff_altitude_m, timed=timed)
-
-
-def _required_limits(track: Track, limits: Limits) -> dict[str, float]:
-    from flight_replay.planning.required_limits import required_limits
-
-    return required_limits(track, limits)
+    return with_recorded_headings(route, options.takeoff_altitude_m, timed=timed)
 
 
 def _spaced_route(options: Options, track: Track, limits: Limits) -> Route:
@@ -299,10 +282,11 @@ def _fitted_route(options: Options, track: Track, limits: Limits, listener: List
         result.flown,
         heights=result.heights,
         recording=track,
+        limits=limits,
         predicted_duration_s=result.predicted_duration_s,
     )
-    notes = (*result.notes, _to_keep_up(options)) if result.cannot_keep_up else result.notes
-    return replace(route, objective_m=result.objective_m, notes=notes)
+    to_keep_up = _to_keep_up(options) if result.cannot_keep_up else ""
+    return replace(route, objective_m=result.objective_m).with_notes(*result.notes, to_keep_up)
 
 
 def _to_keep_up(options: Options) -> str:

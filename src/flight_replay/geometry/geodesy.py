@@ -9,6 +9,7 @@ distances. The frame is the tangent plane of its origin, stretched radially to g
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +43,23 @@ def distance_m(lat1_deg: ArrayLike, lon1_deg: ArrayLike, lat2_deg: ArrayLike, lo
     """Ground distance between positions, metres: the straight chord, 1 mm/km short at 31 km."""
     step = surface_xyz_m(lat2_deg, lon2_deg) - surface_xyz_m(lat1_deg, lon1_deg)
     return np.asarray(np.linalg.norm(step, axis=-1))
+
+
+class Place(Protocol):
+    """What is somewhere."""
+
+    @property
+    def lat_deg(self) -> float:
+        """Latitude, degrees."""
+
+    @property
+    def lon_deg(self) -> float:
+        """Longitude, degrees."""
+
+
+def ground_distance_m(here: Place, there: Place) -> float:
+    """How far one place is from another over the ground, see ``distance_m``."""
+    return float(distance_m(here.lat_deg, here.lon_deg, there.lat_deg, there.lon_deg))
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from flight_replay.logs.vehicles import VehicleId
 Read = Callable[[OpenLog, VehicleId | None, Progress | None], Recording]
 """Reads the usable fixes of the vehicle that wrote a log, or of one of several: by default that with most.
 
-It raises ``LogError`` where there is nothing usable.
+It raises ``LogError`` where there is nothing usable. The recording's ``format`` is the table's to tell.
 """
 
 

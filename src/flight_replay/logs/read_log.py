@@ -48,7 +48,7 @@ def read_open_log(
     kind = recognised(log)
     if opened:
         opened(kind)
-    recording = kind.read(log, vehicle, progress)
+    recording = replace(kind.read(log, vehicle, progress), format=kind.name)
     if log.ends_early:
         recording = replace(recording, notes=(*recording.notes, _ENDS_EARLY))
     if vehicle is not None:

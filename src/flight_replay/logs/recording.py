@@ -18,12 +18,12 @@ class Recording:
 
     Attributes:
         path: The log's name.
-        format: Its format's name in the table of ``log_formats``.
         bytes: The log's bytes, unpacked.
         vehicles: All that recorded positions, the one to be replayed by default first; empty where the
             format has no MAVLink ids.
         vehicle: The one of them that was read.
         track: Its usable fixes, one at least.
+        format: Its format's name in the table of ``log_formats``, with whose reader it was read.
         without_position: How many of its records were at latitude and longitude 0.
         rejected: How many of its positions were implausible, by reason.
         modes: ArduPilot's flight mode at each fix of the track (n,), as in ``flight_modes``, -1 where it
@@ -36,9 +36,9 @@ class Recording:
     """
 
     path: str
-    format: str
     bytes: int
     track: Track
+    format: str = ""
     vehicles: tuple[VehicleCount, ...] = ()
     vehicle: VehicleCount | None = None
     without_position: int = 0

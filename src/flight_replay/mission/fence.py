@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import IntFlag
 
 import numpy as np
 
@@ -19,6 +20,15 @@ _POLYGON_IN, _POLYGON_OUT, _CIRCLE_IN, _CIRCLE_OUT = 5001, 5002, 5003, 5004
 _MIN_CORNERS = 3
 _INVALID = "the vehicle's fence is invalid; upload it again with a ground station"
 _PAIRS_AT_ONCE = 100_000  # Legs times corners: some 10 MB of working memory.
+
+
+class FenceType(IntFlag):
+    """Bits of FENCE_TYPE (AC_Fence.h)."""
+
+    ALT_MAX = 1
+    CIRCLE = 2
+    AREAS = 4
+    ALT_MIN = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,18 +101,18 @@ def _is_left(positions: Floats, starts: Floats, ends: Floats) -> Flags:
     return np.asarray(lines[..., 0] * offsets[..., 1] > lines[..., 1] * offsets[..., 0])
 
 
-def active_fence_types(parameters: Mapping[str, float]) -> int:
-    """The bits of FENCE_TYPE of a fence that is on, or goes on by itself once the vehicle flies; else 0.
+def active_fence_types(parameters: Mapping[str, float]) -> FenceType:
+    """What FENCE_TYPE says of a fence that is on, or goes on by itself once the vehicle flies; else none.
 
     Raises:
         VehicleError: A value that counts is not a number.
     """
     if not (parameters.get("FENCE_ENABLE") or parameters.get("FENCE_AUTOENABLE")):
-        return 0
+        return FenceType(0)
     for name, value in parameters.items():
         if name.startswith("FENCE_") and not math.isfinite(value):
             raise VehicleError(f"the vehicle's parameter {name} is {value:g}, not a number; set it again")
-    return int(parameters.get("FENCE_TYPE", 0))
+    return FenceType(int(parameters.get("FENCE_TYPE", 0)))
 
 
 def areas_from_items(items: Sequence[MissionItem]) -> tuple[FenceArea, ...]:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from flight_replay.planning.heights import HeightChange, RouteHeights
     from flight_replay.planning.route import Route
     from flight_replay.planning.vehicle_limits import VehicleLimits
-    from flight_replay.supervisor.flight_plan import FlightRecord
 
 Json = Mapping[str, Any]
 
@@ -114,8 +113,9 @@ def reference_summary(reference: ReferenceMotion) -> Json:
     }
 
 
-def flight_summary(vehicle: str, simulated: bool, record: FlightRecord, outcome: Outcome) -> Json:
+def flight_summary(vehicle: str, simulated: bool, outcome: Outcome) -> Json:
     """The "flight" object."""
+    record = outcome.record
     return {
         "vehicle": vehicle,
         "simulated": simulated,

@@ -41,13 +41,14 @@ class Coverage:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """A flight beside the recording.
+    """A flight, its ``record`` beside the recording.
 
     ``first_waypoint_s`` is when, by the vehicle's clock, it reached the first waypoint, which the
     recording's first fix is put on for errors at equal times; None if it never did. ``waited_s`` is how
     long the recording waited for a vehicle that followed it; None for a mission, which does not wait.
     """
 
+    record: FlightRecord
     errors: FlightErrors
     coverage: Coverage
     first_waypoint_s: float | None
@@ -108,7 +109,7 @@ def compare_flight(route: Route, record: FlightRecord) -> Outcome:
         fixes=fixes,
         line=line,
     )
-    return Outcome(errors, _coverage(route, fixes), first_s)
+    return Outcome(record, errors, _coverage(route, fixes), first_s)
 
 
 def flown_start_s(route: Route, record: FlightRecord) -> float:
@@ -132,6 +133,7 @@ def _compare_following(route: Route, record: FlightRecord, recording_s: Floats) 
     errors = flight_errors(route.wanted, movement, last_s=last_s, fixes=fixes, line=fixes + 1)
     begun_s = (flown.time_s - recording_s)[recording_s >= 0.0]
     return Outcome(
+        record,
         errors,
         _coverage(route, fixes),
         float(begun_s[0]) if len(begun_s) else None,

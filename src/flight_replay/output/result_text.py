@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
     from flight_replay.output.outcome import Coverage, Outcome
     from flight_replay.planning.route import Route
-    from flight_replay.supervisor.flight_plan import FlightRecord
 
 
 _WORTH_TELLING_S = 0.05
@@ -28,19 +27,18 @@ def route_lines(route: Route) -> list[str]:
     return lines
 
 
-def flight_lines(
-    route: Route, record: FlightRecord, outcome: Outcome, fly_all_command: str | None = None
-) -> list[str]:
+def flight_lines(route: Route, outcome: Outcome, fly_all_command: str | None = None) -> list[str]:
     """The flight: its errors, what it covered, and at the end the command that flies all of the recording."""
     return [
         *error_lines("", outcome.errors),
         *alignment_lines(outcome),
-        _reached_line(route, record, outcome),
-        *coverage_lines(outcome.coverage, fly_all_command if record.problem is None else None),
+        _reached_line(route, outcome),
+        *coverage_lines(outcome.coverage, fly_all_command if outcome.record.problem is None else None),
     ]
 
 
-def _reached_line(route: Route, record: FlightRecord, outcome: Outcome) -> str:
+def _reached_line(route: Route, outcome: Outcome) -> str:
+    record = outcome.record
     if route.reference is not None:
         followed_s = outcome.coverage.recorded_s
         return f" Followed {followed_s:.1f} s of the recording in {record.auto_s:.1f} s of GUIDED"

@@ -6,8 +6,8 @@ from operator import itemgetter
 
 import numpy as np
 
-from flight_replay.exceptions import MissionError
 from flight_replay.geometry.movement import Movement
+from flight_replay.geometry.reference_motion import ReferenceMotion
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.mission.items import Home, Mission
 from flight_replay.planning.altitude import home_of
@@ -32,10 +32,9 @@ def fly_in_model(route: Route, *, duration_s: float | None, takeoff_m: float) ->
         MissionError: The mission never ends, or has an item that cannot be simulated.
     """
     if route.reference is not None:
-        return _followed(route, duration_s)
-    limits = route.limits.limits
+        return _followed(route, route.reference, duration_s)
     step_s = step_for_s(route)
-    flight = simulate(route.mission, limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
+    flight = simulate(route.mission, route.limits.limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
     begin_s, end_s, ended = _planned_end(route.mission, flight, duration_s)
     reached = sorted(
         ((seq, at_s) for seq, at_s in flight.reached_s.items() if at_s <= end_s), key=itemgetter(1)
@@ -82,15 +81,13 @@ def _flown(route: Route, flight: Trajectory, end_s: float, every: int) -> Track:
     return track.select(np.union1d(shown[::every], shown[-1:]))
 
 
-def _followed(route: Route, duration_s: float | None) -> FlightRecord:
+def _followed(route: Route, reference: ReferenceMotion, duration_s: float | None) -> FlightRecord:
     # The libraries of following take longer to import than all else here.
     from flight_replay.planning.following.follow_prediction import predicted_following
 
-    if route.reference is None:
-        raise MissionError("the route has no reference to follow; plan it with --mode guided")
     recorded_s = float(route.wanted.time_s[-1])
-    plan = FollowPlan(reference=route.reference, recorded_s=recorded_s, duration_s=duration_s)
-    flown = predicted_following(route, route.reference, route.limits.limits)
+    plan = FollowPlan(reference=reference, recorded_s=recorded_s, duration_s=duration_s)
+    flown = predicted_following(route, reference)
     flown = flown.select(flown.time_s <= plan.end_s)
     return _record(plan.ended, 0.0, plan.end_s, _track_of(route, flown), recording=flown)
 

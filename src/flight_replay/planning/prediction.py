@@ -12,7 +12,6 @@ from flight_replay.mission.items import Command
 from flight_replay.planning.dives import dive_note
 from flight_replay.planning.duration import LONGEST_SIMULATED_M
 from flight_replay.planning.route import Route
-from flight_replay.simulator.dynamics.limits import Limits
 
 if TYPE_CHECKING:
     from flight_replay.simulator.flight.trajectory import Trajectory
@@ -29,32 +28,30 @@ _ERROR = (
 )
 
 
-def with_prediction(route: Route, limits: Limits, takeoff_m: float) -> Route:
-    """The route with the errors that a vehicle of these limits will have, and its time in AUTO.
+def with_prediction(route: Route, takeoff_m: float) -> Route:
+    """The route with the errors that a vehicle of its limits will have, and its time in AUTO.
 
     Without errors where the model cannot fly the mission, or not in reasonable time.
 
     Args:
         route: at least one waypoint.
-        limits: what the vehicle may do.
         takeoff_m: take-off altitude above home.
     """
     climb_m = abs(route.mission.waypoints[0][1].alt_m - takeoff_m)
     if route.path.length_m + climb_m > LONGEST_SIMULATED_M:
         return route
     try:
-        flown, last_s, flight = predicted_flight(route, limits, takeoff_m)
+        flown, last_s, flight = predicted_flight(route, takeoff_m)
     except MissionError:
         return route
     begin_s, end_s = flight.auto_s
-    warnings = (_ERROR if flight.has_error else "", dive_note(flown, limits))
-    return replace(
+    predicted = replace(
         route,
         predicted=flight_errors(route.wanted, flown, last_s=last_s),
         predicted_flight=flown,
         predicted_duration_s=end_s - begin_s,
-        notes=(*route.notes, *filter(None, warnings)),
     )
+    return predicted.with_notes(_ERROR if flight.has_error else "", dive_note(flown, route.limits.limits))
 
 
 def step_for_s(route: Route) -> float:
@@ -63,13 +60,13 @@ def step_for_s(route: Route) -> float:
     return _STEP_S if is_curved and route.path.length_m <= _LONG_M else _LONG_STEP_S
 
 
-def predicted_flight(route: Route, limits: Limits, takeoff_m: float) -> tuple[Movement, float, Trajectory]:
+def predicted_flight(route: Route, takeoff_m: float) -> tuple[Movement, float, Trajectory]:
     """The flight from when the first waypoint is reached, when the last one is, and the whole trajectory."""
     # The model of the whole vehicle takes as long to import as all else in a dry run.
     from flight_replay.simulator.flight.trajectory import home_frame, simulate
 
     step_s = step_for_s(route)
-    flight = simulate(route.mission, limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
+    flight = simulate(route.mission, route.limits.limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
     seqs = [seq for seq, _ in route.mission.waypoints]
     first_s, last_s = flight.reached_s[seqs[0]], flight.reached_s[seqs[-1]]
     ground_m = route.frame.to_metres(*home_frame(route.mission).to_degrees(flight.north_east_m))

@@ -54,7 +54,7 @@ class Route:
     required_limits: Mapping[str, float] = field(default_factory=dict)
     """The fields of ``Limits`` to raise on the vehicle before it flies, in SI units."""
     limits: VehicleLimits = field(default_factory=VehicleLimits)
-    """Those that the plan is made with."""
+    """Those that it is planned for."""
     heights: RouteHeights | None = None
     """What the route does with heights."""
     notes: tuple[str, ...] = ()
@@ -64,6 +64,10 @@ class Route:
     def frame(self) -> LocalFrame:
         """The local metric frame of all measures, around the first covered fix."""
         return self.covered.frame
+
+    def with_notes(self, *notes: str) -> Route:
+        """The route with more notes; those that are empty are left out."""
+        return replace(self, notes=(*self.notes, *filter(None, notes)))
 
 
 def route_of(  # noqa: PLR0913
@@ -87,11 +91,12 @@ def route_of(  # noqa: PLR0913
         limits: what the vehicle may do; ArduCopter's defaults if None.
         predicted_duration_s: seconds in AUTO, if known.
     """
-    path = planned_path(mission, covered.frame)
-    recorded, _ = flown_part(covered)
+    path, limits = planned_path(mission, covered.frame), limits or Limits()
     heights = heights or Heights(covered.alt_m, covered.alt_m)
-    flown = flown_fixes(covered)  # By the recorded heights: a pause on the ground is none in the air.
+    (recorded, _), flown = flown_part(covered), flown_fixes(covered)  # By recorded heights, not those wanted.
     wanted = movement_of(replace(recorded, alt_m=heights.wanted_m[flown]), covered.frame)
+    if predicted_duration_s is None:
+        predicted_duration_s = duration_s(mission, path, limits)
     return Route(
         method=method,
         mission=mission,
@@ -102,9 +107,8 @@ def route_of(  # noqa: PLR0913
         recording=recorded if recording is None else flown_part(recording)[0],
         path=path,
         planned_error=path_errors(wanted, path.north_east_m),
-        predicted_duration_s=duration_s(mission, path, limits or Limits())
-        if predicted_duration_s is None
-        else predicted_duration_s,
+        predicted_duration_s=predicted_duration_s,
+        limits=VehicleLimits(limits),
     )
 
 

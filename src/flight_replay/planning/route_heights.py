@@ -27,20 +27,19 @@ _BESIDE_DEG = 1e-4
 
 
 def route_heights(
-    route: Route, limits: Limits, *, takeoff_m: float, floor_m: float | None, raise_m: float = 0.0
+    route: Route, *, takeoff_m: float, floor_m: float | None, raise_m: float = 0.0
 ) -> RouteHeights:
     """What a route does with heights.
 
     Args:
         route: at least one waypoint, its altitudes above home.
-        limits: what the vehicle may do.
         takeoff_m: take-off altitude.
         floor_m: the floor, where the altitude is as recorded.
         raise_m: how much higher than recorded the altitude is.
     """
     first_m = route.mission.waypoints[0][1].alt_m
     climbs = abs(first_m - takeoff_m) > _LEVEL_M
-    climb_s = _climb_s(route.mission, takeoff_m, limits)
+    climb_s = _climb_s(route.mission, takeoff_m, route.limits.limits)
     asked_m = route.recorded.alt_m + raise_m
     below_m = np.zeros(len(asked_m)) if floor_m is None else np.nan_to_num(floor_m - asked_m)
     raised = (below_m > 0) & (route.wanted.up_m == floor_m)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import degrees, tan
 
 import numpy as np
@@ -11,7 +10,7 @@ from flight_replay.geometry.movement import Movement
 from flight_replay.geometry.polyline import speeds_m_s
 from flight_replay.planning.drag import sitl_drag
 from flight_replay.planning.route import Route
-from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
+from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2
 
 _REACHED = 0.95
 """Of the speed that is asked for; the vehicle is at it only for a moment where legs are short."""
@@ -21,29 +20,29 @@ _WORTH_TELLING_S, _WORTH_TELLING_SHARE = 5.0, 0.1
 """A flight that takes longer by no more than this, or this share, is about as fast as the recorded one."""
 
 
-def with_speed_note(route: Route, asked_m_s: float, limits: Limits) -> Route:
+def with_speed_note(route: Route, asked_m_s: float) -> Route:
     """The route with a sentence on a speed that its predicted flight does not reach.
 
     Args:
         route: of a mission; without a predicted flight it stays as it is.
         asked_m_s: ground speed that its mission asks for.
-        limits: what the vehicle may do.
     """
     if route.predicted_flight is None:
         return route
     top_m_s = _top_speed_m_s(route.predicted_flight)
     if top_m_s >= _REACHED * asked_m_s:
         return route
-    amsl_m = route.mission.home_item.alt_m
-    if _drag_m_s2(top_m_s / _LEANS_ALL, amsl_m) >= GRAVITY_M_S2 * tan(limits.lean_angle_rad):
+    amsl_m, lean_rad = route.mission.home_item.alt_m, route.limits.limits.lean_angle_rad
+    if _drag_m_s2(top_m_s / _LEANS_ALL, amsl_m) >= GRAVITY_M_S2 * tan(lean_rad):
         why = (
-            f"at its greatest lean, {degrees(limits.lean_angle_rad):.0f} degrees, drag as of SITL's "
+            f"at its greatest lean, {degrees(lean_rad):.0f} degrees, drag as of SITL's "
             "quadcopter lets it fly no faster"
         )
     else:
         why = "its legs are too short, and its turns too sharp, for more"
-    note = f"The vehicle is expected to fly at up to {top_m_s:.1f} m/s, not at {asked_m_s:g} m/s: {why}."
-    return replace(route, notes=(*route.notes, note))
+    return route.with_notes(
+        f"The vehicle is expected to fly at up to {top_m_s:.1f} m/s, not at {asked_m_s:g} m/s: {why}."
+    )
 
 
 def with_recorded_speed_note(route: Route) -> Route:
@@ -58,7 +57,7 @@ def with_recorded_speed_note(route: Route) -> Route:
         f"The vehicle is expected to take {flown_s:.0f} s for what was recorded in {recorded_s:.0f} s: its "
         "legs are too short, or its limits too low, for the recorded speed; --route fit keeps up better."
     )
-    return replace(route, notes=(*route.notes, note))
+    return route.with_notes(note)
 
 
 def _top_speed_m_s(flown: Movement) -> float:

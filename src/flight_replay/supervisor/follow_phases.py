@@ -91,19 +91,10 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
     Raises:
         FlightEnded: The flight ended otherwise.
     """
-    clock = VehicleClock(plan.speedup or 1.0)
-    keeper = SpeedupKeeper(monitor, clock, plan.speedup)
-    progress = ProgressTimer(monitor)
+    stream, progress = _Stream(monitor, follower, plan), ProgressTimer(monitor)
     deadline, furthest_s = Deadline(monitor, monitor.deadlines.no_progress_s), -np.inf
-    seen: VehicleState | None = None
     while follower.recording_s < plan.end_s + _BEYOND_S:
-        monitor.step(_until_next_target_wall_s(monitor, follower, clock))
-        _check_still_following(monitor, follower, plan)
-        if monitor.state is not None and monitor.state is not seen:
-            seen = monitor.state
-            clock.received(seen.time_s, monitor.wall_s)
-        if monitor.caught_up and seen is not None:
-            _send_target(monitor, follower, clock, keeper, seen)
+        stream.step()
         if follower.recording_s > furthest_s + _MIN_ADVANCE_S:
             furthest_s = follower.recording_s
             deadline.restart()
@@ -112,12 +103,6 @@ def follow(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> str
         if progress.due():
             monitor.emit(_following(monitor, follower, plan))
     return plan.ended
-
-
-def _check_still_following(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> None:
-    _check_still_ours(monitor)
-    if follower.apart_m > OFF_COURSE * plan.max_error_m:
-        raise flight_ended.off_course(follower.apart_m, follower.higher_m, monitor.position_jump)
 
 
 def _check_still_ours(monitor: VehicleMonitor) -> None:
@@ -141,46 +126,65 @@ def _wait_for_verdict(monitor: VehicleMonitor) -> None:
     raise flight_ended.pilot(mode)
 
 
-def _send_target(
-    monitor: VehicleMonitor,
-    follower: Follower,
-    clock: VehicleClock,
-    keeper: SpeedupKeeper,
-    state: VehicleState,
-) -> None:
-    """Send the next target if it is time for it: for when it arrives, by the vehicle's clock."""
-    arrives_s = _arrives_s(monitor, clock)
-    if arrives_s is None:
-        return  # Nothing is heard of the vehicle: it stops by itself (GUID_TIMEOUT).
-    position_m = _position_m(follower.reference, state)
-    velocity_m_s = np.array(state.velocity_m_s)
-    gap_s = follower.gap_s(arrives_s)
-    if gap_s < TARGET_S and follower.begun:
-        return
-    if gap_s > LONGEST_GAP_S:
-        coasted_m = velocity_m_s * (arrives_s - state.time_s)
-        follower.resume(arrives_s, position_m + coasted_m, velocity_m_s)
-    else:
-        follower.observe(state.time_s, position_m, velocity_m_s)
-    monitor.vehicle.send_target(_target(follower.reference, follower.target(arrives_s)))
-    keeper.target_sent(arrives_s, gap_s)
+class _Stream:
+    """Targets that are sent as the vehicle's clock runs, each for when it arrives by that clock."""
 
+    def __init__(self, monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> None:
+        self._monitor, self._follower = monitor, follower
+        self._off_course_m = OFF_COURSE * plan.max_error_m
+        self._clock = VehicleClock(plan.speedup or 1.0)
+        self._keeper = SpeedupKeeper(monitor, self._clock, plan.speedup)
+        self._seen: VehicleState | None = None
 
-def _arrives_s(monitor: VehicleMonitor, clock: VehicleClock) -> float | None:
-    """When a target sent now arrives, by the vehicle's clock; None if nothing is heard."""
-    now_s = clock.now_s(monitor.wall_s)
-    if now_s is None:
-        return None
-    return now_s + min(monitor.vehicle.round_trip_s(), _LONGEST_ROUND_TRIP_S) * clock.rate
+    def step(self) -> None:
+        """Process the next report, if one comes before the next target is due, and send that if it is.
 
+        Raises:
+            FlightEnded: The vehicle is off course, or not to be sent targets any more.
+        """
+        monitor, follower = self._monitor, self._follower
+        monitor.step(self._until_next_target_wall_s())
+        _check_still_ours(monitor)
+        if follower.apart_m > self._off_course_m:
+            raise flight_ended.off_course(follower.apart_m, follower.higher_m, monitor.position_jump)
+        if monitor.state is not None and monitor.state is not self._seen:
+            self._seen = monitor.state
+            self._clock.received(self._seen.time_s, monitor.wall_s)
+        if monitor.caught_up and self._seen is not None:
+            self._send_target(self._seen)
 
-def _until_next_target_wall_s(monitor: VehicleMonitor, follower: Follower, clock: VehicleClock) -> float:
-    """How long to wait for reports before the next target is due."""
-    arrives_s = _arrives_s(monitor, clock)
-    if arrives_s is None or clock.rate <= 0:
-        return _STEP_WALL_S
-    wait_s = (TARGET_S - follower.gap_s(arrives_s)) / clock.rate
-    return min(max(wait_s, _MIN_STEP_WALL_S), _STEP_WALL_S)
+    def _send_target(self, state: VehicleState) -> None:
+        """Send the next target if it is time for it."""
+        follower, arrives_s = self._follower, self._arrives_s()
+        if arrives_s is None:
+            return  # Nothing is heard of the vehicle: it stops by itself (GUID_TIMEOUT).
+        position_m = _position_m(follower.reference, state)
+        velocity_m_s = np.array(state.velocity_m_s)
+        gap_s = follower.gap_s(arrives_s)
+        if gap_s < TARGET_S and follower.begun:
+            return
+        if gap_s > LONGEST_GAP_S:
+            coasted_m = velocity_m_s * (arrives_s - state.time_s)
+            follower.resume(arrives_s, position_m + coasted_m, velocity_m_s)
+        else:
+            follower.observe(state.time_s, position_m, velocity_m_s)
+        self._monitor.vehicle.send_target(_target(follower.reference, follower.target(arrives_s)))
+        self._keeper.target_sent(arrives_s, gap_s)
+
+    def _arrives_s(self) -> float | None:
+        """When a target sent now arrives, by the vehicle's clock; None if nothing is heard."""
+        now_s = self._clock.now_s(self._monitor.wall_s)
+        if now_s is None:
+            return None
+        return now_s + min(self._monitor.vehicle.round_trip_s(), _LONGEST_ROUND_TRIP_S) * self._clock.rate
+
+    def _until_next_target_wall_s(self) -> float:
+        """How long to wait for reports before the next target is due."""
+        arrives_s = self._arrives_s()
+        if arrives_s is None or self._clock.rate <= 0:
+            return _STEP_WALL_S
+        wait_s = (TARGET_S - self._follower.gap_s(arrives_s)) / self._clock.rate
+        return min(max(wait_s, _MIN_STEP_WALL_S), _STEP_WALL_S)
 
 
 def _following(monitor: VehicleMonitor, follower: Follower, plan: FollowPlan) -> Following:

@@ -13,7 +13,7 @@ from flight_replay.events import (
     VehicleState,
     Waiting,
 )
-from flight_replay.geometry.geodesy import distance_m
+from flight_replay.geometry.geodesy import ground_distance_m
 from flight_replay.mission.items import FIRST_SEQ, Command
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_ended import FlightEnded, quoted
@@ -129,8 +129,7 @@ class _RestAtTheEnd:
 
     def _is_there(self, now: VehicleState) -> bool:
         last = self._last
-        ahead_m = float(distance_m(now.lat_deg, now.lon_deg, last.lat_deg, last.lon_deg))
-        is_at_it = ahead_m < _THERE_M and abs(now.alt_m - last.alt_m) < _THERE_M
+        is_at_it = ground_distance_m(now, last) < _THERE_M and abs(now.alt_m - last.alt_m) < _THERE_M
         return is_at_it and self._monitor.mission.seq == self._plan.last_seq
 
 
@@ -154,9 +153,7 @@ def distance_to_item_m(monitor: VehicleMonitor, plan: Plan) -> float | None:
     if monitor.state is None or not 0 <= index < len(plan.mission.items):
         return None
     item = plan.mission.items[index]
-    if not item.is_waypoint:
-        return None
-    return float(distance_m(monitor.state.lat_deg, monitor.state.lon_deg, item.lat_deg, item.lon_deg))
+    return ground_distance_m(monitor.state, item) if item.is_waypoint else None
 
 
 def command_rtl(monitor: VehicleMonitor, limit_wall_s: float) -> bool:
@@ -260,7 +257,7 @@ class _WayHome:
         now, from_home_m, leads_on = self._monitor.state, self._monitor.from_home_m, False
         if now is None or self._began is None:
             return False
-        apart_m = float(distance_m(self._began.lat_deg, self._began.lon_deg, now.lat_deg, now.lon_deg))
+        apart_m = ground_distance_m(self._began, now)
         over_ground = [(value_m, _ASTRAY_M) for value_m in (apart_m, from_home_m, -from_home_m)]
         for way, (value_m, step_m) in enumerate(
             [*over_ground, (now.alt_m, _MIN_MOVE_M), (-now.alt_m, _MIN_MOVE_M)]

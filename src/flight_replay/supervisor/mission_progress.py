@@ -11,7 +11,7 @@ from itertools import pairwise
 from math import hypot
 
 from flight_replay.events import VehicleState
-from flight_replay.geometry.geodesy import distance_m
+from flight_replay.geometry.geodesy import Place, ground_distance_m
 from flight_replay.mission.items import FIRST_SEQ, Mission
 
 _FASTEST_M_S = 30.0
@@ -70,9 +70,8 @@ class MissionProgress:
             return []
         left_out = self._left_out_before(seq)
         numbers = [number for number, (at, _) in enumerate(self._waypoints, 1) if at in left_out]
-        between = [item for at, item in self._waypoints if before <= at < seq]
-        places = [(then.lat_deg, then.lon_deg), *((each.lat_deg, each.lon_deg) for each in between)]
-        way_m = sum(float(distance_m(*here, *there)) for here, there in pairwise(places))
+        places: list[Place] = [then, *(item for at, item in self._waypoints if before <= at < seq)]
+        way_m = sum(ground_distance_m(*leg) for leg in pairwise(places))
         return numbers if way_m > _longest_way_m(then, now, waypoints=len(numbers)) else []
 
     def _left_out_before(self, seq: int) -> set[int]:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import singledispatchmethod
 
 from flight_replay.events import Listener, Notice, Severity, StatusText, VehicleState, WaypointReached
-from flight_replay.geometry.geodesy import distance_m
+from flight_replay.geometry.geodesy import ground_distance_m
 from flight_replay.mission.items import Mission
 from flight_replay.supervisor import flight_ended
 from flight_replay.supervisor.flight_plan import Deadlines
@@ -148,9 +148,7 @@ class VehicleMonitor:
     def from_home_m(self) -> float:
         """Metres over the ground from where arming was requested, 0 before that."""
         here, home = self.state, self._home
-        if here is None or home is None:
-            return 0.0
-        return float(distance_m(here.lat_deg, here.lon_deg, home.lat_deg, home.lon_deg))
+        return 0.0 if here is None or home is None else ground_distance_m(here, home)
 
     @property
     def home_moved_m(self) -> float:

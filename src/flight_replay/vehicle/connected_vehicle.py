@@ -27,6 +27,7 @@ from flight_replay.mission.items import Mission
 from flight_replay.supervisor.vehicle_interface import Rebooted, Report, Target
 from flight_replay.vehicle.dronekit_adapter import dronekit_vehicle
 from flight_replay.vehicle.identity import Identity, find_vehicle, identify
+from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.connection_string import open_transport, silence_hint
 from flight_replay.vehicle.link.discovery import DiscoveredVehicle, VehicleDiscovery
 from flight_replay.vehicle.link.link import Link
@@ -84,19 +85,19 @@ class ConnectedVehicle:
         Raises:
             VehicleError: Another vehicle has the same system id.
         """
-        self.drone: Any = dronekit_vehicle(link, vehicle.system, vehicle.component)
+        self.drone: Any = dronekit_vehicle(link, vehicle.system)
         self.link = link
         link.follow(vehicle.system, vehicle.component)
         self._vehicle_link = DroneKitLink(link, self.drone, vehicle.system, vehicle.component)
         self._commands = CommandSender(self._vehicle_link)
-        self._telemetry = Telemetry(vehicle.system, vehicle.component, self.drone, self._commands)
-        link.add_receiver(self._telemetry.receive)
+        self._telemetry = Telemetry(self.drone, self._commands)
+        link.add_receiver(self._telemetry.receive, of_vehicle=True)
         self._streams = StreamRequests(self._vehicle_link, self._telemetry)
         self._streams.renew(link.speedup)
         self.identity: Identity = identify(self._vehicle_link, vehicle)
         self._measured_s = float("-inf")
         self._targets = MotionTargets(self._vehicle_link, self.identity.version_numbers)
-        link.add_receiver(self._targets.receive)
+        link.add_receiver(self._targets.origin.receive, of_vehicle=True)
         self._storage = MissionStorage(
             self._vehicle_link, as_int=self.identity.takes_item_int, refuse_armed=self._refuse_armed
         )
@@ -163,7 +164,7 @@ class ConnectedVehicle:
     @property
     def takes_targets(self) -> bool:
         """Whether the vehicle told where its local frame is."""
-        return self._targets.ready
+        return self._targets.origin.known
 
     def send_target(self, target: Target) -> None:
         """Send a target to follow until the next."""
@@ -174,7 +175,7 @@ class ConnectedVehicle:
         now_s = self._vehicle_link.now_s()
         if now_s - self._measured_s >= _ROUND_TRIP_EVERY_S:
             self._measured_s = now_s
-            self._commands.measure_round_trip()
+            timesync.ping(self._vehicle_link)
         return self._vehicle_link.round_trip.from_freshest_s
 
     def _refuse_armed(self, consequence: str, max_age_s: float = math.inf, timeout_s: float = 0.0) -> None:

@@ -85,10 +85,9 @@ class _LinkSender(dialect.MAVLink):  # type: ignore[misc]
 class DroneKitConnection:
     """The interface that DroneKit's ``Vehicle`` expects of a connection, over our link."""
 
-    def __init__(self, link: Link, system: int, component: int) -> None:
+    def __init__(self, link: Link, system: int) -> None:
         from pymavlink import mavutil
 
-        self._system, self._component = system, component
         self._listeners: list[Callable[[Any, Message], None]] = []
         self.target_system = system
         # Without a file descriptor: nothing is read or written through it.
@@ -108,9 +107,7 @@ class DroneKitConnection:
         message.target_system = self.target_system
 
     def deliver(self, message: Message) -> None:
-        """Pass a message to DroneKit if the vehicle itself sent it, not its gimbal or another vehicle."""
-        if (message.get_srcSystem(), message.get_srcComponent()) != (self._system, self._component):
-            return
+        """Pass a message of the vehicle to DroneKit."""
         for listener in self._listeners:
             try:
                 listener(self, message)
@@ -122,11 +119,11 @@ class DroneKitConnection:
         """No effect: whoever opened the link closes it."""
 
 
-def dronekit_vehicle(link: Link, system: int, component: int) -> Any:
-    """A ``dronekit.Vehicle`` that receives the messages of ``system``/``component`` from now on."""
+def dronekit_vehicle(link: Link, system: int) -> Any:
+    """A ``dronekit.Vehicle`` that receives the messages of the vehicle that the link follows."""
     dronekit = import_dronekit()
-    connection = DroneKitConnection(link, system, component)
+    connection = DroneKitConnection(link, system)
     with _root_logger_unchanged():
         vehicle = dronekit.Vehicle(connection)
-    link.add_receiver(connection.deliver)
+    link.add_receiver(connection.deliver, of_vehicle=True)
     return vehicle

@@ -169,16 +169,15 @@ def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
 def _request_version(link: VehicleLink) -> Message | None:
     """AUTOPILOT_VERSION, or None from a vehicle that does not send it; also measures the round trip."""
     first_s = link.now_s()
-    with link.inbox("AUTOPILOT_VERSION", timesync.MESSAGE_TYPE) as inbox:
+    with link.inbox("AUTOPILOT_VERSION") as inbox:
         while (requested_s := link.now_s()) < first_s + _VERSION_S:
             timesync.ping(link)
             link.send(command_long(link, _REQUEST_CAPABILITIES, 1))
             retry_at_s = requested_s + link.round_trip.retry_s
-            while (message := inbox.get(retry_at_s - link.now_s())) is not None:
-                if not timesync.measure(link, message):
-                    if requested_s == first_s:  # A later answer may be to any of the requests.
-                        link.round_trip.estimated(link.now_s() - requested_s)
-                    return message
+            if (message := inbox.get(retry_at_s - link.now_s())) is not None:
+                if requested_s == first_s:  # A later answer may be to any of the requests.
+                    link.round_trip.estimated(link.now_s() - requested_s)
+                return message
     return None
 
 

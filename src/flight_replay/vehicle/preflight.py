@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import IntFlag
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from flight_replay.events import VehicleState
 from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame, distance_m
-from flight_replay.mission.fence import FenceArea, active_fence_types
+from flight_replay.mission.fence import FenceArea, FenceType, active_fence_types
 from flight_replay.mission.items import Frame, Mission, MissionItem
 from flight_replay.vehicle.identity import RTL_END_PARAMETERS, Identity
 from flight_replay.vehicle.route_words import MissionWords, RouteWords
@@ -24,14 +23,6 @@ from flight_replay.vehicle.route_words import MissionWords, RouteWords
 MAX_DISTANCE_M = 1000.0
 """The default of ``--max-distance``: how far from the vehicle the first waypoint may be."""
 _FLYABLE_FRAMES = frozenset({Frame.ABSOLUTE, Frame.RELATIVE, Frame.TERRAIN})
-
-
-class _Fence(IntFlag):
-    """Bits of FENCE_TYPE (AC_Fence.h)."""
-
-    ALT_MAX = 1
-    CIRCLE = 2
-    ALT_MIN = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,21 +222,21 @@ class _Reach:
 
 
 def _check_fence(parameters: Mapping[str, float], reach: _Reach) -> None:
-    kinds = _Fence(active_fence_types(parameters) & (_Fence.ALT_MAX | _Fence.CIRCLE | _Fence.ALT_MIN))
+    kinds = active_fence_types(parameters)
     margin_m = parameters.get("FENCE_MARGIN", 0.0)
     radius_m, high_m, low_m = reach.distances_m.max(), reach.heights_m.max(), reach.heights_m.min()
     lower, higher = f"fly lower with {reach.option}", f"fly higher with {reach.option}"
     bounds = (
         (
-            _Fence.CIRCLE,
+            FenceType.CIRCLE,
             "FENCE_RADIUS",
             "m from the vehicle",
             radius_m,
             1.0,
             "choose another part of the log",
         ),
-        (_Fence.ALT_MAX, "FENCE_ALT_MAX", "m above home", high_m, 1.0, lower),
-        (_Fence.ALT_MIN, "FENCE_ALT_MIN", "m above home", low_m, -1.0, higher),
+        (FenceType.ALT_MAX, "FENCE_ALT_MAX", "m above home", high_m, 1.0, lower),
+        (FenceType.ALT_MIN, "FENCE_ALT_MIN", "m above home", low_m, -1.0, higher),
     )
     for kind, name, unit, reach_m, outward, next_step in bounds:
         if kind in kinds and name in parameters and outward * (reach_m - parameters[name]) > -margin_m:

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from flight_replay.events import Listener, Notice
 from flight_replay.exceptions import VehicleError
-from flight_replay.mission.fence import FenceArea, active_fence_types, areas_from_items
+from flight_replay.mission.fence import FenceArea, FenceType, active_fence_types, areas_from_items
 from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.vehicle_link import VehicleLink
 from flight_replay.vehicle.protocol.mission_download import FENCE, MissionDownloader
 
-_AREAS = 4  # The bit of FENCE_TYPE for polygons and circles (AC_Fence.h).
 _OFFERS = 4
 _NOT_TOLD = (
     "the route is not checked against the polygon of the vehicle's fence, which its firmware does not tell"
@@ -39,7 +38,7 @@ def stored_fence_areas(
     Raises:
         VehicleError: The vehicle does not send them, they are invalid, or need MAVLink 2.
     """
-    if not active_fence_types(identity.parameters) & _AREAS:
+    if FenceType.AREAS not in active_fence_types(identity.parameters):
         return ()
     points = identity.parameters.get("FENCE_TOTAL")
     if not identity.serves_fence:
@@ -56,7 +55,7 @@ def stored_fence_areas(
 
 def _takes_mavlink2(link: Link, vehicle_link: VehicleLink) -> bool:
     """Whether the vehicle sends MAVLink 2, if need be once it hears some: ports of 4.1 wait for that."""
-    with vehicle_link.inbox(timesync.MESSAGE_TYPE) as inbox:
+    with vehicle_link.inbox("TIMESYNC") as inbox:
         for _ in range(_OFFERS):
             if link.vehicle_sends_mavlink2:
                 break
@@ -64,7 +63,6 @@ def _takes_mavlink2(link: Link, vehicle_link: VehicleLink) -> bool:
             stamp_ns = timesync.ping(vehicle_link)
             end_s = vehicle_link.now_s() + vehicle_link.round_trip.retry_s
             while (message := inbox.get(end_s - vehicle_link.now_s())) is not None:
-                timesync.measure(vehicle_link, message)
                 if message.ts1 == stamp_ns:
                     break
     return link.vehicle_sends_mavlink2

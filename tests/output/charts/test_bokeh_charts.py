@@ -18,7 +18,6 @@ from flight_replay.output.charts.bokeh_charts import (
 from flight_replay.output.charts.series import PREDICTED_COLOUR, RECORDED_COLOUR, replay_series
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.spacing import spaced_route
-from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import figure_of_eight, made_replay
 
 
@@ -63,9 +62,9 @@ def test_the_map_of_a_hover_is_some_metres_wide() -> None:
 
 def test_a_plan_is_drawn_as_it_is_predicted_to_fly() -> None:
     """What was flown takes its place."""
-    route, record, outcome = made_replay()
-    route = with_prediction(route, Limits(), 30.0)
-    for series, shown in ((replay_series(route), True), (replay_series(route, record, outcome), False)):
+    route, outcome = made_replay()
+    route = with_prediction(route, 30.0)
+    for series, shown in ((replay_series(route), True), (replay_series(route, outcome), False)):
         legend: Any = map_chart(series).legend[0]
         assert ("predicted" in [item.label.value for item in legend.items]) == shown
 

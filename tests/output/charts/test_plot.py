@@ -18,7 +18,6 @@ from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
 from flight_replay.simulator.dynamics.limits import Limits
-from flight_replay.supervisor.flight_plan import FlightRecord
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 from tests.helpers.made_tracks import straight_track
 
@@ -52,8 +51,8 @@ def test_the_speed_of_a_hover_is_next_to_nothing() -> None:
 
 def texts(path: Path, monkeypatch: pytest.MonkeyPatch, *, flown: bool) -> list[str]:
     """Every text in an SVG of the replay; matplotlib leaves each as a comment beside its outlines."""
-    route, record, outcome = made_replay()
-    save_plot(path, route, *((record, outcome) if flown else ()))
+    route, outcome = made_replay()
+    save_plot(path, route, outcome if flown else None)
     return [text.strip() for text in re.findall(r"<!--(.*?)-->", path.read_text(encoding="utf-8"), re.DOTALL)]
 
 
@@ -97,7 +96,7 @@ def test_a_plan_is_drawn_without_flown_lines(tmp_path: Path, monkeypatch: pytest
 
 def test_a_plan_is_drawn_with_what_is_predicted(tmp_path: Path) -> None:
     """Path, heights, speeds and every error."""
-    save_plot(tmp_path / "a.svg", with_prediction(made_replay()[0], Limits(), 30.0))
+    save_plot(tmp_path / "a.svg", with_prediction(made_replay()[0], 30.0))
     page = (tmp_path / "a.svg").read_text(encoding="utf-8")
     for text in (
         "predicted",
@@ -109,12 +108,13 @@ def test_a_plan_is_drawn_with_what_is_predicted(tmp_path: Path) -> None:
         assert text in page
 
 
-def broken_off() -> tuple[Route, FlightRecord, Outcome]:
+def broken_off() -> tuple[Route, Outcome]:
     """The replay with the first waypoint reached, and nothing flown after that."""
-    route, record, _ = made_replay()
+    route, outcome = made_replay()
+    record = outcome.record
     flown = record.flown.select(record.flown.time_s <= 1001.6)
     record = replace(record, waypoints_reached=1, reached=((1, 1001.7),), flown=flown)
-    return route, record, compare_flight(route, record)
+    return route, compare_flight(route, record)
 
 
 def test_what_is_only_planned_is_not_told_as_flown() -> None:
@@ -125,7 +125,7 @@ def test_what_is_only_planned_is_not_told_as_flown() -> None:
 
 @pytest.mark.parametrize("replay", [broken_off, made_replay], ids=["two rows", "three rows"])
 def test_the_scale_bar_is_not_in_the_title_of_a_panel(
-    replay: Callable[[], tuple[Route, FlightRecord, Outcome]],
+    replay: Callable[[], tuple[Route, Outcome]],
 ) -> None:
     """However high the map is."""
     figure = replay_figure(*replay())
@@ -135,9 +135,9 @@ def test_the_scale_bar_is_not_in_the_title_of_a_panel(
 
 def test_a_recording_without_times_has_no_line_over_time() -> None:
     """Neither at the first fix's time nor at a speed; the flown one has its lines."""
-    route, record, _ = made_replay()
+    _, outcome = made_replay()
     route = spaced_route(replace(figure_of_eight(), timed=False), spacing_m=6.0, max_points=60)
-    axes = replay_figure(route, record, compare_flight(route, record)).axes
+    axes = replay_figure(route, compare_flight(route, outcome.record)).axes
     assert [each.get_title().splitlines()[0] for each in axes[1:]] == [
         "path error, recorded to flown",
         "path error, flown to recorded",
@@ -159,7 +159,7 @@ def test_a_single_fix_can_be_drawn(tmp_path: Path) -> None:
 def test_the_map_of_a_hover_is_some_metres_wide() -> None:
     """Neither noise nor rounding looks like a way; the single errors and the recorded height are dots."""
     hover = figure_of_eight().select(slice(0, 1))
-    figure = replay_figure(with_prediction(spaced_route(hover), Limits(), 30.0))
+    figure = replay_figure(with_prediction(spaced_route(hover), 30.0))
     paths, *errors, altitude, _ = figure.axes
     for low, high in (paths.get_xlim(), paths.get_ylim()):
         assert (low + high) / 2 == pytest.approx(0.0, abs=0.01)

@@ -21,8 +21,8 @@ from tests.helpers.made_tracks import straight_track
 
 def summary(*, flown: bool = True) -> dict[str, Any]:
     """A ``--json`` object that fits the made-up replay."""
-    route, record, outcome = made_replay()
-    flight = dict(flight_summary("ArduCopter V4.6.0", True, record, outcome))
+    route, outcome = made_replay()
+    flight = dict(flight_summary("ArduCopter V4.6.0", True, outcome))
     flight["position_error_m"] = {"mean": None, "p95": None, "max": None}
     return {
         "log": {
@@ -78,10 +78,11 @@ class Page(HTMLParser):
 def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
     """The report of the made-up replay."""
     path = tmp_path_factory.mktemp("report") / "replay.html"
-    route, record, outcome = made_replay()
+    route, outcome = made_replay()
+    record = replace(outcome.record, problem="the vehicle did not confirm RTL")
     events = (LoggedEvent(None, "Arm and Takeoff", False), LoggedEvent(12.3, "Warning: <lost>", True))
     text = ReportText(summary(), events, ["--tlog", "my flight.tlog", "--speedup", "10"])
-    save_report(path, text, route, replace(record, problem="the vehicle did not confirm RTL"), outcome)
+    save_report(path, text, route, replace(outcome, record=record))
     return Page(path.read_text(encoding="utf-8"))
 
 
@@ -119,12 +120,12 @@ def test_the_report_lists_mission_and_events(page: Page) -> None:
 
 def test_no_time_is_told_of_a_turn(tmp_path: Path) -> None:
     """The vehicle reads it as it passes the waypoint before, and makes it later."""
-    route, record, outcome = made_replay()
+    route, outcome = made_replay()
     first, *others = route.mission.items
     turn = MissionItem(Command.CONDITION_YAW, Frame.RELATIVE, (90.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
     turning = replace(route, mission=replace(route.mission, items=(first, turn, *others)))
-    record = replace(record, reached=tuple((seq, 100.0 + seq) for seq in (1, 2, 3)))
-    save_report(tmp_path / "a.html", ReportText(summary()), turning, record, outcome)
+    record = replace(outcome.record, reached=tuple((seq, 100.0 + seq) for seq in (1, 2, 3)))
+    save_report(tmp_path / "a.html", ReportText(summary()), turning, replace(outcome, record=record))
     rows = {row[0]: row for row in Page((tmp_path / "a.html").read_text(encoding="utf-8")).rows if row}
     assert rows["2"] == ["2", "turn to 90°"]
     assert rows["3"][-1] == "2.0"
@@ -189,27 +190,28 @@ def test_a_plan_without_recorded_times_has_no_chart_over_time() -> None:
 
 def test_an_unplanned_end_is_at_the_top(tmp_path: Path) -> None:
     """Such as a flight that a pilot took over."""
-    route, record, outcome = made_replay()
-    save_report(tmp_path / "a.html", ReportText(summary()), route, replace(record, ended="pilot"), outcome)
+    route, outcome = made_replay()
+    ended = replace(outcome, record=replace(outcome.record, ended="pilot"))
+    save_report(tmp_path / "a.html", ReportText(summary()), route, ended)
     assert "did not end as planned: pilot." in (tmp_path / "a.html").read_text(encoding="utf-8")
 
 
 def test_other_suffixes_are_refused() -> None:
     """The error names the file and the suffixes."""
-    route, _, _ = made_replay()
+    route, _ = made_replay()
     with pytest.raises(FlightReplayError, match=r'a\.pdf: unknown suffix "\.pdf"; use one of \.html'):
         save_report("a.pdf", ReportText(summary()), route)
 
 
 def test_a_recording_that_is_followed_has_a_report(tmp_path: Path) -> None:
     """Its motion stands where a mission has its waypoints, and there is no table of items."""
-    route, record, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
+    route, outcome = made_following(waits_at_s=40.0, waits_s=7.0)
     results = summary() | {
         "route": route_summary(route),
-        "flight": flight_summary("ArduCopter V4.6.0", True, record, outcome),
+        "flight": flight_summary("ArduCopter V4.6.0", True, outcome),
     }
-    record = replace(record, ended="recording complete")
-    save_report(tmp_path / "a.html", ReportText(results), route, record, outcome)
+    whole = replace(outcome, record=replace(outcome.record, ended="recording complete"))
+    save_report(tmp_path / "a.html", ReportText(results), route, whole)
     page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
     rows = {row[0]: row[1:] for row in page.rows if row}
     assert "The whole recording was followed." in page.texts

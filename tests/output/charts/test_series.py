@@ -18,7 +18,6 @@ from flight_replay.output.charts.series import (
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import route_of
 from flight_replay.planning.spacing import spaced_route
-from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import figure_of_eight, made_following, made_replay
 
 
@@ -58,8 +57,8 @@ def test_a_recording_without_times_is_not_drawn_over_time() -> None:
 
 def test_what_is_not_covered_is_there_too() -> None:
     """The whole recording, and of it what the flight reached, or what the plan covers."""
-    route, record, outcome = made_replay()
-    series = replay_series(route, record, outcome)
+    route, outcome = made_replay()
+    series = replay_series(route, outcome)
     assert len(series.recording.time_s) == 300
     assert len(series.recorded.time_s) == outcome.coverage.fixes < 300
     part = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=10)
@@ -73,7 +72,7 @@ def test_what_is_not_covered_is_there_too() -> None:
 
 def test_spline_legs_are_drawn_as_curves_with_few_points() -> None:
     """The drawn line is within 5 cm of the exact curve."""
-    route, _, _ = made_replay()
+    route, _ = made_replay()
     splines = tuple(replace(item, command=Command.SPLINE_WAYPOINT) for item in route.mission.items[::6])
     curved = route_of("made", Mission(splines), route.covered)
     drawn = replay_series(curved).planned_m
@@ -117,8 +116,8 @@ def test_a_plan_has_no_flown_series() -> None:
 
 def test_a_plan_has_heights_and_what_is_predicted() -> None:
     """By the clock of the errors: the first waypoint is reached at 0, at the height of take-off."""
-    route, record, outcome = made_replay()
-    route = with_prediction(route, Limits(), 30.0)
+    route, outcome = made_replay()
+    route = with_prediction(route, 30.0)
     series = replay_series(route)
     times_s, heights_m = series.planned_height
     assert (times_s[0], times_s[-1]) == pytest.approx((0.0, 0.4 * 299))
@@ -129,19 +128,19 @@ def test_a_plan_has_heights_and_what_is_predicted() -> None:
     assert 1.0 < series.predicted.speed_m_s.max() < 10.5
     assert series.shown_error.position is not None
     assert series.shown_error.path is not None
-    flown = replay_series(route, record, outcome)
+    flown = replay_series(route, outcome)
     assert flown.predicted_unflown is None
     assert flown.shown_error.position is flown.flown_error.position
 
 
 def test_only_waypoints_count_as_reached() -> None:
     """Waits and speed changes do not. Before the first waypoint, time counts from the start of AUTO."""
-    _, record, _ = made_replay()
+    _, outcome = made_replay()
     route = spaced_route(figure_of_eight(), spacing_m=6.0, max_points=60, speed_m_s=3.0)
-    series = replay_series(route, record)
+    series = replay_series(route, outcome)
     assert series.waypoint_seqs[0] == 3
     assert series.reached[0] == (0.0, 30.0)
-    assert len(series.reached) == len(record.reached) - 2
+    assert len(series.reached) == len(outcome.record.reached) - 2
 
 
 def test_long_tracks_are_thinned_but_keep_their_ends() -> None:
@@ -176,8 +175,8 @@ def test_speed_is_the_recorded_one_or_distance_over_time() -> None:
 
 def test_a_recording_that_is_followed_has_no_waypoints() -> None:
     """The planned line is the reference; flown time counts from the recording's first fix."""
-    route, record, outcome = made_following()
-    series = replay_series(route, record, outcome)
+    route, outcome = made_following()
+    series = replay_series(route, outcome)
     assert (series.waypoint_seqs, series.waypoints_m.shape, series.reached) == ((), (0, 2), ())
     assert series.planned_m is route.path.north_east_m
     assert series.flown is not None

@@ -152,7 +152,8 @@ def test_without_a_network_only_the_map_server_is_asked(browser: Any) -> None:
 @pytest.mark.usefixtures("no_tiles")
 def test_a_finished_flight_fits_a_phone(browser: Any) -> None:
     """At a width of 390 px the page needs no horizontal scrolling, and every chart is inside."""
-    route, record, _ = made_replay()
+    route, outcome = made_replay()
+    record = outcome.record
     with LiveMap(route) as live:
         for seq, time_s in record.reached:
             live.listener(WaypointReached(seq, time_s))

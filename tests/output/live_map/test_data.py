@@ -99,7 +99,7 @@ def test_the_current_waypoint_is_the_one_flown_to(data: MapData) -> None:
 
 def test_what_is_followed_is_the_target() -> None:
     """The place of the reference now, between two events too; it stands while the recording waits."""
-    route, _, _ = made_following()
+    route, _ = made_following()
     assert route.reference is not None
     data = MapData(route)
     assert data.target() is None

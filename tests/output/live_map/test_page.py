@@ -32,7 +32,6 @@ from flight_replay.output.live_map.readings import plan_readings, readings_html
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
-from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_replays import FRAME, figure_of_eight, made_following, made_replay, vehicle_at
 
 
@@ -118,7 +117,7 @@ def test_home_moves_to_where_the_vehicle_is_armed(data: MapData) -> None:
 
 def predicted_plan() -> Route:
     """The made-up plan, with its prediction."""
-    return with_prediction(made_replay()[0], Limits(), 30.0)
+    return with_prediction(made_replay()[0], 30.0)
 
 
 def test_a_plan_has_predicted_errors_heights_and_speeds() -> None:

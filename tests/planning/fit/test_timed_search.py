@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from flight_replay.planning.fit import timed_search
+from flight_replay.planning.fit import rounds, timed_search
 from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
@@ -48,9 +48,9 @@ def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch, after
     problem, starts = problem_and_starts()
     good, bad = (problem.evaluate(start.draft) for start in starts[:2])
     bad = replace(bad, late_off_m=bad.late_off_m + 100.0)
-    found, rounds = [good, good if after_round else bad], [good, bad] if after_round else [good]
+    found, after = [good, good if after_round else bad], [good, bad] if after_round else [good]
     monkeypatch.setattr(timed_search, "flown_on_schedule", lambda *_: found.pop(0))
-    monkeypatch.setattr(timed_search, "rounded", lambda _p, s, _b: replace(s, best=rounds.pop(0)))
+    monkeypatch.setattr(rounds, "rounded", lambda _p, s, _b: replace(s, best=after.pop(0)))
     (kept,) = timed_search._rounded(problem, starts[:2], budget(1000))
     assert kept.best is good
-    assert not rounds
+    assert not after

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from flight_replay.planning.fit import untimed_search
+from flight_replay.planning.fit import rounds, untimed_search
 from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
@@ -32,17 +32,17 @@ def test_a_hopeless_start_has_no_round_and_goes_no_further(monkeypatch: pytest.M
     problem, starts = problem_and_starts()
     good = problem.evaluate(starts[0].draft)
     bad = replace(good, late_off_m=good.late_off_m + 100.0)
-    flown, rounds = [good, bad], []
+    found, after = [good, bad], []
 
     def rounded(_problem: FitProblem, state: State, _budget: Budget) -> State:
-        rounds.append(state.best)
+        after.append(state.best)
         return state
 
-    monkeypatch.setattr(untimed_search, "state_of", lambda *_: State(flown.pop(0), {}))
-    monkeypatch.setattr(untimed_search, "rounded", rounded)
+    monkeypatch.setattr(untimed_search, "flown", lambda *_: found.pop(0))
+    monkeypatch.setattr(rounds, "rounded", rounded)
     (kept,) = untimed_search.begun(problem, [starts[0]] * 2, budget(1000))
     assert kept.best is good
-    assert rounds == [good]
+    assert after == [good]
 
 
 def test_going_on_leads_further_and_ends_with_the_budget() -> None:

@@ -15,6 +15,7 @@ from flight_replay.planning.following.controller_lag import acceleration_lag, dr
 from flight_replay.planning.following.follow_prediction import with_prediction
 from flight_replay.planning.following.followed_route import FollowOptions, followed_route, reference_for
 from flight_replay.planning.route import Route
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 from tests.helpers.fake_vehicle import FRAME
@@ -92,8 +93,9 @@ def test_what_is_fed_forward_in_time_leaves_no_lag() -> None:
     track = eights(laps=1)
     route = followed_route(track, track.alt_m, Limits(), FollowOptions())
     assert route.reference is not None
-    assert reference_for(route.reference, route, Limits(), DEFAULT_TUNING) is route.reference
-    old = reference_for(route.reference, route, OLD_LIMITS, OLD)
+    assert reference_for(route.reference, route, DEFAULT_TUNING) is route.reference
+    old_limits = replace(route, limits=VehicleLimits(OLD_LIMITS))
+    old = reference_for(route.reference, old_limits, OLD)
     assert old.acceleration_lag is not None
     assert old.drag_lag is not route.reference.drag_lag
 
@@ -107,7 +109,7 @@ def test_gains_that_are_none_move_no_target_far() -> None:
 
 
 def _predicted_m(route: Route) -> float:
-    predicted = with_prediction(route, Limits(), 3.0).predicted
+    predicted = with_prediction(route, 3.0).predicted
     assert predicted is not None
     assert predicted.position_m.statistics is not None
     return predicted.position_m.statistics.mean

@@ -27,7 +27,7 @@ def _track(speed_m_s: float = 4.0) -> Track:
 
 def test_predicted_in_step_with_the_recording() -> None:
     track = _track()
-    route = with_prediction(followed_route(track, track.alt_m, Limits(), FollowOptions()), Limits(), 3.0)
+    route = with_prediction(followed_route(track, track.alt_m, Limits(), FollowOptions()), 3.0)
     assert route.method == "guided"
     assert route.predicted is not None
     position, heading = route.predicted.position_m.statistics, route.predicted.heading_deg.statistics
@@ -70,7 +70,7 @@ def test_what_cannot_be_followed_is_said_and_what_to_do(speed_m_s: float, next_s
 def test_what_the_model_does_not_follow_is_said(limits: Limits, said: str | None) -> None:
     """Though the reference is within the vehicle's limits."""
     track = _track(speed_m_s=6.0)
-    route = with_prediction(followed_route(track, track.alt_m, limits, FollowOptions()), limits, 3.0)
+    route = with_prediction(followed_route(track, track.alt_m, limits, FollowOptions()), 3.0)
     notes = [note for note in route.notes if note.startswith("The vehicle's settings do not let it keep to ")]
     assert len(notes) == (said is not None)
     assert all(said in note and note.endswith("9 m end the flight (--max-error).") for note in notes if said)

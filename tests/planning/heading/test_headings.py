@@ -12,6 +12,7 @@ from flight_replay.planning.heading import headings, with_recorded_headings
 from flight_replay.planning.prediction import with_prediction
 from flight_replay.planning.route import Route
 from flight_replay.planning.spacing import spaced_route
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.made_tracks import FRAME, straight_track
 
@@ -24,7 +25,7 @@ def route_with(heading_deg: float | list[float], *, spacing_m: float = 30.0) -> 
 
 
 def error_deg(route: Route, takeoff_m: float = 30.0) -> float:
-    predicted = with_prediction(route, Limits(), takeoff_m).predicted
+    predicted = with_prediction(route, takeoff_m).predicted
     assert predicted is not None
     statistics = predicted.heading_deg.statistics
     assert statistics is not None
@@ -35,7 +36,7 @@ def error_deg(route: Route, takeoff_m: float = 30.0) -> float:
 def test_the_vehicle_is_turned_as_recorded(timed: bool) -> None:
     """A flight sideways has a heading item on its legs, and flies sideways."""
     route = route_with(90.0)
-    turned = with_recorded_headings(route, Limits(), 30.0, timed=timed)
+    turned = with_recorded_headings(route, 30.0, timed=timed)
     assert error_deg(route) > 60
     assert error_deg(turned) < 12
     assert len(turned.mission.waypoints) == len(route.mission.waypoints)
@@ -46,7 +47,7 @@ def test_the_vehicle_is_turned_as_recorded(timed: bool) -> None:
 
 def test_legs_that_are_flown_as_recorded_have_no_item() -> None:
     """A vehicle that looked ahead needs none, but to look ahead on the way to the first waypoint."""
-    turned = with_recorded_headings(route_with(0.0), Limits(), 30.0, timed=True)
+    turned = with_recorded_headings(route_with(0.0), 30.0, timed=True)
     assert sum(item.command == Command.CONDITION_YAW for item in turned.mission.items) <= 1
 
 
@@ -59,13 +60,13 @@ def test_how_many_items_were_added_is_told(added: int, words: str, monkeypatch: 
     route = route_with(0.0)
     more = (*route.mission.items, *[change_speed(4.0)] * added)
     monkeypatch.setattr(headings, "_turned", lambda *_, **__: replace(route.mission, items=more))
-    assert words in with_recorded_headings(route, Limits(), 30.0, timed=True).notes[-1]
+    assert words in with_recorded_headings(route, 30.0, timed=True).notes[-1]
 
 
 def test_a_log_without_heading_is_flown_the_vehicles_way() -> None:
     """A note says so."""
     route = route_with(np.nan)
-    turned = with_recorded_headings(route, Limits(), 30.0, timed=True)
+    turned = with_recorded_headings(route, 30.0, timed=True)
     assert turned.mission is route.mission
     assert turned.notes == ("The log has no heading; the vehicle turns its own way.",)
 
@@ -74,13 +75,13 @@ def test_the_mission_stays_within_the_memory(monkeypatch: pytest.MonkeyPatch) ->
     """Items are left out where there is no room for them."""
     route = route_with(np.linspace(0.0, 1500.0, 51).tolist(), spacing_m=40.0)
     monkeypatch.setattr(headings, "MEMORIES", (len(route.mission.items) + 3,))
-    turned = with_recorded_headings(route, Limits(), 30.0, timed=True)
+    turned = with_recorded_headings(route, 30.0, timed=True)
     assert len(turned.mission.items) <= len(route.mission.items) + 3
 
 
 def test_speeds_stay_as_they_are() -> None:
     """A recording that changes its speed has the same changes, in the same order."""
-    turned = with_recorded_headings(route_with(200.0), Limits(), 30.0, timed=True)
+    turned = with_recorded_headings(route_with(200.0), 30.0, timed=True)
     speeds = [item for item in turned.mission.items if item.command == Command.CHANGE_SPEED]
     assert speeds == [change_speed(4.0)]
     assert all(isinstance(item, MissionItem) for item in turned.mission.items)
@@ -109,7 +110,7 @@ def hovering(headings_deg: Floats) -> Route:
 def test_a_hover_turns_as_recorded(headings_deg: Floats) -> None:
     """All the time, with one waypoint: as many turns and waits as it needs follow one another."""
     route = hovering(headings_deg)
-    turned = with_recorded_headings(route, Limits(), 30.0, timed=True)
+    turned = with_recorded_headings(route, 30.0, timed=True)
     assert error_deg(route) > 30
     assert error_deg(turned) < 5
 
@@ -124,7 +125,7 @@ def with_speed_changes(route: Route) -> Route:
 def test_a_heading_lasts_over_changes_of_speed() -> None:
     """A flight sideways with a change of speed on each leg faces a far position: few items do."""
     route = with_speed_changes(route_with(90.0))
-    turned = with_recorded_headings(route, Limits(), 30.0, timed=True)
+    turned = with_recorded_headings(route, 30.0, timed=True)
     added = len(turned.mission.items) - len(route.mission.items)
     assert sum(item.command == Command.SET_ROI for item in turned.mission.items) > 0
     assert error_deg(turned) < 5
@@ -134,7 +135,8 @@ def test_a_heading_lasts_over_changes_of_speed() -> None:
 def test_a_vehicle_with_a_gimbal_is_turned_without_positions_to_face() -> None:
     """They would turn its gimbal: it is turned on every leg instead, each time from the path's heading."""
     route = with_speed_changes(route_with(90.0))
-    turned = with_recorded_headings(route, Limits(mount_type=1.0), 30.0, timed=True)
+    gimbal = replace(route, limits=VehicleLimits(Limits(mount_type=1.0)))
+    turned = with_recorded_headings(gimbal, 30.0, timed=True)
     assert not any(item.command == Command.SET_ROI for item in turned.mission.items)
     assert error_deg(turned) < 30
 
@@ -142,6 +144,6 @@ def test_a_vehicle_with_a_gimbal_is_turned_without_positions_to_face() -> None:
 def test_turns_are_planned_with_the_climb_from_the_takeoff() -> None:
     """After a climb to the first waypoint the first leg begins slowly, and all turns come later."""
     route = route_with((20.0 * np.arange(51)).tolist())
-    turned = with_recorded_headings(route, Limits(), 10.0, timed=True)
+    turned = with_recorded_headings(route, 10.0, timed=True)
     assert error_deg(turned, takeoff_m=10.0) < 5
-    assert error_deg(with_recorded_headings(route, Limits(), 30.0, timed=True), takeoff_m=10.0) > 10
+    assert error_deg(with_recorded_headings(route, 30.0, timed=True), takeoff_m=10.0) > 10

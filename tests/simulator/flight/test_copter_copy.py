@@ -85,11 +85,11 @@ def test_copies_fly_as_the_copter_does(mission: list[Item]) -> None:
     whole = motions(usual, 1500)
     copter, rows = copter_flying(items), []
     for begin in range(0, 1400, 10):
-        copied = copter_copy(copter, items)
+        copied = copter_copy(copter)
         assert motions(copied, 60) == whole[begin : begin + 60]
         rows += motions(copter, 10)
     assert rows == whole[:1400]
-    copied = copter_copy(copter, items)
+    copied = copter_copy(copter)
     motions(copied, 100)
     assert usual.mission is None or (copied.mission and copied.mission.reached == usual.mission.reached)
 
@@ -100,7 +100,7 @@ def test_a_copy_flies_other_items_if_they_are_given() -> None:
     others = [*items[:-1], LocalItem(6, STRAIGHT, NONE, (80.0, 40.0), 15.0)]
     copter = copter_flying(items)
     motions(copter, 20)
-    copied = copter_copy(copter, items, others)
+    copied = copter_copy(copter, others)
     end, other_end = (position_at_end(each) for each in (copter, copied))
     assert end == pytest.approx((0.0, 60.0, 15.0), abs=0.5)
     assert other_end == pytest.approx((80.0, 40.0, 15.0), abs=0.5)

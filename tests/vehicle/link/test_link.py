@@ -7,16 +7,19 @@ import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from flight_replay.logs.tlog.writer import Recorder
-from flight_replay.mavlink import dialect, robust_parser
+from flight_replay.mavlink import dialect, robust_parser, source_of
+from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.link import Link
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.transport import TcpClient
+from flight_replay.vehicle.link.vehicle_link import DroneKitLink
 
 
 class Vehicle:
@@ -168,6 +171,37 @@ def test_mavlink_2_is_sent_at_once_to_a_vehicle_that_was_heard_in_it(vehicle: Ve
     link.follow(1, 1)
     link.send(PING)
     assert vehicle.version_of_ping() == 0xFD
+
+
+def test_receivers_of_the_vehicle_hear_no_others(vehicle: Vehicle) -> None:
+    """Neither a gimbal with the vehicle's system id nor another vehicle."""
+    link = vehicle.linked()
+    link.follow(1, 1)
+    heard = heard_on(link)
+    of_vehicle: list[Any] = []
+    link.add_receiver(of_vehicle.append, of_vehicle=True)
+    for system, component in ((1, 1), (1, 154), (2, 1), (1, 1)):
+        vehicle.mav.srcSystem, vehicle.mav.srcComponent = system, component
+        vehicle.send(BEAT)
+    for _ in range(4):
+        heard.get(timeout=60)
+    link.close()
+    assert [source_of(message) for message in of_vehicle] == [(1, 1), (1, 1)]
+
+
+def test_the_answer_to_a_ping_measures_the_round_trip(vehicle: Vehicle) -> None:
+    """Whoever sent it does not have to wait for it."""
+    link = vehicle.linked()
+    link.follow(1, 1)
+    to_vehicle = DroneKitLink(link, SimpleNamespace(send_mavlink=link.send), 1, 1)
+    heard = heard_on(link)
+    unmeasured_s = to_vehicle.round_trip.median_s
+    stamp_ns = timesync.ping(to_vehicle)
+    time.sleep(0.1)
+    vehicle.send(dialect.MAVLink_timesync_message(7, stamp_ns))
+    heard.get(timeout=60)
+    assert to_vehicle.round_trip.median_s >= 0.1
+    assert to_vehicle.round_trip.median_s != unmeasured_s
 
 
 def test_a_closed_connection_is_reopened(vehicle: Vehicle) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from flight_replay.mavlink import Message, dialect
 from flight_replay.vehicle.link.round_trip import RoundTrip
 
 
@@ -36,16 +38,32 @@ def test_an_estimate_counts_only_before_the_first_measurement() -> None:
     assert round_trip.median_s == 0.3
 
 
+def reply(stamp_ns: float, vehicle_ns: int = 7) -> Message:
+    return dialect.MAVLink_timesync_message(vehicle_ns, int(stamp_ns))
+
+
 def test_an_answer_counts_once_and_only_to_an_own_ping() -> None:
     """Another station's stamps are of another clock: nanoseconds since 1970, from mavros."""
     round_trip = RoundTrip()
     round_trip.pinged(5_000_000_000)
-    round_trip.answered(1_795_879_994_000_000_000, 5.1)
-    assert round_trip.median_s == 0.7
-    round_trip.answered(5_000_000_000, 5.2)
-    round_trip.answered(5_000_000_000, 9.0)
-    round_trip.answered(5_000_000_000, 9.1)
+    round_trip.answered(reply(1_795_879_994e9), 5.1)
+    round_trip.answered(reply(5e9, vehicle_ns=0), 5.1)
+    assert round_trip.median_s == 0.7, "neither another station's nor a question"
+    round_trip.answered(reply(5e9), 5.2)
+    round_trip.answered(reply(5e9), 9.0)
+    round_trip.answered(reply(5e9), 9.1)
     assert round_trip.median_s == pytest.approx(0.2)
+
+
+def test_a_round_trip_that_takes_longer_than_the_next_ping_is_measured() -> None:
+    """A link that becomes slow in flight: every reply counts, once, though others were sent meanwhile."""
+    round_trip = measured(0.1)
+    for now_s in np.arange(1.0, 11.0, 0.5):
+        round_trip.pinged(int(now_s * 1e9))
+        for _ in range(2):
+            round_trip.answered(reply((now_s - 1.5) * 1e9), now_s)
+    assert round_trip.median_s == pytest.approx(1.5)
+    assert round_trip.from_freshest_s == pytest.approx(1.5)
 
 
 def test_old_pings_are_forgotten() -> None:
@@ -53,7 +71,7 @@ def test_old_pings_are_forgotten() -> None:
     round_trip = RoundTrip()
     for stamp_ns in range(1000):
         round_trip.pinged(stamp_ns)
-    round_trip.answered(1, 5.0)
+    round_trip.answered(reply(1), 5.0)
     assert round_trip.median_s == 0.7
 
 

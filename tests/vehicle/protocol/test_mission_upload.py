@@ -20,7 +20,6 @@ from flight_replay.vehicle.link.vehicle_link import is_for_us
 from flight_replay.vehicle.protocol.mission_download import FENCE, MISSION, MissionDownloader
 from flight_replay.vehicle.protocol.mission_items import difference, item_message
 from flight_replay.vehicle.protocol.mission_storage import MissionStorage
-from flight_replay.vehicle.protocol.mission_upload import UploadLimits
 from tests.helpers.link_conditions import LinkConditions
 from tests.helpers.virtual_link import VirtualLink
 
@@ -35,11 +34,9 @@ def route(count: int) -> Mission:
     return Mission(tuple(items))
 
 
-def upload(
-    link: VirtualLink, mission: Mission, *, as_int: bool = True, no_progress_s: float = 12.0
-) -> MissionStorage:
+def upload(link: VirtualLink, mission: Mission, *, as_int: bool = True) -> MissionStorage:
     """Upload a mission over a link whose round trip is known."""
-    storage = MissionStorage(link, as_int=as_int, limits=UploadLimits(no_progress_s=no_progress_s))
+    storage = MissionStorage(link, as_int=as_int)
     storage.upload(mission, lambda done: None)
     return storage
 
@@ -123,7 +120,7 @@ def test_a_temporary_result_is_retried_until_a_deadline(result: int) -> None:
     """A busy vehicle is tried again until the deadline."""
     link = VirtualLink(faults=Faults(mission=MissionFaults(result_of_item={5: result})))
     with pytest.raises(FlightReplayError):
-        upload(link, route(10), no_progress_s=4.0)
+        upload(link, route(10))
     assert link.now_s() < 60
 
 

@@ -35,8 +35,7 @@ def _targets(version: tuple[int, ...], speed_m_s: float = 0.0) -> tuple[MotionTa
         ),
         dialect.MAVLink_local_position_ned_message(1002, 30.0, 0.0, -23.0, speed_m_s, 0.0, 0.0),
     ):
-        message._header.srcSystem, message._header.srcComponent = 1, 1
-        targets.receive(message)
+        targets.origin.receive(message)
     return targets, link
 
 
@@ -61,8 +60,7 @@ def test_a_home_that_is_moved_in_flight_does_not_move_the_targets() -> None:
     targets, link = _targets((4, 6, 0))
     targets.send(_target())
     moved = dialect.MAVLink_global_position_int_message(2000, 470000000, 80000000, 423000, 3000, 0, 0, 0, 0)
-    moved._header.srcSystem, moved._header.srcComponent = 1, 1
-    targets.receive(moved)
+    targets.origin.receive(moved)
     targets.send(_target())
     first, second = link.sent
     assert second.z == first.z
@@ -92,8 +90,8 @@ def test_3_3_turns_by_condition_yaw() -> None:
 
 
 def test_the_origin_is_taken_only_at_rest() -> None:
-    assert _targets((4, 6, 0))[0].ready
-    assert not _targets((4, 6, 0), speed_m_s=3.0)[0].ready
+    assert _targets((4, 6, 0))[0].origin.known
+    assert not _targets((4, 6, 0), speed_m_s=3.0)[0].origin.known
 
 
 def test_a_place_to_fly_to_is_global() -> None:

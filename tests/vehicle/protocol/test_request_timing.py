@@ -15,7 +15,6 @@ from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import dialect
 from flight_replay.mission.items import Home, Mission, waypoint
 from flight_replay.simulator.autopilot.faults import old_copter
-from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.round_trip import RoundTrip
 from flight_replay.vehicle.protocol.mission_download import MissionDownloader
@@ -158,23 +157,6 @@ def test_a_request_answered_at_once_is_measured() -> None:
     link = ScriptedLink(answers)
     assert len(MissionDownloader(link, as_int=True).run()) == 4
     assert link.round_trip.median_s == pytest.approx(0.1, abs=0.01)
-
-
-def test_replies_to_other_stations_are_not_measured() -> None:
-    """Mavros keeps time by TIMESYNC ten times a second, and ArduPilot sends its replies to everybody."""
-
-    def answers(link: ScriptedLink, message: Any) -> list[tuple[float, Any]]:
-        if message.get_type() == "TIMESYNC":
-            return [(0.1, dialect.MAVLink_timesync_message(7, message.ts1))] * 2
-        theirs = [
-            (0.01 * i, dialect.MAVLink_timesync_message(7, 1_795_879_994 * 10**9 + i)) for i in range(9)
-        ]
-        return [*theirs, (0.2, dialect.MAVLink_mission_count_message(OUR_SYSTEM, OUR_COMPONENT, 0))]
-
-    link = ScriptedLink(answers)
-    timesync.ping(link)
-    assert MissionDownloader(link, as_int=True).run() == []
-    assert link.round_trip.median_s == pytest.approx(0.2)
 
 
 def download_cpu_s(count: int) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import socket
-import subprocess
 import sys
 import tempfile
 import time
@@ -238,9 +237,9 @@ def test_a_simulator_that_ignores_sigterm_is_killed(tmp_path: Path, monkeypatch:
 
 def test_ctrl_c_while_a_simulator_starts_ends_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """At once: the watcher, which there is none of here, would too."""
-    started: list[subprocess.Popen[bytes]] = []
+    started: list[process.SitlProcess] = []
 
-    def interrupted(_: Path, simulator: subprocess.Popen[bytes], log: Path) -> None:
+    def interrupted(simulator: process.SitlProcess) -> None:
         started.append(simulator)
         raise KeyboardInterrupt
 
@@ -248,7 +247,7 @@ def test_ctrl_c_while_a_simulator_starts_ends_it(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(watcher, "__file__", os.devnull)
     with pytest.raises(KeyboardInterrupt), process.run(SitlBinary(stand_in(tmp_path)), START):
         raise AssertionError
-    assert [simulator.poll() is not None for simulator in started] == [True]
+    assert [simulator.process.poll() is not None for simulator in started] == [True]
 
 
 @pytest.mark.parametrize("error", [RuntimeError("boom"), KeyboardInterrupt()], ids=["error", "Ctrl-C"])

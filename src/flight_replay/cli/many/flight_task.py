@@ -139,7 +139,7 @@ def _plan_or_fly_in_model(options: Options, route: Route, job: Job, done: _Done)
 
     began_s = time.monotonic()
     record = fly_in_model(route, duration_s=options.duration_s, takeoff_m=options.takeoff_altitude_m)
-    done.values |= replay_values("model", "flight model", record, compare_flight(route, record))
+    done.values |= replay_values("model", "flight model", compare_flight(route, record))
     done.values["fly_wall_s"] = time.monotonic() - began_s
 
 
@@ -160,5 +160,5 @@ def _fly_by_the_clock(
     _, result = flight_step.fly(options, planner.home, plan, console, done.listener)
     if result is None:
         return
-    done.values |= replay_values(job.fly, result.vehicle, result.record, result.outcome)
+    done.values |= replay_values(job.fly, result.vehicle, result.outcome)
     done.values["fly_wall_s"] = time.monotonic() - began_s

@@ -13,7 +13,6 @@ from flight_replay.cli.many.job import BY_THE_CLOCK, FLY_WITH, Job
 from flight_replay.cli.many.log_content import file_sha256
 from flight_replay.cli.options import parse_options
 from flight_replay.output.many.fleet_comparison import Tolerance
-from flight_replay.writing.terminal_text import Parser
 
 _EXAMPLES = """\
 examples:
@@ -98,17 +97,12 @@ def _tolerance(values: dict[str, Any]) -> Tolerance:
 
 def build_many_parser() -> argparse.ArgumentParser:
     """The parser of ``flight-replay-many``."""
-    parser = Parser(
-        prog="flight-replay-many",
-        description="Read, plan and fly again the flights of many logs, on all cores of this machine or on\n"
+    parser = option_groups.new_parser(
+        "flight-replay-many",
+        "Read, plan and fly again the flights of many logs, on all cores of this machine or on\n"
         "a Dask cluster; every flight becomes a row of one table.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        add_help=False,
+        _EXAMPLES,
     )
-    group = parser.add_argument_group("options")
-    group.add_argument("-h", "--help", action="help", help="show this help message and exit")
     _add_logs_group(parser)
     _add_replay_groups(parser)
     _add_run_group(parser)

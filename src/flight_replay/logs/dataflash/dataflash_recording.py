@@ -52,7 +52,7 @@ class LogContents:
     restarts: Sequence[int]
 
 
-def dataflash_recording(contents: LogContents, log_format: str = "dataflash") -> Recording:
+def dataflash_recording(contents: LogContents) -> Recording:
     """The recording, with its track's implausible positions left out.
 
     Raises:
@@ -78,7 +78,6 @@ def dataflash_recording(contents: LogContents, log_format: str = "dataflash") ->
     kind = vehicle.kind
     return Recording(
         path=contents.name,
-        format=log_format,
         bytes=contents.length,
         vehicles=() if count is None else (count,),
         vehicle=count,

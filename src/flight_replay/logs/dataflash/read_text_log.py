@@ -15,7 +15,6 @@ from flight_replay.logs.dataflash.message_rows import Offsets
 from flight_replay.logs.recording import Recording
 from flight_replay.logs.vehicles import VehicleId
 
-TEXT_FORMAT = "dataflash-text"
 _PIECE_LENGTH = 4 << 20
 _LONGEST_LINE = 4096
 _FMT_CELLS = 5  # type, length, name, format and, with commas in it, the columns
@@ -31,7 +30,7 @@ def read_dataflash_text(log: OpenLog, _vehicle: VehicleId | None, progress: Prog
         if progress:
             progress(log.position, log.size)
     contents = LogContents(log.name, lines.length, lines.unread, collected, lines.restarts)
-    return dataflash_recording(contents, TEXT_FORMAT)
+    return dataflash_recording(contents)
 
 
 def _pieces(log: OpenLog) -> Iterator[bytes]:

@@ -57,7 +57,6 @@ def read_tlog(log: OpenLog, vehicle: VehicleId | None, progress: Progress | None
     kind = vehicle_kind(read.heartbeats(chosen))
     return Recording(
         path=log.name,
-        format="tlog",
         bytes=length,
         vehicles=vehicles,
         vehicle=chosen,

@@ -57,14 +57,12 @@ class _Dialect:
     And the one with dates, and that of the motors, if there are such.
     """
 
-    format: str
     columns: Mapping[str, Sequence[str]]
     utc: str | None = None
     motors: str | None = None
 
 
 _AIRDATA = _Dialect(
-    "airdata",
     {
         "time_s": ("time",),
         "lat_deg": ("latitude",),
@@ -79,7 +77,6 @@ _AIRDATA = _Dialect(
     utc="datetime",
 )
 _CSV_VIEW = _Dialect(
-    "dji-csv",
     {
         "time_s": ("OSD.flyTime",),
         "lat_deg": ("OSD.latitude",),
@@ -118,7 +115,7 @@ def _read(log: OpenLog, progress: Progress | None, dialect: _Dialect) -> Recordi
         columns = {name: column[order] for name, column in columns.items()}
         columns["time_s"] = _spread(columns["time_s"])
         utc_s = None if utc_s is None else utc_s[order]
-    file = TrackFile(name=log.name, format=dialect.format, bytes=pieces.count, notes=table.notes)
+    file = TrackFile(name=log.name, bytes=pieces.count, notes=table.notes)
     return columns_recording(columns, file, utc_s)
 
 

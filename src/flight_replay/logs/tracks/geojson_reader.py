@@ -36,7 +36,7 @@ Place = Sequence[float]
 def read_geojson(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
     """Read a GeoJSON file; see ``log_formats.Read``."""
     data = contents(log, _MOST_BYTES, progress)
-    file = TrackFile(name=log.name, format="geojson", bytes=len(data))
+    file = TrackFile(name=log.name, bytes=len(data))
     try:
         features = list(_features(json.loads(data.decode(encoding_of(data)))))
     except (ValueError, RecursionError) as error:

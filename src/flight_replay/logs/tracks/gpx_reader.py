@@ -34,9 +34,7 @@ def read_gpx(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None
     points = reader.track if len(reader.track) else reader.route
     if points is reader.route and len(points):
         notes.append("It has no track, but a route, which is taken for one")
-    file = TrackFile(
-        name=log.name, format="gpx", bytes=end.bytes, notes=notes, home_amsl_m=reader.home_amsl_m
-    )
+    file = TrackFile(name=log.name, bytes=end.bytes, notes=notes, home_amsl_m=reader.home_amsl_m)
     return track_recording(points.points(), file)
 
 

@@ -22,15 +22,15 @@ from flight_replay.logs.vehicles import VehicleId
 
 def read_kml(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
     """Read a KML file; see ``log_formats.Read``."""
-    return _read(LogPieces(log, progress), log.name, "kml")
+    return _read(LogPieces(log, progress), log.name)
 
 
 def read_kmz(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | None) -> Recording:
     """Read the first KML file of a ZIP archive; see ``log_formats.Read``."""
-    return _read(first_kml(LogPieces(log, progress), log.name), log.name, "kmz")
+    return _read(first_kml(LogPieces(log, progress), log.name), log.name)
 
 
-def _read(pieces: Iterable[bytes], name: str, kind: str) -> Recording:
+def _read(pieces: Iterable[bytes], name: str) -> Recording:
     reader = KmlReader(name)
     end = read_xml(pieces, reader, name)
     notes = list(end.notes())
@@ -44,5 +44,5 @@ def _read(pieces: Iterable[bytes], name: str, kind: str) -> Recording:
         notes += left_out
     if reader.is_clamped:
         notes.append("Its heights are not read: it says that it lies on the ground")
-    file = TrackFile(name=name, format=kind, bytes=end.bytes, notes=notes, home_amsl_m=reader.home_amsl_m)
+    file = TrackFile(name=name, bytes=end.bytes, notes=notes, home_amsl_m=reader.home_amsl_m)
     return track_recording(points, file)

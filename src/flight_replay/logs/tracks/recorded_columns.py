@@ -56,7 +56,6 @@ def columns_recording(columns: Mapping[str, Floats], file: TrackFile, utc_s: Flo
     utc = [] if utc_s is None else utc_s[order][time_s[order] >= usable.track.time_s[0]][:1]
     return Recording(
         path=file.name,
-        format=file.format,
         bytes=file.bytes,
         track=with_heights_above_home(with_derived_velocity(track)),
         without_position=usable.without_position,

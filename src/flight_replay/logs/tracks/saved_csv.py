@@ -25,5 +25,5 @@ def read_saved_csv(log: OpenLog, _vehicle: VehicleId | None, progress: Progress 
     if "utc" in table.header:
         wanted["utc"] = ("utc", unix_time_s)
     columns = table.columns(wanted, lambda row: row["kind"] == "track", ("kind",))
-    file = TrackFile(name=log.name, format="csv", bytes=pieces.count, notes=table.notes)
+    file = TrackFile(name=log.name, bytes=pieces.count, notes=table.notes)
     return columns_recording(columns, file, columns.get("utc"))

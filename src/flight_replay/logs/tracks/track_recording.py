@@ -42,13 +42,12 @@ _SLIGHTLY_OFF_M_S, _OFF = 0.5, 0.25
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackFile:
-    """The file that a track was read from: its name, its format, its bytes, and notes on how it was read.
+    """The file that a track was read from: its name, its bytes, and notes on how it was read.
 
     ``home_amsl_m`` is home's height above the sea where the file tells it, else not a number.
     """
 
     name: str
-    format: str
     bytes: int
     notes: Sequence[str] = ()
     home_amsl_m: float = math.nan
@@ -77,7 +76,6 @@ def track_recording(points: TrackPoints, file: TrackFile) -> Recording:
         notes += _heights_from_the_air(track, above_home)
     return Recording(
         path=file.name,
-        format=file.format,
         bytes=file.bytes,
         track=above_home,
         without_position=usable.without_position,

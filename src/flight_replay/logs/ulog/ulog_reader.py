@@ -52,7 +52,6 @@ def read_ulog(log: OpenLog, _vehicle: VehicleId | None, progress: Progress | Non
     kind = kind_of_ulog(read)
     return Recording(
         path=log.name,
-        format="ulog",
         bytes=read.bytes,
         track=track,
         without_position=usable.without_position,

@@ -29,7 +29,6 @@ from flight_replay.output.charts.series import (
 from flight_replay.output.outcome import Outcome
 from flight_replay.output.result_text import statistics_text
 from flight_replay.planning.route import Route
-from flight_replay.supervisor.flight_plan import FlightRecord
 from flight_replay.writing.output_files import check_suffix, write_atomically
 
 if TYPE_CHECKING:
@@ -59,9 +58,7 @@ _STYLE: dict[Any, Any] = {
 }
 
 
-def save_plot(
-    path: Path | str, route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
-) -> None:
+def save_plot(path: Path | str, route: Route, outcome: Outcome | None = None) -> None:
     """Plot a route, and the flight that followed it if there was one, on one page.
 
     Raises:
@@ -72,13 +69,13 @@ def save_plot(
 
     page = io.BytesIO()
     dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    figure = replay_figure(route, record, outcome)
+    figure = replay_figure(route, outcome)
     with rc_context(_STYLE):
         figure.savefig(page, format=file_format, dpi=_PNG_DOTS_PER_IN, metadata=dates[file_format])
     write_atomically(path, page.getvalue())
 
 
-def replay_figure(route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None) -> Figure:
+def replay_figure(route: Route, outcome: Outcome | None = None) -> Figure:
     """The page of plots of a route, and of the flight that followed it if there was one."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -87,7 +84,7 @@ def replay_figure(route: Route, record: FlightRecord | None = None, outcome: Out
     with rc_context(_STYLE):
         figure = Figure(figsize=_PAGE_IN, layout="constrained")
         FigureCanvasAgg(figure)
-        _fill(figure, replay_series(route, record, outcome))
+        _fill(figure, replay_series(route, outcome))
     return figure
 
 

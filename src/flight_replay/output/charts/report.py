@@ -63,13 +63,7 @@ class ReportText:
     argv: Sequence[str] = ()
 
 
-def save_report(
-    path: Path | str,
-    text: ReportText,
-    route: Route,
-    record: FlightRecord | None = None,
-    outcome: Outcome | None = None,
-) -> None:
+def save_report(path: Path | str, text: ReportText, route: Route, outcome: Outcome | None = None) -> None:
     """Write the report of a plan, and of the flight that followed it if there was one.
 
     Raises:
@@ -80,9 +74,10 @@ def save_report(
     from bokeh.resources import Resources
     from jinja2 import Template
 
+    record = None if outcome is None else outcome.record
     template = files("flight_replay.output.charts").joinpath("report.html").read_text(encoding="utf-8")
     page = file_html(
-        _charts(replay_series(route, record, outcome)),
+        _charts(replay_series(route, outcome)),
         resources=Resources(mode="inline"),
         title=f"Replay of {PurePath(str(text.summary['log']['path'])).name}",
         template=Template(template),

@@ -143,9 +143,7 @@ class ReplaySeries:
         return self.recorded_lines if self.timed else ()
 
 
-def replay_series(
-    route: Route, record: FlightRecord | None = None, outcome: Outcome | None = None
-) -> ReplaySeries:
+def replay_series(route: Route, outcome: Outcome | None = None) -> ReplaySeries:
     """The series of a route, and of the flight that followed it if there was one."""
     frame, waypoints, home = route.frame, route.mission.waypoints, route.mission.home
     planned = route.path
@@ -171,10 +169,15 @@ def replay_series(
         predicted=_predicted_series(route),
         predicted_error=_flight_error_series(route.predicted),
     )
-    if record is not None:
-        flown = _flown_series(route, record) if len(record.flown) else None
-        series = replace(series, flown=flown, reached=_reached(route, record))
-    return series if outcome is None else replace(series, flown_error=_flight_error_series(outcome.errors))
+    if outcome is None:
+        return series
+    record = outcome.record
+    return replace(
+        series,
+        flown=_flown_series(route, record) if len(record.flown) else None,
+        reached=_reached(route, record),
+        flown_error=_flight_error_series(outcome.errors),
+    )
 
 
 def _flight_error_series(errors: FlightErrors | None) -> FlightErrorSeries:

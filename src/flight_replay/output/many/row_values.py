@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from flight_replay.logs.recording import Recording
     from flight_replay.output.outcome import Outcome
     from flight_replay.planning.route import Route
-    from flight_replay.supervisor.flight_plan import FlightRecord
 
 Values = dict[str, Any]
 
@@ -79,8 +78,9 @@ def route_values(route: Route) -> Values:
     }
 
 
-def replay_values(flown_by: str, vehicle: str, record: FlightRecord, outcome: Outcome) -> Values:
+def replay_values(flown_by: str, vehicle: str, outcome: Outcome) -> Values:
     """How a flight was flown again, by what, and how far from the recording."""
+    record = outcome.record
     return {
         "flown_by": flown_by,
         "flown_vehicle": vehicle,

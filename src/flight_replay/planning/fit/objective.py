@@ -106,6 +106,11 @@ class Evaluation:
         return both, both
 
     @property
+    def path_cost_m(self) -> float:
+        """What the path errors add to the objective."""
+        return float(np.dot(self.path_shares, self.path_errors_m))
+
+    @property
     def objective_m(self) -> float:
         """The number that the fit makes small, see the module; infinite if the vehicle does not stay up."""
         if not self.flight.stays_up:
@@ -113,7 +118,7 @@ class Evaluation:
         late = self.time_share * float(lateness_cost_m(self.late_m).mean()) + CREEPING_M_S * float(
             self.creeping_s.sum()
         )
-        return float(np.dot(self.path_shares, self.path_errors_m)) + late
+        return self.path_cost_m + late
 
 
 def path_error_m(both_ways: tuple[Offsets, Offsets]) -> float:

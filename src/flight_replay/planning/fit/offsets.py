@@ -62,6 +62,11 @@ class Offsets:
         """How far along the path they are (m,), leg and part as one number: k where k legs are flown."""
         return self.leg + self.part
 
+    def passing_s(self, places: int, time_s: Floats) -> Floats:
+        """When each of so many places (n,) is passed, if it is at those times (m,) at the points."""
+        progress = np.maximum.accumulate(self.progress) + 1e-9 * np.arange(len(self.leg))
+        return np.interp(np.arange(1, places + 1), progress, time_s)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MatchedFlight:

@@ -60,7 +60,7 @@ def shaped(
         moves = np.where(better[:, None], _moves_m(problem, trial), moves)
         costs = np.where(better, now, costs)
         gain = np.where(better, np.minimum(1.0, gain * _TRUST_MORE), gain * _TRUST_LESS)
-        if _goal_m(trial) < _goal_m(best):
+        if trial.path_cost_m < best.path_cost_m:
             best = trial
     return best
 
@@ -70,10 +70,6 @@ def moved_once(problem: FitProblem, evaluation: Evaluation, hovers: dict[int, Ho
     draft = evaluation.draft
     after = replace(draft, places_m=draft.places_m + gain * _moves_m(problem, evaluation))
     return kept_in_corridor(after, hovers, problem.recording)
-
-
-def _goal_m(evaluation: Evaluation) -> float:
-    return float(np.dot(evaluation.path_shares, evaluation.path_errors_m))
 
 
 def _costs_around(evaluation: Evaluation, scales_m: tuple[float, float]) -> Floats:

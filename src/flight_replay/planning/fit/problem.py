@@ -50,6 +50,10 @@ class FitProblem:
         """A draft as items hold it and the model flies it, at its own speeds."""
         return _simulated(self.held(draft), self.limits, self.step_s, self.recording.takeoff)
 
+    def flights_of(self, steps: int, flight: SimulatedDraft) -> float:
+        """How many flights such as one in steps of ``step_s`` so many steps of the model are."""
+        return steps * self.step_s / max(float(flight.time_s[-1]), self.step_s)
+
     def least_leg_s(self, draft: Draft, caps_m_s: Floats) -> Floats:
         """What each leg of a draft (n,) takes at the highest speeds (n,), waiting not counted."""
         hurried = replace(draft, hold_s=np.minimum(draft.hold_s, LEAST_HOLD_S))

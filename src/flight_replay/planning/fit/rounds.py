@@ -16,7 +16,7 @@ from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.offsets import match_to_plan
 from flight_replay.planning.fit.place_moves import moved_once, shaped
-from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
+from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import Hover
 from flight_replay.planning.fit.speed_schedule import Schedule, schedule, speed_caps_m_s
 from flight_replay.planning.fit.speed_search import SpeedSearch
@@ -67,11 +67,6 @@ def better(*found: Evaluation) -> Evaluation:
     return min(found, key=lambda each: each.objective_m)
 
 
-def state_of(problem: FitProblem, start: FirstDraft, budget: Budget) -> State:
-    """A start as it is flown."""
-    return State(flown(problem, start.draft, budget), start.hovers)
-
-
 def hopeful(states: list[State]) -> list[State]:
     """The first of the states in which the vehicle stays up, and those not much worse than the best.
 
@@ -83,6 +78,28 @@ def hopeful(states: list[State]) -> list[State]:
         raise MissionError(COMES_DOWN)
     most_m = HOPELESS * min(state.objective_m for state in up)
     return [state for state in up if state is up[0] or state.objective_m <= most_m]
+
+
+def rounded_hopeful(
+    problem: FitProblem, states: list[State], budget: Budget, first_flights: float, next_flights: float
+) -> list[State]:
+    """The hopeful of some states, as many as may go on after a first round; those compared are as far.
+
+    Args:
+        problem: what to fit.
+        states: as they begin.
+        budget: is told how much was flown.
+        first_flights: what there must be left for the round of the first of them.
+        next_flights: for another one, and what comes after that.
+
+    Raises:
+        MissionError: in none of them the vehicle stays up.
+    """
+    rounds: list[State] = []
+    for state in hopeful(states):
+        if budget.affords(next_flights if rounds else first_flights):
+            rounds.append(rounded(problem, state, budget))
+    return hopeful(rounds) if rounds else hopeful(states)[:1]
 
 
 def rounded(problem: FitProblem, state: State, budget: Budget) -> State:
@@ -129,7 +146,7 @@ def flown_on_schedule(
     plan = schedule(draft, hovers, recording, planned, problem.least_leg_s(draft, caps))
     speeds = SpeedSearch(plan, caps, problem.limits, problem.step_s, recording.takeoff)
     found = problem.compared(speeds.run())
-    budget.spend(2 + speeds.steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s))
+    budget.spend(2 + problem.flights_of(speeds.steps, found.flight))
     return found
 
 
@@ -146,7 +163,7 @@ def flown_leaving(problem: FitProblem, draft: Draft, leave_s: Floats) -> tuple[E
     planned, _ = match_to_plan(draft, problem.recording)
     caps_m_s = speed_caps_m_s(planned, len(draft), problem.recording)
     found, steps = flown_on_time(problem, Schedule(draft, leave_s), caps_m_s)
-    return found, 1 + steps * problem.step_s / max(float(found.flight.time_s[-1]), problem.step_s)
+    return found, 1 + problem.flights_of(steps, found.flight)
 
 
 def changed_flown(problem: FitProblem, changes: Iterable[tuple[Draft, Floats]]) -> list[Evaluation]:

@@ -79,8 +79,7 @@ def recorded_passing_s(
         hovers: the recorded hovers by the place at which they are waited for.
         recording: at least one fix.
     """
-    progress = np.maximum.accumulate(planned.progress) + 1e-9 * np.arange(len(recording))
-    passing_s = np.interp(np.arange(1, places + 1), progress, recording.time_s)
+    passing_s = planned.passing_s(places, recording.time_s)
     for place, hover in hovers.items():
         passing_s[place] = recording.time_s[hover.last] - _OFF_S
     passing_s = np.maximum.accumulate(passing_s) - _LAG_S

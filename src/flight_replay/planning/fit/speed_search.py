@@ -120,7 +120,7 @@ class SpeedSearch:
         best: _Trial | None = None
         trials: list[_Trial] = []
         for _ in range(_MOST_TRIALS):
-            trial = self._tried(copter_copy(self._copter, self._items), place, speed)
+            trial = self._tried(copter_copy(self._copter), place, speed)
             trials.append(trial)
             if best is None or abs(trial.late_s) < abs(best.late_s) - _NEARER_S:
                 best = trial

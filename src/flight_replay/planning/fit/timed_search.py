@@ -17,7 +17,7 @@ from flight_replay.planning.fit.rounds import (
     State,
     flown_on_schedule,
     hopeful,
-    rounded,
+    rounded_hopeful,
 )
 from flight_replay.planning.fit.steps.joint_steps import JOINT_FLIGHTS, stepped
 
@@ -41,11 +41,7 @@ def _rounded(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> l
         if not some_stay_up or budget.affords(_BEGINNING_FLIGHTS):
             on_time = flown_on_schedule(problem, start.draft, start.hovers, budget)
             states.append(State(on_time, start.hovers))
-    rounds: list[State] = []
-    for state in hopeful(states):
-        if budget.affords(_BEGINNING_FLIGHTS if rounds else ROUND_FLIGHTS):
-            rounds.append(rounded(problem, state, budget))
-    return hopeful(rounds) if rounds else hopeful(states)[:1]
+    return rounded_hopeful(problem, states, budget, ROUND_FLIGHTS, _BEGINNING_FLIGHTS)
 
 
 def _stepped_once(problem: FitProblem, states: list[State], budget: Budget) -> list[State]:

@@ -12,10 +12,9 @@ from flight_replay.planning.fit.rounds import (
     SWEEP_FLIGHTS,
     WORTH_GOING_ON,
     State,
-    hopeful,
+    flown,
     polished,
-    rounded,
-    state_of,
+    rounded_hopeful,
     swept,
 )
 from flight_replay.planning.fit.steps.joint_steps import stepped
@@ -33,12 +32,8 @@ def begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> list
         best_m = min((state.objective_m for state in states), default=inf)
         least_m = objective_lower_bound_m(start.draft, problem.recording)
         if best_m == inf or (least_m < best_m and budget.affords(_BEGINNING_FLIGHTS)):
-            states.append(state_of(problem, start, budget))
-    rounds: list[State] = []
-    for state in hopeful(states):
-        if budget.affords(_BEGINNING_FLIGHTS if rounds else MOVING_FLIGHTS):
-            rounds.append(rounded(problem, state, budget))
-    return hopeful(rounds) if rounds else hopeful(states)[:1]
+            states.append(State(flown(problem, start.draft, budget), start.hovers))
+    return rounded_hopeful(problem, states, budget, MOVING_FLIGHTS, _BEGINNING_FLIGHTS)
 
 
 def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:

@@ -24,6 +24,7 @@ from flight_replay.planning.following.follow_notes import follow_notes, slower
 from flight_replay.planning.following.reference_planner import RecordedMotion, ReferenceBounds, plan_reference
 from flight_replay.planning.following.samples import Bridge, times_with_bridges
 from flight_replay.planning.route import Route
+from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
 from flight_replay.supervisor.follower import DEFAULT_TUNING, Tuning
 
@@ -83,6 +84,7 @@ def followed_route(track: Track, heights_m: Floats, limits: Limits, options: Fol
         predicted_duration_s=float(motion.time_s[-1]) - reference.begin_s,
         reference=reference,
         pace=options.pace,
+        limits=VehicleLimits(limits),
         notes=(
             *notes,
             *follow_notes(motion, reference, bridges, approach_m_s=options.approach_m_s, pace=options.pace),
@@ -121,20 +123,17 @@ def thrust_of(drag: Drag, limits: Limits) -> Thrust:
     return Thrust(GRAVITY_M_S2 * tan(limits.lean_angle_rad), drag.linear_per_s, drag.square_per_m)
 
 
-def reference_for(
-    reference: ReferenceMotion, route: Route, limits: Limits, tuning: Tuning
-) -> ReferenceMotion:
+def reference_for(reference: ReferenceMotion, route: Route, tuning: Tuning) -> ReferenceMotion:
     """The reference of a route, with the lags of a vehicle's firmware; as planned, they are 4.6's.
 
     Args:
         reference: the route's.
-        route: a followed one.
-        limits: with the gains of the vehicle's controllers.
+        route: a followed one; its limits have the gains of the vehicle's controllers.
         tuning: of its firmware.
     """
     if tuning.feed_forward == DEFAULT_TUNING.feed_forward:
         return reference
-    per_s = tuning.drag_per_s
+    limits, per_s = route.limits.limits, tuning.drag_per_s
     drag = sitl_drag(home_of(route.covered).alt_amsl_m or 0.0) if per_s is None else Drag(per_s, 0.0)
     return replace(
         reference,

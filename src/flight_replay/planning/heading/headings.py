@@ -18,7 +18,6 @@ from flight_replay.planning.heading.legs import PredictedFlight, legs_of
 from flight_replay.planning.heading.turn_choice import LegItems, best_items
 from flight_replay.planning.heading.turns import Response
 from flight_replay.planning.route import Route
-from flight_replay.simulator.dynamics.limits import Limits
 
 WORTH_DEG_S = 4.0
 """An item must lower the error by this: 2 degrees, within which ArduCopter is there, for 2 s."""
@@ -30,41 +29,40 @@ _SHIFT_COST_DEG_S = 20.0
 _DEARER = 1.2
 
 
-def with_recorded_headings(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Route:
+def with_recorded_headings(route: Route, takeoff_m: float, *, timed: bool) -> Route:
     """The route with items that turn the vehicle as the recorded one was; a note says how many.
 
     The smallest memory that holds the mission and one item a leg holds it with all of them.
 
     Args:
         route: what will be flown, without heading items.
-        limits: what the vehicle may do.
         takeoff_m: take-off altitude above home.
         timed: whether it flies in time with the recording, see ``PredictedFlight.wanted_deg``.
     """
     if not np.isfinite(route.wanted.heading_deg).any():
-        return _with_note(route, "The log has no heading; the vehicle turns its own way.")
+        return route.with_notes("The log has no heading; the vehicle turns its own way.")
     if route.path.length_m > LONGEST_SIMULATED_M:
-        return _with_note(route, "The route is too long to plan headings; the vehicle turns its own way.")
+        return route.with_notes("The route is too long to plan headings; the vehicle turns its own way.")
     try:
-        mission = _turned(route, limits, takeoff_m, timed=timed)
+        mission = _turned(route, takeoff_m, timed=timed)
     except MissionError as error:
-        return _with_note(route, f"No heading is planned, the vehicle turns its own way. {error}")
+        return route.with_notes(f"No heading is planned, the vehicle turns its own way. {error}")
     added = len(mission.items) - len(route.mission.items)
     turned = replace(route, mission=mission, path=planned_path(mission, route.frame))
-    return _with_note(turned, _added_note(added, timed=timed))
+    return turned.with_notes(_added_note(added, timed=timed))
 
 
-def _turned(route: Route, limits: Limits, takeoff_m: float, *, timed: bool) -> Mission:
+def _turned(route: Route, takeoff_m: float, *, timed: bool) -> Mission:
     """The best mission by the predicted heading error, and by how well it keeps the plan's time."""
-    mission = route.mission
-    flight = plan = PredictedFlight.of(route, limits, takeoff_m)
+    mission, limits = route.mission, route.limits.limits
+    flight = plan = PredictedFlight.of(route, takeoff_m)
     found, worth_deg_s = [], WORTH_DEG_S
     for _ in range(_PASSES):
         legs = legs_of(mission, flight, flight.wanted_deg(route.wanted, timed=timed))
         search = partial(best_items, legs, Response.of(limits), may_face=limits.mount_type == 0)
         items, worth_deg_s = _affordable_items(search, _room(mission), worth_deg_s / _DEARER)
         turned = replace(mission, items=tuple(_merged(mission.items, items, route.frame)))
-        flight = PredictedFlight.of(replace(route, mission=turned), limits, takeoff_m)
+        flight = PredictedFlight.of(replace(route, mission=turned), takeoff_m)
         cost = _SHIFT_COST_DEG_S * _shift_s(flight, plan)
         found.append((_error_deg(flight, route.wanted, timed=timed) + cost, turned))
     return min(found, key=lambda each: each[0])[1]
@@ -121,7 +119,3 @@ def _added_note(added: int, *, timed: bool) -> str:
     items_turn = ("item", "turns") if added == 1 else ("items", "turn")
     where = "" if timed else " at equal places, not at equal times"
     return "{} {} on top of the waypoints {} the vehicle as recorded{}.".format(added, *items_turn, where)
-
-
-def _with_note(route: Route, note: str) -> Route:
-    return replace(route, notes=(*route.notes, note))

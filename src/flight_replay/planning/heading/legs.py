@@ -14,7 +14,6 @@ from flight_replay.geometry.polyline import lengths_along_m
 from flight_replay.mission.items import Mission
 from flight_replay.planning.prediction import step_for_s
 from flight_replay.planning.route import Route
-from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.flight.trajectory import Trajectory, home_frame, simulate
 
 SAMPLE_S = 0.1
@@ -60,19 +59,18 @@ class PredictedFlight:
     own_deg: Floats
 
     @classmethod
-    def of(cls, route: Route, limits: Limits, takeoff_m: float) -> PredictedFlight:
+    def of(cls, route: Route, takeoff_m: float) -> PredictedFlight:
         """Fly the mission of a route with at least one waypoint; positions are metres in the route's frame.
 
         Args:
             route: what to fly.
-            limits: what the vehicle may do.
             takeoff_m: take-off altitude above home: a climb from there makes the first leg begin slowly.
 
         Raises:
             MissionError: the model cannot fly it.
         """
         mission, step_s = route.mission, step_for_s(route)
-        flight = simulate(mission, limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
+        flight = simulate(mission, route.limits.limits, start_m=(0.0, 0.0, takeoff_m), step_s=step_s)
         begin_s = np.array(list(_begins_s(mission, flight)))
         sample_s = np.arange(begin_s[0], begin_s[-1] + SAMPLE_S, SAMPLE_S)
         columns = flight.north_m, flight.east_m, np.unwrap(flight.heading_deg, period=360.0)

@@ -52,6 +52,11 @@ class MissionRun(SubMode):
 
     # state
 
+    @property
+    def items(self) -> Sequence[LocalItem]:
+        """Those of the mission."""
+        return self._order.items
+
     def ends_item(self, seq: int) -> bool:
         """Whether navigation item ``seq`` is flown, and the next step begins with what is after it."""
         return self._item is not None and self._next_seq == seq + 1 and self._is_done(self._item)

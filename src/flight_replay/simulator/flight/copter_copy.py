@@ -22,17 +22,18 @@ _SHARED: Final = frozenset(
 """What never changes, so that a copy may have it, too. No part is in a tuple."""
 
 
-def copter_copy(
-    copter: Copter, items: Sequence[LocalItem], new_items: Sequence[LocalItem] | None = None
-) -> Copter:
-    """A copter in the same state.
+def copter_copy(copter: Copter, items: Sequence[LocalItem] | None = None) -> Copter:
+    """A copter in the same state; the items of its mission are not copied.
 
     Args:
-        copter: which flies a mission.
-        items: the mission's, which are not copied.
-        new_items: for the copy instead of these; those that the copter has begun stay as they were.
+        copter: which flies a mission, or has flown one.
+        items: for the copy instead of the mission's; those that the copter has begun stay as they were.
     """
-    copied = _copied(copter, {id(items): items if new_items is None else new_items})
+    run = copter.mission
+    known: dict[int, object] = {}
+    if run is not None:
+        known[id(run.items)] = run.items if items is None else items
+    copied = _copied(copter, known)
     assert isinstance(copied, Copter), "a copy is of the same class"
     return copied
 

@@ -17,7 +17,7 @@ class ItemOrder(SnapshotPart):
     """The items of a mission, and how often each jump was taken."""
 
     def __init__(self, items: Sequence[LocalItem]) -> None:
-        self._items = items
+        self.items = items
         self._jumped: dict[int, int] = {}
 
     def advance(self, seq: int) -> tuple[list[LocalItem], LocalItem | None]:
@@ -39,9 +39,9 @@ class ItemOrder(SnapshotPart):
         complete = False
         for _ in range(_MAX_ITEMS):
             index = seq - FIRST_SEQ
-            if not 0 <= index < len(self._items):
+            if not 0 <= index < len(self.items):
                 break
-            item = self._items[index]
+            item = self.items[index]
             is_navigation = item.is_navigation
             if item.command in FLOWN if flown else is_navigation:
                 return passed, item

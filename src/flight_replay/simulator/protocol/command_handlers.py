@@ -18,6 +18,7 @@ from flight_replay.simulator.protocol.command_int import (
     FAILED,
     TEMPORARILY_REJECTED,
     UNSUPPORTED,
+    CommandHandler,
     CommandInt,
 )
 
@@ -29,14 +30,9 @@ def _result(succeeded: bool) -> int:
     return ACCEPTED if succeeded else FAILED
 
 
-def accept(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
-    """Accept what has no effect here."""
-    return ACCEPTED
-
-
-def deny(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
-    """Deny what ArduCopter denies."""
-    return DENIED
+def always(result: int) -> CommandHandler:
+    """What answers, and does nothing: ArduCopter denies the command, or it has no effect here."""
+    return lambda autopilot, command, sender: result
 
 
 def arm_disarm(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
@@ -83,19 +79,9 @@ def mission_start(autopilot: Autopilot, command: CommandInt, sender: Sender) -> 
     return ACCEPTED
 
 
-def loiter(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
-    """Enter LOITER."""
-    return _result(autopilot.request_mode(CopterMode.LOITER))
-
-
-def return_to_launch(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
-    """Enter RTL."""
-    return _result(autopilot.request_mode(CopterMode.RTL))
-
-
-def land(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:
-    """Enter LAND."""
-    return _result(autopilot.request_mode(CopterMode.LAND))
+def enter(mode: CopterMode) -> CommandHandler:
+    """What enters a mode."""
+    return lambda autopilot, command, sender: _result(autopilot.request_mode(mode))
 
 
 def change_speed(autopilot: Autopilot, command: CommandInt, sender: Sender) -> int:

@@ -1,10 +1,13 @@
-"""A MAVLink command, and the results that answer one."""
+"""A MAVLink command, what runs one, and the results that answer it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from flight_replay.mavlink import dialect
+from flight_replay.simulator.autopilot.autopilot import Autopilot
+from flight_replay.simulator.protocol.channel import Sender
 
 ACCEPTED: int = dialect.MAV_RESULT_ACCEPTED
 TEMPORARILY_REJECTED: int = dialect.MAV_RESULT_TEMPORARILY_REJECTED
@@ -23,3 +26,7 @@ class CommandInt:
     y: int
     z: float
     frame: int
+
+
+CommandHandler = Callable[[Autopilot, CommandInt, Sender], int]
+"""Runs a command of a sender; what it returns is a MAV_RESULT."""

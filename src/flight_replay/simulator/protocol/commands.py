@@ -6,14 +6,20 @@ Sources: GCS_Common.cpp (handle_command_long, handle_command_int_packet), ArduCo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
+from flight_replay.flight_modes import CopterMode
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.stored_params import float32
 from flight_replay.simulator.protocol import command_handlers, guided_positions
 from flight_replay.simulator.protocol.channel import Sender
-from flight_replay.simulator.protocol.command_int import UNSUPPORTED, CommandInt
+from flight_replay.simulator.protocol.command_int import (
+    ACCEPTED,
+    DENIED,
+    UNSUPPORTED,
+    CommandHandler,
+    CommandInt,
+)
 
 _HAS_LOCATION = frozenset(
     {
@@ -29,29 +35,25 @@ _HAS_LOCATION = frozenset(
 _ONLY_INT = frozenset({dialect.MAV_CMD_DO_REPOSITION})
 _MAX_INT_FLOAT = 2.0**31 - 128  # the largest 32-bit float that fits a 32-bit integer
 
-CommandHandler = Callable[[Autopilot, CommandInt, Sender], int]
 
-
-def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def command_long(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     """Run a COMMAND_LONG; its locations are 32-bit floats."""
     number = message.command
     if number in _ONLY_INT:
         _acknowledge(sender, number, UNSUPPORTED)
-        return True
+        return
     scale = 1e7 if number in _HAS_LOCATION else 1.0
     x, y = (int(_number(part * scale)) for part in (message.param5, message.param6))
     frame = dialect.MAV_FRAME_GLOBAL
     if number == dialect.MAV_CMD_NAV_TAKEOFF:
         frame = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
     _answer(autopilot, CommandInt(number, _params(message), x, y, message.param7, frame), sender)
-    return True
 
 
-def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def command_int(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     """Run a COMMAND_INT."""
     command = CommandInt(message.command, _params(message), message.x, message.y, message.z, message.frame)
     _answer(autopilot, command, sender)
-    return True
 
 
 def _answer(autopilot: Autopilot, command: CommandInt, sender: Sender) -> None:
@@ -87,9 +89,9 @@ COMMANDS: dict[int, CommandHandler] = {
     dialect.MAV_CMD_DO_SET_MODE: command_handlers.set_mode,
     dialect.MAV_CMD_NAV_TAKEOFF: command_handlers.takeoff,
     dialect.MAV_CMD_MISSION_START: command_handlers.mission_start,
-    dialect.MAV_CMD_NAV_LOITER_UNLIM: command_handlers.loiter,
-    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: command_handlers.return_to_launch,
-    dialect.MAV_CMD_NAV_LAND: command_handlers.land,
+    dialect.MAV_CMD_NAV_LOITER_UNLIM: command_handlers.enter(CopterMode.LOITER),
+    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: command_handlers.enter(CopterMode.RTL),
+    dialect.MAV_CMD_NAV_LAND: command_handlers.enter(CopterMode.LAND),
     dialect.MAV_CMD_DO_CHANGE_SPEED: command_handlers.change_speed,
     dialect.MAV_CMD_DO_REPOSITION: guided_positions.reposition,
     dialect.MAV_CMD_CONDITION_YAW: command_handlers.condition_yaw,
@@ -97,8 +99,8 @@ COMMANDS: dict[int, CommandHandler] = {
     dialect.MAV_CMD_GET_HOME_POSITION: command_handlers.get_home_position,
     dialect.MAV_CMD_DO_SET_MISSION_CURRENT: command_handlers.set_mission_current,
     dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: command_handlers.reboot,
-    dialect.MAV_CMD_PREFLIGHT_CALIBRATION: command_handlers.accept,
-    dialect.MAV_CMD_PREFLIGHT_STORAGE: command_handlers.deny,
+    dialect.MAV_CMD_PREFLIGHT_CALIBRATION: command_handlers.always(ACCEPTED),
+    dialect.MAV_CMD_PREFLIGHT_STORAGE: command_handlers.always(DENIED),
     dialect.MAV_CMD_RUN_PREARM_CHECKS: command_handlers.run_prearm_checks,
     dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: command_handlers.request_capabilities,
     dialect.MAV_CMD_REQUEST_MESSAGE: command_handlers.request_message,

@@ -1,7 +1,4 @@
-"""Handlers of the messages that are not the mission protocol's.
-
-A handler returns whether it has dealt with the message.
-"""
+"""Handlers of the messages that are not the mission protocol's."""
 
 from __future__ import annotations
 
@@ -10,96 +7,77 @@ from collections.abc import Callable
 
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
-from flight_replay.simulator.protocol import banner, guided_positions, guided_targets, telemetry
+from flight_replay.simulator.protocol import banner, guided_targets, telemetry
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.command_int import ACCEPTED, FAILED
 from flight_replay.simulator.protocol.commands import command_int, command_long
-from flight_replay.simulator.protocol.mission_upload import acknowledge
 
-MessageHandler = Callable[[Autopilot, Message, Sender], bool]
+MessageHandler = Callable[[Autopilot, Message, Sender], None]
 
 # MAVLink FTP: opcode and error of a refusal, and the payload's size.
 _FTP_NAK, _FTP_NOT_FOUND, _FTP_PAYLOAD = 129, 10, 251
 _CUSTOM_MODE = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 
 
-def _heartbeat(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _heartbeat(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     if sender.system == autopilot.parameters["SYSID_MYGCS"]:
         autopilot.failsafes.gcs_heartbeat()
-    return True
 
 
-def _param_request_list(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _param_request_list(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     banner.send(autopilot, sender)
     sender.channel.send_parameters()
-    return True
 
 
-def _param_request_read(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _param_request_read(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     if message.param_index == -1:
         parameter = autopilot.parameters.find(message.param_id)
     else:
         parameter = autopilot.parameters.at(message.param_index)
     if parameter is not None:
         sender.channel.send_parameter(parameter, message.param_index & 0xFFFF)
-    return True
 
 
-def _param_set(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _param_set(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     value = float(message.param_value)
     if autopilot.parameters.find(message.param_id) is not None and abs(value) < float("inf"):
         autopilot.parameters.assign(message.param_id, value)
-    return True
 
 
-def _set_mode(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _set_mode(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     entered = bool(message.base_mode & _CUSTOM_MODE) and autopilot.request_mode(message.custom_mode)
     if autopilot.faults.firmware.acks_set_mode:
         result = ACCEPTED if entered else FAILED
         sender.channel.send(dialect.MAVLink_command_ack_message(message.get_msgId(), result))
-    return True
 
 
-def _request_data_stream(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _request_data_stream(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     if message.start_stop in (0, 1):
         rate_hz = message.req_message_rate if message.start_stop else 0
         sender.channel.set_stream_rate(message.req_stream_id, rate_hz)
-    return True
 
 
-def _mission_set_current(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _mission_set_current(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     if autopilot.mission.set_current(message.seq):
         sender.channel.send(telemetry.mission_current(autopilot, message.seq))
-    return True
 
 
-def _mission_item(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
-    """A GUIDED target as DroneKit and old stations send it: an item with current 2, or 3 for altitude."""
-    if message.current not in (2, 3) or message.mission_type != dialect.MAV_MISSION_TYPE_MISSION:
-        return False
-    acknowledge(sender, guided_positions.item(autopilot, message))
-    return True
-
-
-def _ping(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _ping(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     if message.target_system == 0:
         answer = dialect.MAVLink_ping_message(message.time_usec, message.seq, sender.system, sender.component)
         sender.channel.send(answer)
-    return True
 
 
-def _timesync(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _timesync(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     if message.tc1 == 0:
         sender.channel.send(dialect.MAVLink_timesync_message(int(autopilot.time_s * 1e9), message.ts1))
-    return True
 
 
-def _autopilot_version_request(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _autopilot_version_request(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     sender.channel.send(telemetry.autopilot_version(autopilot))
-    return True
 
 
-def _file_transfer(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def _file_transfer(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     """Refuse: there are no files. A station that gets no answer waits for a timeout."""
     seq, session, opcode = struct.unpack_from("<HBB", bytes(message.payload))
     answer = struct.pack("<HBBBBBxIB", (seq + 1) % 2**16, session, _FTP_NAK, 1, opcode, 0, 0, _FTP_NOT_FOUND)
@@ -107,7 +85,6 @@ def _file_transfer(autopilot: Autopilot, message: Message, sender: Sender) -> bo
     sender.channel.send(
         dialect.MAVLink_file_transfer_protocol_message(0, sender.system, sender.component, payload)
     )
-    return True
 
 
 HANDLERS: dict[str, MessageHandler] = {
@@ -120,8 +97,6 @@ HANDLERS: dict[str, MessageHandler] = {
     "COMMAND_INT": command_int,
     "REQUEST_DATA_STREAM": _request_data_stream,
     "MISSION_SET_CURRENT": _mission_set_current,
-    "MISSION_ITEM": _mission_item,
-    "MISSION_ITEM_INT": _mission_item,
     "SET_POSITION_TARGET_LOCAL_NED": guided_targets.local_target,
     "SET_POSITION_TARGET_GLOBAL_INT": guided_targets.global_target,
     "FILE_TRANSFER_PROTOCOL": _file_transfer,

@@ -64,11 +64,10 @@ class GroundLink:
         if name in self.autopilot.faults.firmware.unknown_messages:
             return
         handler = HANDLERS.get(name)
-        if handler is not None and handler(self.autopilot, message, sender):
-            return
-        answer = self._missions.handlers.get(name)
-        if answer is not None:
-            answer(message, sender)
+        if handler is not None:
+            handler(self.autopilot, message, sender)
+        elif name in self._missions.handlers:
+            self._missions.handlers[name](message, sender)
 
     def _broadcast(self, message: Message | None) -> None:
         if message is not None:

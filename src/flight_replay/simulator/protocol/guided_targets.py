@@ -30,14 +30,14 @@ _MAX_VELOCITY_M_S = 1000.0
 _ZERO: Vector = (0.0, 0.0, 0.0)
 
 
-def local_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def local_target(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     """SET_POSITION_TARGET_LOCAL_NED."""
     if _is_ignored(autopilot, message):
-        return True
+        return
     frame = message.coordinate_frame
     if frame not in {_LOCAL, *_OFFSET_FRAMES}:
         _reject(autopilot)
-        return True
+        return
     target = _motion(message, autopilot)
     if not message.type_mask & _POSITION:
         target = replace(target, position_m=(message.x, message.y, -message.z))
@@ -47,13 +47,12 @@ def local_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool
         (n, e, u), (here_n, here_e, here_u) = target.position_m, autopilot.flight.position_m
         target = replace(target, position_m=(n + here_n, e + here_e, u + here_u))
     _follow(autopilot, target)
-    return True
 
 
-def global_target(autopilot: Autopilot, message: Message, sender: Sender) -> bool:
+def global_target(autopilot: Autopilot, message: Message, sender: Sender) -> None:
     """SET_POSITION_TARGET_GLOBAL_INT: with position and velocity its acceleration is dropped."""
     if _is_ignored(autopilot, message):
-        return True
+        return
     target = _motion(message, autopilot)
     if not message.type_mask & _POSITION:
         frame = message.coordinate_frame
@@ -61,12 +60,11 @@ def global_target(autopilot: Autopilot, message: Message, sender: Sender) -> boo
         moves = target.velocity_m_s is not None
         if position_m is None or (moves and frame in _TERRAIN_FRAMES):
             _reject(autopilot)
-            return True
+            return
         target = replace(target, position_m=position_m)
         if moves:
             target = replace(target, acceleration_m_s2=None)
     _follow(autopilot, target)
-    return True
 
 
 def _support(autopilot: Autopilot) -> GuidedSupport:

@@ -12,6 +12,7 @@ from flight_replay.events import Severity
 from flight_replay.mavlink import Message, dialect
 from flight_replay.simulator.autopilot.autopilot import Autopilot
 from flight_replay.simulator.mission.stored_items import item_float, item_int
+from flight_replay.simulator.protocol import guided_positions
 from flight_replay.simulator.protocol.channel import Sender
 from flight_replay.simulator.protocol.mission_upload import MissionUpload, acknowledge
 
@@ -33,7 +34,7 @@ class MissionProtocol:
         self._warned = False
         self.handlers: dict[str, MissionHandler] = {
             "MISSION_COUNT": self._for_mission(upload.count, self._other_count),
-            "MISSION_ITEM": self._for_mission(upload.item, _ERROR),
+            "MISSION_ITEM": self._for_mission(self._item, _ERROR),
             "MISSION_WRITE_PARTIAL_LIST": self._for_mission(upload.write_partial, _ERROR),
             "MISSION_REQUEST_LIST": self._request_list,
             "MISSION_REQUEST": self._for_mission(self._request, _ERROR),
@@ -61,6 +62,16 @@ class MissionProtocol:
             acknowledge(sender, result, message.mission_type)
 
         return handle
+
+    def _item(self, message: Message, sender: Sender) -> None:
+        """An item of an upload; or a GUIDED target, as DroneKit and old stations send it.
+
+        That has ``current`` 2, or 3 for a change of altitude.
+        """
+        if message.current in (2, 3):
+            acknowledge(sender, guided_positions.item(self._autopilot, message))
+        else:
+            self._upload.item(message, sender)
 
     @staticmethod
     def _other_count(message: Message) -> int:

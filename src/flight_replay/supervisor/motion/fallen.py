@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flight_replay.events import Notice, VehicleState
-from flight_replay.geometry.geodesy import distance_m
+from flight_replay.geometry.geodesy import ground_distance_m
 from flight_replay.supervisor.timers import RETRY_S, Deadline, RetryTimer
 from flight_replay.supervisor.vehicle_monitor import VehicleMonitor
 
@@ -18,7 +18,7 @@ _STAYS = "the vehicle stays where it fell"
 
 def moved_m(a: VehicleState, b: VehicleState) -> float:
     """How far it is from one place to another, over the ground and up, metres."""
-    return float(distance_m(a.lat_deg, a.lon_deg, b.lat_deg, b.lon_deg)) + abs(a.alt_m - b.alt_m)
+    return ground_distance_m(a, b) + abs(a.alt_m - b.alt_m)
 
 
 def disarm_if_staying(monitor: VehicleMonitor) -> str | None:

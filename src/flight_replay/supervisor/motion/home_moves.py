@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flight_replay.events import VehicleState
-from flight_replay.geometry.geodesy import distance_m
+from flight_replay.geometry.geodesy import ground_distance_m
 from flight_replay.supervisor.vehicle_interface import HomePosition
 
 _MOVED_M, _HIGHER_M = 2.0, 1.0
@@ -29,11 +29,10 @@ class HomeMoves:
         before, self._home = self._home, home
         if armed_at is None or altitude_m < _OFF_GROUND_M:
             return ""
-        then_deg = (before.lat_deg, before.lon_deg) if before else (armed_at.lat_deg, armed_at.lon_deg)
         higher_m = home.amsl_m - before.amsl_m if before else 0.0
-        if distance_m(*then_deg, home.lat_deg, home.lon_deg) < _MOVED_M and abs(higher_m) < _HIGHER_M:
+        if ground_distance_m(before or armed_at, home) < _MOVED_M and abs(higher_m) < _HIGHER_M:
             return ""
-        self.moved_m = float(distance_m(armed_at.lat_deg, armed_at.lon_deg, home.lat_deg, home.lon_deg))
+        self.moved_m = ground_distance_m(armed_at, home)
         higher = heights = ""
         if abs(higher_m) >= _HIGHER_M:
             higher = f", {abs(higher_m):.0f} m {'higher' if higher_m > 0 else 'lower'} than it was"

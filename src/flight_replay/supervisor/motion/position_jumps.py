@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import hypot
 
 from flight_replay.events import VehicleState
-from flight_replay.geometry.geodesy import distance_m
+from flight_replay.geometry.geodesy import ground_distance_m
 
 _SMALLEST_M = 4.0  # Positions that are stamped with the time of the last GPS fix step by 0.2 s at 15 m/s.
 _ACCELERATION_M_S2 = 10.0  # No copter changes its velocity faster, and hits what stops it but once.
@@ -22,9 +22,8 @@ def jump_m(before: VehicleState, now: VehicleState) -> float:
     step_s = now.time_s - before.time_s
     if not 0.0 <= step_s <= _LONGEST_S:
         return 0.0
-    moved_m = float(distance_m(before.lat_deg, before.lon_deg, now.lat_deg, now.lon_deg))
     speeds_m_s = (hypot(*state.velocity_m_s[:2]) for state in (before, now))
-    unexplained_m = moved_m - max(speeds_m_s) * step_s
+    unexplained_m = ground_distance_m(before, now) - max(speeds_m_s) * step_s
     return unexplained_m if unexplained_m > _SMALLEST_M + _ACCELERATION_M_S2 * step_s**2 / 4 else 0.0
 
 

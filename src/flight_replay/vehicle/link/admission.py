@@ -18,12 +18,11 @@ class NotMavlinkError(Exception):
 
 
 class Admission:
-    """The decision for one sender; ``admitted`` once its heartbeat came."""
+    """The decision for one sender; ``admitted`` once its heartbeat came, or from the start."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, admitted: bool = False) -> None:
         self._parser = robust_parser()
-        self._began = False
-        self.admitted = False
+        self._began = self.admitted = admitted
 
     def frames(self, data: bytes) -> Iterator[bytes]:
         """The whole frames that may be forwarded, from the heartbeat on.

@@ -6,7 +6,7 @@ import threading
 from collections import Counter
 from dataclasses import dataclass
 
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, source_of
 from flight_replay.vehicle.link.own_ids import OUR_SYSTEM
 
 _OTHERS_S = 1.1  # Every system sends a heartbeat within this time ...
@@ -46,7 +46,7 @@ class VehicleDiscovery:
         """Process a message."""
         if message.get_type() != "HEARTBEAT" or message.get_srcSystem() == OUR_SYSTEM:
             return
-        system, component = message.get_srcSystem(), message.get_srcComponent()
+        system, component = source_of(message)
         with self._changed:
             if message.type in _NOT_VEHICLES or message.autopilot == dialect.MAV_AUTOPILOT_INVALID:
                 self._others.add(f"{system}/{component}")

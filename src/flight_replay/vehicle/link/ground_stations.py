@@ -15,7 +15,7 @@ from typing import Protocol
 
 from flight_replay.mavlink import Message
 from flight_replay.vehicle.link.admission import Admission, NotMavlinkError
-from flight_replay.vehicle.link.frame_parser import MAX_SENDERS, ParserPool
+from flight_replay.vehicle.link.frame_parser import MAX_SENDERS
 from flight_replay.vehicle.link.ground_station_sockets import GroundStationSocket, socket_for
 
 _log = logging.getLogger(__name__)
@@ -70,7 +70,6 @@ class GroundStation:
     def __init__(self, name: str, sockets: GroundStationSocket, forward: Callable[[bytes], None]) -> None:
         self._name, self._sockets, self._forward = name, sockets, forward
         self._queue: deque[bytes] = deque(maxlen=QUEUED_FRAMES)
-        self._parsers = ParserPool()
         self._admissions: OrderedDict[Hashable, Admission] = OrderedDict()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"flight-replay gcs {name}", daemon=True)
@@ -105,7 +104,6 @@ class GroundStation:
         try:
             if not self.opened.is_set():
                 self._sockets.open()
-                self._parsers.clear()
                 self._admissions.clear()
                 self.opened.set()
             self._send_queued()
@@ -123,16 +121,9 @@ class GroundStation:
 
     def _forward_frames(self, source: Hashable, data: bytes) -> None:
         """Forward whole frames only: bytes of two senders must not mix on the vehicle's link."""
-        if not self._sockets.listens:
-            for message in self._parsers.messages(data, source):
-                self._forward(bytes(message.get_msgbuf()))
-        elif data:
-            self._forward_if_admitted(source, data)
-        else:
-            self._admissions.pop(source, None)
-
-    def _forward_if_admitted(self, source: Hashable, data: bytes) -> None:
-        admission = self._admissions.pop(source, None) or Admission()
+        admission = self._admissions.pop(source, None) or Admission(admitted=not self._sockets.listens)
+        if not data:
+            return
         try:
             frames = list(admission.frames(data))
         except NotMavlinkError:

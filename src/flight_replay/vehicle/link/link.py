@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from flight_replay.logs.tlog.writer import Recorder
-from flight_replay.mavlink import Message, dialect
+from flight_replay.mavlink import Message, dialect, source_of
 from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.signing import Signing, is_signed, without_signature
@@ -58,7 +58,7 @@ class Link:
         self.ignored = 0
         """How many frames were ignored because of their signature, or because they had none."""
         self._recorder = recorder
-        self._receivers: list[Receiver] = []
+        self._receivers: list[tuple[Receiver, bool]] = []
         self._mav = dialect.MAVLink(None, srcSystem=OUR_SYSTEM, srcComponent=OUR_COMPONENT)
         self._parsers = ParserPool()
         self._vehicle: tuple[int, int] | None = None
@@ -77,13 +77,16 @@ class Link:
         """Start to receive, and to send heartbeats."""
         self._thread.start()
 
-    def add_receiver(self, receiver: Receiver) -> None:
-        """Call ``receiver`` with every message received, whoever sent it."""
-        self._receivers = [*self._receivers, receiver]
+    def add_receiver(self, receiver: Receiver, *, of_vehicle: bool = False) -> None:
+        """Call ``receiver`` with every message received, or with those of the vehicle that is followed.
+
+        Its gimbal's and another vehicle's are not among the latter.
+        """
+        self._receivers = [*self._receivers, (receiver, of_vehicle)]
 
     def remove_receiver(self, receiver: Receiver) -> None:
         """Call ``receiver`` no longer."""
-        self._receivers = [other for other in self._receivers if other != receiver]
+        self._receivers = [other for other in self._receivers if other[0] != receiver]
 
     @property
     def signs(self) -> bool:
@@ -207,10 +210,12 @@ class Link:
         if not self._accepts(message, frame) or not self._is_of_one_vehicle(message, frame):
             return
         self._record(frame)
-        source = (message.get_srcSystem(), message.get_srcComponent())
+        source = source_of(message)
         if frame[0] == dialect.PROTOCOL_MARKER_V2 and self._vehicle in (None, source):
             self._heard_mavlink2.add(source)
-        for receiver in self._receivers:
+        for receiver, of_vehicle in self._receivers:
+            if of_vehicle and source != self._vehicle:
+                continue
             try:
                 receiver(message)
             except Exception:
@@ -220,7 +225,7 @@ class Link:
     def _is_of_one_vehicle(self, message: Message, frame: bytes) -> bool:
         """Whether a frame is not one of another vehicle with the same ids as the one that is followed."""
         sender, now_s = self._transport.sender, time.monotonic()
-        source = (message.get_srcSystem(), message.get_srcComponent())
+        source = source_of(message)
         if self._vehicle is None:
             is_new = source not in self._senders
             if message.get_type() == "HEARTBEAT" and not (is_new and len(self._senders) >= _MAX_VEHICLES):

@@ -11,6 +11,8 @@ from collections import deque
 from contextlib import suppress
 from statistics import median
 
+from flight_replay.mavlink import Message
+
 NS_PER_S = 1e9
 _INITIAL_S = 0.7  # Before the first measurement: about the round trip of a slow radio.
 _MIN_RETRY_S = 0.04
@@ -68,11 +70,15 @@ class RoundTrip:
         """A ping with this stamp was sent, which the answer repeats."""
         self._pings_ns.append(stamp_ns)
 
-    def answered(self, stamp_ns: int, now_s: float) -> None:
-        """A ping was answered; counts once, and only if it was ours: other stations send some, too."""
+    def answered(self, timesync: Message, now_s: float) -> None:
+        """A TIMESYNC came; counts once, and only if it answers a ping of ours.
+
+        Other stations keep time by it, too, and ArduPilot 4.6 sends its replies to everybody.
+        """
         with suppress(ValueError):
-            self._pings_ns.remove(stamp_ns)
-            self.measured(now_s - stamp_ns / NS_PER_S)
+            if timesync.tc1 != 0:
+                self._pings_ns.remove(timesync.ts1)
+                self.measured(now_s - timesync.ts1 / NS_PER_S)
 
     def lost(self) -> None:
         """A request was not answered in time."""

@@ -31,7 +31,7 @@ class VehicleLink(Protocol):
     system: int
     component: int
     round_trip: RoundTrip
-    """Measured by whoever sends a request and receives its answer."""
+    """Of pings measured by the link, else by whoever sends a request and receives its answer."""
 
     def send(self, message: Message) -> None:
         """Send a message."""
@@ -74,6 +74,11 @@ class DroneKitLink:
         self._link, self._drone = link, drone
         self.system, self.component = system, component
         self.round_trip = RoundTrip()
+        link.add_receiver(self._measure, of_vehicle=True)
+
+    def _measure(self, message: Message) -> None:
+        if message.get_type() == "TIMESYNC":
+            self.round_trip.answered(message, self.now_s())
 
     def send(self, message: Message) -> None:
         """Send a message."""
@@ -85,11 +90,10 @@ class DroneKitLink:
         inbox = _QueueInbox()
 
         def receive(message: Message) -> None:
-            source = (message.get_srcSystem(), message.get_srcComponent())
-            if message.get_type() in types and source == (self.system, self.component) and is_for_us(message):
+            if message.get_type() in types and is_for_us(message):
                 inbox.queue.put(message)
 
-        self._link.add_receiver(receive)
+        self._link.add_receiver(receive, of_vehicle=True)
         try:
             yield inbox
         finally:

@@ -68,14 +68,9 @@ class CommandSender:
         if wanted and self._link.now_s() - self._pinged_s >= self._link.round_trip.retry_s:
             self._ping()
 
-    def measure_round_trip(self) -> None:
-        """Measure the link's round trip again."""
-        timesync.ping(self._link)
-
     def on_timesync(self, message: Message) -> RequestLost | None:
         """A TIMESYNC reply: the command sent before it was not acked."""
         # Of any of our pings, not the last alone: on a slow link the next one is sent before the reply comes.
-        timesync.measure(self._link, message)
         request = self._pending
         if request is None or message.tc1 == 0 or message.ts1 not in self._pings:
             return None

@@ -48,7 +48,7 @@ class MissionDownloader:
         Raises:
             VehicleError: The vehicle does not answer, or refuses.
         """
-        types = ("MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_ACK", timesync.MESSAGE_TYPE)
+        types = ("MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_ITEM", "MISSION_ACK")
         with self._link.inbox(*types) as inbox:
             count = self._request_count(inbox)
             self._request_items(inbox, count)
@@ -66,8 +66,6 @@ class MissionDownloader:
             link.send(dialect.MAVLink_mission_request_list_message(link.system, link.component, self._type))
             requested_s = link.now_s()
             while (message := self._next(inbox, requested_s + self._round_trip.retry_s)) is not None:
-                if timesync.measure(link, message):
-                    continue
                 if message.get_type() == "MISSION_COUNT" and self._has_our_type(message):
                     self._round_trip.measured(link.now_s() - requested_s)
                     return int(message.count)
@@ -137,8 +135,6 @@ class MissionDownloader:
 
     def _take(self, message: Message, count: int) -> bool:
         """Whether the message is an item that was missing."""
-        if timesync.measure(self._link, message):
-            return False
         kind = message.get_type()
         wanted = ("MISSION_ITEM_INT",) if self._as_int else ("MISSION_ITEM", "MISSION_ITEM_INT")
         if kind not in wanted or not self._has_our_type(message) or message.seq >= count:

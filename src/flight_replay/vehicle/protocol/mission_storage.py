@@ -10,7 +10,7 @@ from flight_replay.mission.items import Home, Mission, MissionItem
 from flight_replay.vehicle.link.vehicle_link import VehicleLink
 from flight_replay.vehicle.protocol.mission_download import MissionDownloader
 from flight_replay.vehicle.protocol.mission_items import difference
-from flight_replay.vehicle.protocol.mission_upload import MissionUploader, UploadLimits
+from flight_replay.vehicle.protocol.mission_upload import MissionUploader
 
 _ATTEMPTS = 3
 _UNKNOWN_HOME = Home(0.0, 0.0, 0.0)
@@ -31,10 +31,9 @@ class MissionStorage:
         link: VehicleLink,
         *,
         as_int: bool,
-        limits: UploadLimits | None = None,
         refuse_armed: Callable[[str], None] = lambda consequence: None,
     ) -> None:
-        self._link, self._as_int, self._limits = link, as_int, limits
+        self._link, self._as_int = link, as_int
         self._refuse_armed, self._consequence = refuse_armed, NOT_REPLACED
         self._uploaded: tuple[MissionItem, ...] | None = None
 
@@ -62,11 +61,7 @@ class MissionStorage:
         unlike: str | None = None
         for _ in range(_ATTEMPTS):
             uploader = MissionUploader(
-                self._link,
-                items,
-                as_int=self._as_int,
-                limits=self._limits,
-                before_count=self._before_count,
+                self._link, items, as_int=self._as_int, before_count=self._before_count
             )
             uploader.run(lambda taken: progress(max(0, min(taken, len(items)) - 1)))
             unlike = _first_difference(mission.items, self.download().items, as_int=self._as_int)

@@ -10,7 +10,6 @@ for the vehicle's second, and a long delay is paid once instead of for each item
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from flight_replay.exceptions import MissionError, VehicleError
 from flight_replay.mavlink import MISSION_RESULTS, Message, dialect
@@ -22,15 +21,9 @@ from flight_replay.vehicle.protocol.mission_items import item_message
 _MAX_ERRORS = 4
 _MAX_COUNT = 0xFFFF
 _BUSY_S = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class UploadLimits:
-    """Wall-clock seconds: without progress, and in total as ``total_s`` plus ``item_s`` for each item."""
-
-    no_progress_s: float = 12.0
-    total_s: float = 60.0
-    item_s: float = 2.0
+_NO_PROGRESS_S = 12.0
+_TOTAL_S, _ITEM_S = 60.0, 2.0
+"""How long an upload may take in all, and more for each item."""
 
 
 class MissionUploader:
@@ -49,7 +42,6 @@ class MissionUploader:
         items: Sequence[MissionItem],
         *,
         as_int: bool,
-        limits: UploadLimits | None = None,
         before_count: Callable[[], None] = lambda: None,
     ) -> None:
         if len(items) > _MAX_COUNT:
@@ -58,7 +50,7 @@ class MissionUploader:
                 "choose fewer with --max-points"
             )
         self._link, self._round_trip, self._items, self._as_int = link, link.round_trip, items, as_int
-        self._limits, self._before_count = limits or UploadLimits(), before_count
+        self._before_count = before_count
         self._errors = 0
         self._refusal = ""
         self._highest = -1  # The highest item requested in any attempt: only a higher one is progress.
@@ -81,21 +73,18 @@ class MissionUploader:
             VehicleError: The vehicle stopped answering, or another ground station uploads to it.
         """
         now_s = self._link.now_s
-        end_s = now_s() + self._limits.total_s + self._limits.item_s * len(self._items)
-        types = ("MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK", timesync.MESSAGE_TYPE)
-        with self._link.inbox(*types) as inbox:
+        end_s = now_s() + _TOTAL_S + _ITEM_S * len(self._items)
+        with self._link.inbox("MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK") as inbox:
             self._send_count()
             progress_s = now_s()
             while True:
-                if now_s() - progress_s > self._limits.no_progress_s or now_s() > end_s:
+                if now_s() - progress_s > _NO_PROGRESS_S or now_s() > end_s:
                     raise VehicleError(self._timeout())
                 message = inbox.get(self._last_sent_s + self._round_trip.retry_s - now_s())
                 if message is None:
                     self._round_trip.lost()
                     timesync.ping(self._link)
                     self._resend()
-                elif timesync.measure(self._link, message):
-                    continue
                 elif message.get_type() == "MISSION_ACK":
                     if self._on_ack(message, inbox):
                         progress(len(self._items))

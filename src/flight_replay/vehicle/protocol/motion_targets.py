@@ -42,7 +42,7 @@ class LocalOrigin:
         self._kept: tuple[FlatFrame, float] | None = None
 
     def receive(self, message: Message) -> None:
-        """Process a message of the vehicle."""
+        """Process a message of the vehicle, on the link's thread."""
         kind = message.get_type()
         if kind == "GLOBAL_POSITION_INT":
             self._global = message
@@ -76,23 +76,13 @@ class LocalOrigin:
 
 
 class MotionTargets:
-    """Sends targets to one vehicle; its link's thread gives it the vehicle's messages."""
+    """Sends targets to one vehicle; ``origin`` has to receive its messages."""
 
     def __init__(self, link: VehicleLink, version: tuple[int, ...]) -> None:
         """``version`` is that of the firmware, such as (4, 6, 0), empty where unknown."""
         self._link, self._version = link, version
-        self._origin = LocalOrigin()
+        self.origin = LocalOrigin()
         self._sent = 0
-
-    def receive(self, message: Message) -> None:
-        """Process a message, on the link's thread."""
-        if (message.get_srcSystem(), message.get_srcComponent()) == (self._link.system, self._link.component):
-            self._origin.receive(message)
-
-    @property
-    def ready(self) -> bool:
-        """Whether the vehicle told where its local frame is."""
-        return self._origin.known
 
     def send_position(self, lat_deg: float, lon_deg: float, alt_m: float) -> None:
         """A place to fly to, at a height above home."""
@@ -115,7 +105,7 @@ class MotionTargets:
         self._link.send(
             dialect.MAVLink_set_position_target_local_ned_message(
                 0, self._link.system, self._link.component, dialect.MAV_FRAME_LOCAL_NED, mask,
-                *self._origin.local_ned_m(target.lat_deg, target.lon_deg, target.alt_m),
+                *self.origin.local_ned_m(target.lat_deg, target.lon_deg, target.alt_m),
                 north, east, -up, to_north, to_east, -to_up,
                 radians(heading_deg or 0.0), radians(rate_deg_s),
             )

@@ -38,7 +38,7 @@ def read_parameters(link: VehicleLink, names: Iterable[str], limit_s: float = _R
 def _read(link: VehicleLink, names: Iterable[str], limit_s: float) -> _ParameterReader:
     reader = _ParameterReader(link, list(dict.fromkeys(names)))
     end_s = link.now_s() + limit_s
-    with link.inbox("PARAM_VALUE", timesync.MESSAGE_TYPE) as inbox:
+    with link.inbox("PARAM_VALUE") as inbox:
         while reader.missing and not reader.missing_is_unknown and link.now_s() < end_s:
             reader.request_missing(inbox)
     return reader
@@ -91,7 +91,7 @@ class _ParameterReader:
     def _take(self, inbox: Inbox, awaited: set[str], until_s: float) -> None:
         """Remove from ``awaited`` the names whose values come, until a time or until all came."""
         while awaited and (message := inbox.get(until_s - self._link.now_s())) is not None:
-            if not timesync.measure(self._link, message) and message.param_id in self._names:
+            if message.param_id in self._names:
                 # ArduCopter 3.3 does not reply to TIMESYNC: nothing else measures the round trip there.
                 if message.param_id in self._requested_s:
                     self._link.round_trip.estimated(self._link.now_s() - self._requested_s[message.param_id])

@@ -1,7 +1,6 @@
 """Turns the vehicle's messages into reports for the supervisor.
 
-Runs on the link's thread; reports wait in a queue until the supervisor takes them. Messages of other
-systems and components on the link (gimbals, radios, other vehicles) are ignored.
+Runs on the link's thread; reports wait in a queue until the supervisor takes them.
 """
 
 from __future__ import annotations
@@ -49,8 +48,7 @@ def _printable(text: str) -> str:
 class Telemetry:
     """Turns messages into reports; ``drone`` is the DroneKit vehicle, which processes each message first."""
 
-    def __init__(self, system: int, component: int, drone: Any, commands: CommandSender) -> None:
-        self._source = (system, component)
+    def __init__(self, drone: Any, commands: CommandSender) -> None:
         self._drone = drone
         self._reports: deque[Report] = deque(maxlen=_QUEUED_REPORTS)
         self._changed = threading.Condition()
@@ -81,9 +79,8 @@ class Telemetry:
         }
 
     def receive(self, message: Message) -> None:
-        """Process a message, on the link's thread."""
-        source = (message.get_srcSystem(), message.get_srcComponent())
-        if source != self._source or self._is_duplicate(message):
+        """Process a message of the vehicle, on the link's thread."""
+        if self._is_duplicate(message):
             return
         self.received_s[message.get_type()] = time.monotonic()
         handler = self._handlers.get(message.get_type())

@@ -33,8 +33,9 @@ _STARTS = 20  # So many simulators that start at once each find free ports.
 
 @dataclass(frozen=True, slots=True)
 class SitlProcess:
-    """A simulator that is running and waits for a connection."""
+    """A simulator that was started; ``log`` is its output."""
 
+    path: Path
     port: int
     process: subprocess.Popen[bytes]
     log: Path
@@ -43,6 +44,21 @@ class SitlProcess:
     def connection(self) -> str:
         """Its connection string."""
         return f"tcp:127.0.0.1:{self.port}"
+
+    @property
+    def ended(self) -> SimulatorError | None:
+        """That it ended, with its last output; None while it runs."""
+        status = self.process.poll()
+        if status is None:
+            return None
+        return SimulatorError(
+            f"{self.path} ended with status {status}; its last output: {self.last_output or 'nothing'}"
+        )
+
+    @property
+    def last_output(self) -> str:
+        """The last lines of its output, on one line."""
+        return _last_lines(self.log.read_text(errors="replace"))
 
 
 @contextlib.contextmanager
@@ -59,10 +75,9 @@ def run(
     options = _options(binary.path)
     with WatchedFolder() as folder:
         _prepare(binary, options, folder, start)
-        with _started(binary, options, folder, start, speedup) as running:
+        with _started(_command(binary, options, folder, start, speedup), folder) as running:
             yield running
-            if running.process.poll() is not None:
-                why = _ended(binary.path, running.process, running.log)
+            if why := running.ended:
                 listener(Notice(f"the simulator ended before the flight did: {why}", warning=True))
 
 
@@ -102,43 +117,39 @@ def _prepare(binary: SitlBinary, options: str, folder: WatchedFolder, start: Sta
         return
     from flight_replay.vehicle.sitl.eeprom import store_bench_parameters
 
-    with _started(binary, options, folder, start, 1.0) as running:
+    with _started(_command(binary, options, folder, start, 1.0), folder) as running:
         store_bench_parameters(running.connection, binary.defaults)
 
 
 @contextlib.contextmanager
-def _started(
-    binary: SitlBinary, options: str, folder: WatchedFolder, start: Start, speedup: float
-) -> Iterator[SitlProcess]:
+def _started(command: Sequence[Path | str], folder: WatchedFolder) -> Iterator[SitlProcess]:
     """Run the simulator; if it ended, an error in the context becomes an error of the simulator."""
-    log = folder.path / "console.txt"
-    arguments = _arguments(binary, options, folder.path, start, speedup)
-    instance, process = _ready([binary.path, *arguments], folder, log)
+    running = _ready(command, folder)
     try:
-        yield SitlProcess(_first_port(instance), process, log)
+        yield running
     except SimulatorError:
         raise
     except Exception as error:
-        if process.poll() is not None:
-            raise _ended(binary.path, process, log) from error
+        if why := running.ended:
+            raise why from error
         raise
     finally:
-        _stop(process, folder)
+        _stop(running.process, folder)
 
 
-def _ready(
-    command: Sequence[Path | str], folder: WatchedFolder, log: Path
-) -> tuple[int, subprocess.Popen[bytes]]:
-    """The instance and process of a simulator that waits for a connection.
+def _ready(command: Sequence[Path | str], folder: WatchedFolder) -> SitlProcess:
+    """A simulator that waits for a connection.
 
     It is started again if another simulator took its ports first.
     """
+    log = folder.path / "console.txt"
     for tries_left in reversed(range(_STARTS)):
         instance = _free_instance()
         process = folder.spawn([*command, f"-I{instance}"], log)
+        running = SitlProcess(Path(command[0]), _first_port(instance), process, log)
         try:
-            _wait_ready(Path(command[0]), process, log)
-            return instance, process
+            _wait_ready(running)
+            return running
         except BaseException as error:
             ports_taken = process.poll() is not None and not _is_free_instance(instance)
             _stop(process, folder)
@@ -147,17 +158,19 @@ def _ready(
     raise AssertionError("the last start returns or raises")
 
 
-def _arguments(binary: SitlBinary, options: str, scratch: Path, start: Start, speedup: float) -> list[str]:
-    arguments = [
-        "--model", "+",
+def _command(
+    binary: SitlBinary, options: str, folder: WatchedFolder, start: Start, speedup: float
+) -> list[Path | str]:
+    command: list[Path | str] = [
+        binary.path, "--model", "+",
         f"--home={start.lat_deg:.8f},{start.lon_deg:.8f},{start.alt_amsl_m:.3f},{start.heading_deg:.2f}",
     ]  # fmt: skip
     if "--defaults" in options:
-        files = [path.absolute() for path in binary.defaults] or [scratch / "bench.parm"]
-        arguments += ["--defaults", ",".join(map(str, files))]
+        files = [path.absolute() for path in binary.defaults] or [folder.path / "bench.parm"]
+        command += ["--defaults", ",".join(map(str, files))]
     if "--speedup" in options:
-        arguments += ["--speedup", f"{speedup:g}"]
-    return arguments
+        command += ["--speedup", f"{speedup:g}"]
+    return command
 
 
 def _free_instance() -> int:
@@ -186,26 +199,17 @@ def _is_free_port(port: int) -> bool:
     return True
 
 
-def _wait_ready(path: Path, process: subprocess.Popen[bytes], log: Path) -> None:
+def _wait_ready(running: SitlProcess) -> None:
     end_s = time.monotonic() + _READY_S
-    while _READY not in log.read_text(errors="replace"):
-        if process.poll() is not None:
-            raise _ended(path, process, log)
+    while _READY not in running.log.read_text(errors="replace"):
+        if why := running.ended:
+            raise why
         if time.monotonic() > end_s:
             raise SimulatorError(
-                f"{path} does not wait for a connection after {_READY_S:.0f} s; "
-                f"its last output: {_last_output(log)}"
+                f"{running.path} does not wait for a connection after {_READY_S:.0f} s; "
+                f"its last output: {running.last_output}"
             )
         time.sleep(_POLL_S)
-
-
-def _ended(path: Path, process: subprocess.Popen[bytes], log: Path) -> SimulatorError:
-    output = _last_output(log) or "nothing"
-    return SimulatorError(f"{path} ended with status {process.returncode}; its last output: {output}")
-
-
-def _last_output(log: Path) -> str:
-    return _last_lines(log.read_text(errors="replace"))
 
 
 def _last_lines(text: str) -> str:

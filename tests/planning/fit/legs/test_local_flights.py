@@ -7,12 +7,10 @@ import pytest
 
 from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.legs.leg_moves import with_better_legs
 from flight_replay.planning.fit.legs.local_flights import LocalFlights
 from flight_replay.planning.fit.problem import FitProblem
-from flight_replay.planning.fit.reference import AT_SEA_LEVEL, local_track
-from flight_replay.planning.fit.simulated_draft import copter_after_takeoff, items_of
+from flight_replay.planning.fit.reference import local_track
 from flight_replay.simulator.dynamics.limits import Limits
 from tests.helpers.fit_tracks import along, budget, draft_of
 
@@ -26,22 +24,8 @@ def problem(*, timed: bool = False) -> FitProblem:
     return problem_for(recording, 20, Limits(), timed=timed)
 
 
-def test_a_copied_copter_flies_as_the_first_does() -> None:
-    """Copy and original are at the same place after the same steps, to the last bit."""
-    items, _ = items_of(DRAFT, Limits())
-    copter = copter_after_takeoff(DRAFT, Limits(), 0.05, AT_SEA_LEVEL)
-    copter.start_auto(items)
-    for _ in range(200):
-        copter.step()
-    copied = CopterSnapshot(copter, items).copy()
-    for _ in range(200):
-        copter.step()
-        copied.step()
-    assert copied.motion == copter.motion
-
-
 def test_legs_are_flown_as_in_the_whole_flight() -> None:
-    """Each leg begun from its snapshot passes the same places at the same times."""
+    """Each leg that is flown by itself passes the same places at the same times."""
     fit = problem()
     whole = fit.simulate(DRAFT)
     flights = LocalFlights(fit, DRAFT, 600.0)

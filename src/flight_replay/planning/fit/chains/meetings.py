@@ -22,9 +22,7 @@ _PRICE_M_S2 = 0.03
 
 def recorded_s(problem: FitProblem, evaluation: Evaluation) -> Floats:
     """When the recording was where the planned path comes to each place (n,)."""
-    fixes = evaluation.planned[0]
-    progress = np.maximum.accumulate(fixes.progress) + 1e-9 * np.arange(len(fixes.leg))
-    return np.interp(np.arange(1, len(evaluation.draft) + 1), progress, problem.recording.time_s)
+    return evaluation.planned[0].passing_s(len(evaluation.draft), problem.recording.time_s)
 
 
 def links_between(problem: FitProblem, states: Sequence[State], path_share: float) -> Links:

@@ -44,7 +44,7 @@ def with_better_legs(
     sweep = _Sweep(problem, start, hovers, flights)
     for place in range(1, len(start.draft)):
         sweep.visit(place)
-    budget.spend(flights.steps * problem.step_s / max(float(start.flight.time_s[-1]), problem.step_s))
+    budget.spend(problem.flights_of(flights.steps, start.flight))
     return flights.draft
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from flight_replay.exceptions import MissionError
 from flight_replay.geometry.arrays import Floats
 from flight_replay.planning.fit.draft import Draft, with_every_speed
-from flight_replay.planning.fit.legs.copter_snapshot import CopterSnapshot
 from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.simulated_draft import (
     copter_after_takeoff,
@@ -23,6 +22,7 @@ from flight_replay.planning.fit.simulated_draft import (
     places_of,
 )
 from flight_replay.simulator.flight.copter import Copter
+from flight_replay.simulator.flight.copter_copy import copter_copy
 from flight_replay.simulator.flight.flown_positions import (
     AXES,
     passed_s,
@@ -87,8 +87,8 @@ class LocalFlights:
         self._items, self._seqs = items_of(self._draft, problem.limits, every_speed=problem.timed)
         copter = copter_after_takeoff(draft, problem.limits, problem.step_s, problem.recording.takeoff)
         copter.start_auto(self._items)
-        # How the copter is as the leg to each place is about to begin, and what it flew on each leg before.
-        self._before = [CopterSnapshot(copter, self._items)]
+        # The copter as the leg to each place is about to begin, and what it flew on each leg before.
+        self._before = [copter]
         self._legs: list[_Leg] = []
         self._begin_s = 0.0
         self._fly_on()
@@ -126,7 +126,7 @@ class LocalFlights:
             self._fly_on()
         if draft is self._draft:
             return self._flown_already(first, last)
-        copter = self._before[first].copy(self._items_of(draft))
+        copter = copter_copy(self._before[first], self._items_of(draft))
         positions, passed = [*copter.position_m], []
         for place in range(first, last + 1):
             positions += self._flown_to(copter, place)
@@ -156,9 +156,9 @@ class LocalFlights:
 
     def _fly_on(self) -> None:
         """Find what is flown on the next leg, and how the copter is after it."""
-        copter = self._before[-1].copy(self._items)
+        copter = copter_copy(self._before[-1], self._items)
         positions = self._flown_to(copter, len(self._legs))
-        self._before.append(CopterSnapshot(copter, self._items))
+        self._before.append(copter_copy(copter))
         left_s, passed = copter.time_s, passed_s(copter)
         self._legs.append(_Leg(positions, self._run_on(copter), left_s, passed))
 

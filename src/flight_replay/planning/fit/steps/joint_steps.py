@@ -114,7 +114,7 @@ class _JointSteps:
         self._coarse = replace(self._exact, step_s=min(_COARSER * self._exact.step_s, problem.step_s))
         is_exact = self._coarse.step_s == self._exact.step_s
         self._base = state.best if is_exact else self._coarse.evaluate(state.best.draft)
-        self._duration_s = float(state.best.flight.time_s[-1])
+        self._flight = state.best.flight
         self._kinds, self._places = changes_of(state.best.draft, timed=problem.timed)
         self._usual = _USUAL_CHANGE[self._kinds]
         planned, _ = state.best.planned
@@ -127,7 +127,8 @@ class _JointSteps:
 
     def derivatives(self, size: float) -> FlightDerivatives:
         """Those of the draft's flight by changes of such a size; see ``flight_derivatives``."""
-        found = flight_derivatives(self._coarse, self._base, self._duration_s + _PATIENCE_S, size)
+        longest_s = float(self._flight.time_s[-1]) + _PATIENCE_S
+        found = flight_derivatives(self._coarse, self._base, longest_s, size)
         self._spend(found.steps)
         return found
 
@@ -196,7 +197,7 @@ class _JointSteps:
         return replace(moved, speed_m_s=speeds, hold_s=hold_s)
 
     def _spend(self, steps: int) -> None:
-        self._budget.spend(steps / max(self._duration_s / self._exact.step_s, 1.0))
+        self._budget.spend(self._exact.flights_of(steps, self._flight))
 
 
 def _whole(seconds: Floats) -> Floats:
