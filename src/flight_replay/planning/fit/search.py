@@ -1,10 +1,10 @@
 """From first drafts to the best.
 
 Which waypoints a draft begins with decides where a search ends, and little that can be seen before tells
-which are good. So there are several starts, one more where the best is much better without places that make
-it late. They exchange stretches, and what comes of that goes on as far as it leads; it takes stretches from
-them once more, and loses such places. The others go on, too, one by one, while there is time, each exchanging
-with the best.
+which are good. So there are several starts, without places that make them late where that is much better.
+They exchange stretches, and what comes of that goes on as far as it leads; it takes stretches from them once
+more, and loses such places. The others go on, too, one by one, while there is time, each exchanging with the
+best.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from flight_replay.planning.fit.mends.leg_errors import without_errors
 from flight_replay.planning.fit.mends.spline_dives import without_dives
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
-from flight_replay.planning.fit.rounds import COMES_DOWN, ENOUGH, NO_MORE, State
+from flight_replay.planning.fit.rounds import COMES_DOWN, ENOUGH, NO_MORE, WORTH_GOING_ON, State
 from flight_replay.planning.fit.steps.fewer_places import with_fewer_places
 
 
@@ -33,10 +33,12 @@ class _Way:
     another_flights: float
 
 
-_SOON_FLIGHTS = 60
-"""Flights besides the search, to tell whether a start is late for places that it need not have."""
+_SOON_SHARE, _SOON_ANEW = 0.5, 4
+"""Flights besides the search, as a share of its own, to tell whether a start is late for places too many."""
+_MOST_OF_ALL = 0.6
+"""In starts but the best, places are tried if being late after them is so much of the objective."""
 _MUCH_BETTER = 0.8
-"""A start without them goes on beside the others if it is no worse than this share of the best of them."""
+"""A start goes on without them if it is no worse than this share of the best of all."""
 
 _TIMED = _Way(timed_search.begun, timed_search.gone_on, timed_search.ANOTHER_FLIGHTS)
 _UNTIMED = _Way(untimed_search.begun, untimed_search.gone_on, untimed_search.ANOTHER_FLIGHTS)
@@ -53,12 +55,10 @@ def search(
         MissionError: in none of them the vehicle stays up.
     """
     way = _TIMED if problem.timed else _UNTIMED
-    states = way.begun(problem, starts, budget)
+    states = _relieved_soon(problem, way.begun(problem, starts, budget), budget)
     small_enough = [state for state in states if len(state.best.draft) <= most]
     if not small_enough:
         raise MissionError(COMES_DOWN)
-    relieved_soon = _relieved_soon(problem, small_enough, budget)
-    states, small_enough = states + relieved_soon, small_enough + relieved_soon
     others = sorted(small_enough, key=lambda state: state.objective_m)[1:]
     best = _exchanged(problem, [], states, most, budget)
     if len(states) > 1 and budget.affords(EXCHANGE_FLIGHTS):
@@ -77,18 +77,23 @@ def search(
 
 
 def _relieved_soon(problem: FitProblem, states: list[State], budget: Budget) -> list[State]:
-    """The best of some states with fewer places, if that is much better; else none.
+    """The starts, each with fewer places if that is much better than all of them.
 
     A stop at the beginning may make all of a long flight late. No step makes up for it, and all try to.
     """
     if not problem.timed:
-        return []
-    best = found = min(states, key=lambda state: state.objective_m)
-    besides = Budget(_SOON_FLIGHTS, lambda done, total: None)
-    while (fewer := with_fewer_places(problem, found, besides)) is not found:
-        found = fewer
-    budget.spend_besides(besides.spent)
-    return [found] if found.objective_m < _MUCH_BETTER * best.objective_m else []
+        return states
+    best = min(states, key=lambda state: state.objective_m)
+    flights = round(_SOON_SHARE * budget.flights)
+    relieved = []
+    for state in states:
+        found, besides = state, Budget(flights, lambda done, total: None)
+        least_cost = WORTH_GOING_ON if state is best else _MOST_OF_ALL
+        while (fewer := with_fewer_places(problem, found, besides, least_cost, _SOON_ANEW)) is not found:
+            found = fewer
+        budget.spend_besides(besides.spent)
+        relieved.append(found if found.objective_m < _MUCH_BETTER * best.objective_m else state)
+    return relieved
 
 
 def _relieved(problem: FitProblem, best: State, budget: Budget) -> State:

@@ -11,7 +11,7 @@ from flight_replay.planning.fit.reference import Hover, local_track
 from flight_replay.planning.fit.rounds import State, flown_leaving
 from flight_replay.planning.fit.steps.fewer_places import _changes, with_fewer_places
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import along, budget, circle, draft_of
+from tests.helpers.fit_tracks import along, budget, circle, draft_of, track_through
 
 SPEED_M_S, RADIUS_M = 2.0, 30.0
 WAY = [(0.0, 0.0), (30.0, 0.0), (60.0, 0.0), (90.0, 0.0), (120.0, 0.0)]
@@ -60,6 +60,21 @@ def test_stops_are_left_straight_where_they_have_to_be() -> None:
     drafts = [draft for draft, _, _ in _changes(late, problem)]
     assert len(drafts) > 2
     assert not any((draft.spline[1:] & (draft.hold_s[:-1] > 0)).any() for draft in drafts)
+
+
+def test_with_speeds_set_anew_what_comes_before_is_left_sooner() -> None:
+    """A hover, where the vehicle is late on the leg that follows the stop after it, whatever its speed."""
+    time_s = np.arange(0.0, 60.0, 0.25)
+    north_m = np.maximum(time_s - 10.0, 0.0) * 10.2
+    problem = problem_of(track_through(np.column_stack([north_m, 0.0 * north_m]), time_s))
+    draft = draft_of([(0.0, 0.0), (0.1, 0.0), (60.0, 0.0), (510.0, 0.0)], [False] * 4, [6, 7, 1, 0])
+    leave_s = np.array([0.0, 9.5, 16.0, 60.0])
+    late = State(flown_leaving(problem.exact, draft, leave_s)[0], {1: Hover(0, 40, 10.0)})
+    as_before = with_fewer_places(problem, late, budget())
+    anew = with_fewer_places(problem, late, budget(), anew=4)
+    assert as_before.best.draft.hold_s[1] == 7
+    assert anew.best.draft.hold_s[1] == 1
+    assert anew.objective_m < as_before.objective_m < late.objective_m
 
 
 def test_a_draft_that_keeps_up_stays_as_it_is() -> None:

@@ -20,7 +20,7 @@ from flight_replay.planning.fit.lateness import lateness_cost_m
 from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FitProblem
 from flight_replay.planning.fit.reference import Hover, LocalTrack
-from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown_leaving
+from flight_replay.planning.fit.rounds import WORTH_GOING_ON, State, flown_leaving, flown_on_schedule
 
 _LATE_S = 0.5
 """Speeds make up for less."""
@@ -29,29 +29,39 @@ _OVERDRAWN = 0.25
 """Flights beyond those that are enough: it is at the end of a search that a place too many shows."""
 
 
-def with_fewer_places(problem: FitProblem, state: State, budget: Budget) -> State:
+def with_fewer_places(
+    problem: FitProblem, state: State, budget: Budget, least_cost: float = WORTH_GOING_ON, anew: int = 0
+) -> State:
     """The best of a draft with a place less or a stop flown through; as it is if that is as good.
 
     Args:
         problem: what to fit; the recorded speed is to be kept.
         state: the draft as it is flown in the exact steps of ``problem``.
         budget: is told how much was flown.
+        least_cost: places are tried if being late after them is at least this share of the objective.
+        anew: so many changes are flown with all speeds set anew, too, as is worth it before any other step:
+            a vehicle may leave sooner then what comes before a leg on which it cannot keep up.
     """
     found = state
-    for draft, leave_s, hovers in _changes(state, problem):
+    for tried, (draft, leave_s, hovers) in enumerate(_changes(state, problem, least_cost)):
         if not budget.affords(1, _OVERDRAWN):
             break
         with suppress(MissionError):
             best, flights = flown_leaving(problem.exact, draft, leave_s)
             budget.spend(flights)
             found = min(found, State(best, hovers), key=lambda each: each.objective_m)
+            if tried < anew:
+                best = flown_on_schedule(problem.exact, draft, hovers, budget)
+                found = min(found, State(best, hovers), key=lambda each: each.objective_m)
     return found if found.objective_m < (1 - WORTH_GOING_ON) * state.objective_m else state
 
 
-def _changes(state: State, problem: FitProblem) -> Iterator[tuple[Draft, Floats, dict[int, Hover]]]:
+def _changes(
+    state: State, problem: FitProblem, least_cost: float = WORTH_GOING_ON
+) -> Iterator[tuple[Draft, Floats, dict[int, Hover]]]:
     """Changed drafts, when their places are to be left, and the hovers that they wait for."""
     draft, late_s = with_every_speed(state.best.draft), _late_s(state.best, problem.recording)
-    for place in _where_late_most(state.best, problem.recording, late_s):
+    for place in _where_late_most(state.best, problem.recording, late_s, least_cost):
         leave_s = _sooner_s(state.best.passed_s, late_s, place)
         others = np.arange(len(draft)) != place
         hovers = {at: hover for at, hover in state.hovers.items() if at != place}
@@ -88,7 +98,9 @@ def _sooner_s(passed_s: Floats, late_s: Floats, place: int) -> Floats:
     return np.maximum.accumulate(passed_s - np.where(late, late_s, 0.0))
 
 
-def _where_late_most(evaluation: Evaluation, recording: LocalTrack, late_s: Floats) -> list[int]:
+def _where_late_most(
+    evaluation: Evaluation, recording: LocalTrack, late_s: Floats, least_cost: float
+) -> list[int]:
     """The places, not the ends, after which it costs most that the vehicle is late, until it is no more."""
     costs_m = evaluation.time_share * lateness_cost_m(evaluation.late_m) / len(recording)
     on_time = evaluation.flown_s - recording.time_s <= _LATE_S
@@ -97,5 +109,5 @@ def _where_late_most(evaluation: Evaluation, recording: LocalTrack, late_s: Floa
         since = int(np.searchsorted(evaluation.flown_s, evaluation.passed_s[place]))
         until = since + int(np.argmax(np.append(on_time[since:], True)))
         found.append((-float(costs_m[since:until].sum()), int(place)))
-    found = [each for each in sorted(found) if -each[0] > WORTH_GOING_ON * evaluation.objective_m]
+    found = [each for each in sorted(found) if -each[0] > least_cost * evaluation.objective_m]
     return [place for _, place in found[:_MOST_TRIED]]
