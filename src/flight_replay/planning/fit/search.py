@@ -33,9 +33,11 @@ class _Way:
     another_flights: float
 
 
-_SOON_SHARE, _SOON_ANEW = 0.5, 4
+_SOON_SHARE = 0.5
 """Flights besides the search, as a share of its own, to tell whether a start is late for places too many."""
-_MOST_OF_ALL = 0.6
+_SOON_ANEW = 4
+"""So many of the changes tried then are flown with speeds set anew, too, which takes about five flights."""
+_COSTLY = 0.6
 """In starts but the best, places are tried if being late after them is so much of the objective."""
 _MUCH_BETTER = 0.8
 """A start goes on without them if it is no worse than this share of the best of all."""
@@ -88,7 +90,7 @@ def _relieved_soon(problem: FitProblem, states: list[State], budget: Budget) -> 
     relieved = []
     for state in states:
         found, besides = state, Budget(flights, lambda done, total: None)
-        least_cost = WORTH_GOING_ON if state is best else _MOST_OF_ALL
+        least_cost = WORTH_GOING_ON if state is best else _COSTLY
         while (fewer := with_fewer_places(problem, found, besides, least_cost, _SOON_ANEW)) is not found:
             found = fewer
         budget.spend_besides(besides.spent)
