@@ -41,12 +41,19 @@ def test_a_part_says_how_to_fly_all() -> None:
     """The part, the whole, and the options; nothing to be done where all was flown."""
     part = Coverage(10, 100, 46.2, 635.0, ("--route fit", "--duration all"))
     assert coverage_lines(part, "flight-replay --duration all") == [
-        " Flown: the first 46 s of the recorded flight's 10 min 35 s",
+        " Flown: the first 46 s of 10 min 35 s of recorded flight",
         " To fly all of it: flight-replay --duration all",
     ]
     assert coverage_lines(part) == coverage_lines(part, "")[:1]
     whole = Coverage(100, 100, 635.0, 635.0, ())
-    assert coverage_lines(whole) == [" Flown: all of the recorded flight, 10 min 35 s"]
+    assert coverage_lines(whole) == [" Flown: all 10 min 35 s of recorded flight"]
+
+
+def test_without_times_fixes_are_counted() -> None:
+    """Of such a recording the seconds mean nothing."""
+    part = Coverage(10, 100, 9.0, 99.0, ("--route fit",), timed=False)
+    assert coverage_lines(part) == [" Flown: the first 10 of 100 recorded fixes"]
+    assert coverage_lines(replace(part, fly_all=())) == [" Flown: all 100 recorded fixes"]
 
 
 def test_a_flight_that_went_wrong_is_not_told_what_else_to_fly() -> None:

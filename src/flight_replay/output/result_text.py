@@ -49,16 +49,23 @@ def _reached_line(route: Route, outcome: Outcome) -> str:
 
 
 def coverage_lines(coverage: Coverage, fly_all_command: str | None = None) -> list[str]:
-    """Which part of the recorded flight was flown again, and how all of it is."""
-    timed = coverage.timed
-    all_of_it = duration_text(coverage.of_recorded_s) if timed else f"{coverage.of_fixes} fixes"
-    if not coverage.fly_all:
-        return [f" Flown: all of the recorded flight, {all_of_it}"]
-    part = duration_text(coverage.recorded_s) if timed else f"{coverage.fixes}"
-    lines = [f" Flown: the first {part} of the recorded flight's {all_of_it}"]
-    if fly_all_command is not None:
+    """Which part of what was to be replayed was flown again, and how all of it is."""
+    lines = [f" Flown: {coverage_text(coverage)}"]
+    if coverage.fly_all and fly_all_command is not None:
         lines.append(f" To fly all of it: {fly_all_command}")
     return lines
+
+
+def coverage_text(coverage: Coverage) -> str:
+    """The part that was flown again, such as "the first 46 s of 3 min 2 s of recorded flight".
+
+    The whole is what was selected of the recording, whose flights may be longer.
+    """
+    part, whole = f"{coverage.fixes}", f"{coverage.of_fixes} recorded fixes"
+    if coverage.timed:
+        part = duration_text(coverage.recorded_s)
+        whole = f"{duration_text(coverage.of_recorded_s)} of recorded flight"
+    return f"the first {part} of {whole}" if coverage.fly_all else f"all {whole}"
 
 
 def duration_text(seconds: float) -> str:

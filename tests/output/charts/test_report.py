@@ -104,7 +104,7 @@ def test_the_report_has_the_results(page: Page) -> None:
     for label in ("path error, recorded to flown", "path error, flown to recorded", "height error"):
         assert re.fullmatch(r"mean [\d.]+ m, p95 [\d.]+ m, max [\d.]+ m", rows[label][0])
     assert rows["heading error"] == ["nothing to compare"]
-    assert rows["flown"] == ["the first 1 min 59 s of the recorded flight's 2 min 0 s"]
+    assert rows["flown"] == ["the first 1 min 59 s of 2 min 0 s of recorded flight"]
     assert rows["to fly all of it"] == ["--duration all"]
     assert rows["position error"] == ["nothing to compare"]
     assert rows["problem"] == ["the vehicle did not confirm RTL"]
@@ -214,7 +214,7 @@ def test_a_recording_that_is_followed_has_a_report(tmp_path: Path) -> None:
     save_report(tmp_path / "a.html", ReportText(results), route, whole)
     page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
     rows = {row[0]: row[1:] for row in page.rows if row}
-    assert "The whole recording was followed." in page.texts
+    assert "The whole motion was followed." in page.texts
     assert "Mission" not in page.texts
     assert rows["altitude above home"] == ["30.0 to 30.0 m"]
     assert rows["waited for the vehicle"] == ["7.0 s"]

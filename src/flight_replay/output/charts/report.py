@@ -27,8 +27,8 @@ from flight_replay.output.charts.series import (
     replay_series,
 )
 from flight_replay.output.event_log import LoggedEvent
-from flight_replay.output.outcome import Outcome, flown_start_s
-from flight_replay.output.result_text import duration_text, statistics_text
+from flight_replay.output.outcome import Coverage, Outcome, flown_start_s
+from flight_replay.output.result_text import coverage_text, duration_text, statistics_text
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 from flight_replay.writing.output_files import check_suffix, write_atomically
@@ -46,7 +46,7 @@ _SUMMARIES = {
     "duration": "Flown for the requested duration.",
     "final waypoint": "Flown until the vehicle headed for the final waypoint.",
     "mission complete": "The whole mission was flown.",
-    "recording complete": "The whole recording was followed.",
+    "recording complete": "The whole motion was followed.",
 }
 
 
@@ -83,7 +83,7 @@ def save_report(path: Path | str, text: ReportText, route: Route, outcome: Outco
         template=Template(template),
         template_variables={
             "lead": _lead(record),
-            "tables": _tables(text.summary, route, record),
+            "tables": _tables(text.summary, route, outcome),
             "mission": _mission_rows(route, record),
             "events": text.events,
             "command": shlex.join(["flight-replay", *text.argv]),
@@ -184,22 +184,22 @@ def _error_charts(series: ReplaySeries) -> list[Model]:
     return charts
 
 
-def _tables(summary: Summary, route: Route, record: FlightRecord | None) -> dict[str, list[tuple[str, str]]]:
+def _tables(summary: Summary, route: Route, outcome: Outcome | None) -> dict[str, list[tuple[str, str]]]:
     """Rows of (label, value) by heading."""
     tables = {"Log": _log_rows(summary["log"], route), "Route": _route_rows(summary["route"])}
     flight = summary.get("flight")
-    if flight is not None:
+    if flight is not None and outcome is not None:
         tables["Flight"] = [
             ("vehicle", str(flight["vehicle"])),
             *_waypoint_rows(summary),
             ("ended", str(flight["ended"])),
             (f"time in {_mode(summary['route'])}", f"{flight['auto_s']:.1f} s"),
             ("RTL confirmed", "yes" if flight["rtl_confirmed"] else "no"),
-            *_coverage_rows(flight["coverage"]),
+            *_coverage_rows(outcome.coverage),
             *_error_rows(flight),
         ]
-        if record is not None and record.problem:
-            tables["Flight"].append(("problem", record.problem))
+        if outcome.record.problem:
+            tables["Flight"].append(("problem", outcome.record.problem))
     return tables
 
 
@@ -272,18 +272,12 @@ def _what_is_flown_rows(route: Summary) -> list[tuple[str, str]]:
     ]
 
 
-def _coverage_rows(coverage: Summary) -> list[tuple[str, str]]:
-    """Which part of the recorded flight was flown, and how to fly all of it."""
-    if coverage["recorded_s"] is None:  # recorded without times
-        part, whole = f"{coverage['fixes']}", f"{coverage['of_fixes']} fixes"
-    else:
-        part, whole = (duration_text(coverage[key]) for key in ("recorded_s", "of_recorded_s"))
-    if not coverage["to_fly_all"]:
-        return [("flown", f"all of the recorded flight, {whole}")]
-    return [
-        ("flown", f"the first {part} of the recorded flight's {whole}"),
-        ("to fly all of it", " ".join(coverage["to_fly_all"])),
-    ]
+def _coverage_rows(coverage: Coverage) -> list[tuple[str, str]]:
+    """Which part of what was to be replayed was flown, and how to fly all of it."""
+    rows = [("flown", coverage_text(coverage))]
+    if coverage.fly_all:
+        rows.append(("to fly all of it", " ".join(coverage.fly_all)))
+    return rows
 
 
 def _error_rows(errors: Summary, prefix: str = "") -> list[tuple[str, str]]:
