@@ -73,6 +73,7 @@ MOMENTS = {
     "AUTO": ("Distance to waypoint", True),
     "returning": ("Return to launch", True),
 }
+FILES = {"--save": ".kml", "--plot": ".png", "--report": ".html"}
 
 
 @pytest.mark.slow
@@ -94,6 +95,18 @@ def test_further_signals_do_not_prevent_rtl(scratch: Path) -> None:
     assert status == 130
     assert "The vehicle confirmed RTL" in output
     assert "Traceback" not in output
+
+
+def test_what_was_flown_is_saved(scratch: Path) -> None:
+    """The plot, the report and the flown track, once RTL is confirmed; the report tells of the interrupt."""
+    files = {option: scratch.parent / f"flown{suffix}" for option, suffix in FILES.items()}
+    options = [word for option, file in files.items() for word in (option, str(file))]
+    status, output = interrupted(["--sim", "builtin", *options], "Distance to waypoint", scratch)
+    assert status == 130
+    assert output.index("The vehicle confirmed RTL") < output.index("error: interrupted")
+    assert "<name>Flown" in files["--save"].read_text()
+    assert files["--plot"].read_bytes().startswith(b"\x89PNG")
+    assert "The flight did not end as planned: interrupted." in files["--report"].read_text()
 
 
 @pytest.mark.slow

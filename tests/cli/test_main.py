@@ -1,16 +1,23 @@
 """main.py: exit statuses, the error line, JSON, and whole replays in this process."""
 
 import json
+import signal
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from flight_replay import signals
+from flight_replay.cli import flight_step
+from flight_replay.cli.flight_step import FlightResult
 from flight_replay.cli.main import main
+from flight_replay.cli.output_step import ReplayResult
 from flight_replay.logs.sample import sample_log
+from tests.helpers.made_replays import made_replay
 from tests.helpers.streams import Terminal
 
 ROUTE_KEYS = {
@@ -215,4 +222,35 @@ def test_an_error_of_what_an_interrupt_left_half_done_is_the_interrupt(
 
     monkeypatch.setattr("flight_replay.cli.main.replay", interrupt)
     assert main(["--dry-run", "-q"]) == 130
+    assert capsys.readouterr().err == "flight-replay: error: interrupted\n"
+
+
+def test_while_an_interrupted_flight_is_saved_the_next_signal_ends_the_program(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before that it is ignored, as RTL must be commanded: this is over, and a report takes seconds."""
+    route, outcome = made_replay()
+    saved: list[FlightResult] = []
+
+    def interrupt(*_: object) -> None:
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        raise flight_step.ReplayInterrupted(route, FlightResult("Copter", True, outcome))
+
+    def save(_options: object, result: ReplayResult, _track: object) -> list[str]:
+        assert result.flight is not None
+        saved.append(result.flight)
+        signal.raise_signal(signal.SIGINT)
+        pytest.fail("the signal is ignored")
+
+    before = [signal.getsignal(each) for each in signals.TERMINATION_SIGNALS]
+    monkeypatch.setattr(flight_step, "fly", interrupt)
+    monkeypatch.setattr("flight_replay.cli.save_step.save_flown", save)
+    try:
+        assert main(["-q"]) == 130
+    finally:
+        for number, handler in zip(signals.TERMINATION_SIGNALS, before, strict=True):
+            signal.signal(number, handler)
+    assert [each.outcome for each in saved] == [outcome]
     assert capsys.readouterr().err == "flight-replay: error: interrupted\n"

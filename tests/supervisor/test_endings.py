@@ -7,7 +7,7 @@ import pytest
 from flight_replay import events
 from flight_replay.events import Event
 from flight_replay.exceptions import PhaseTimeoutError, VehicleError
-from flight_replay.supervisor import Deadlines, Plan, fly
+from flight_replay.supervisor import Deadlines, FlightInterrupted, Plan, fly
 from flight_replay.supervisor.vehicle_interface import MissionCurrent, Rebooted
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
 from tests.helpers.supervised import fake_flight
@@ -27,6 +27,43 @@ def test_ctrl_c_commands_rtl(when_s: float) -> None:
     assert flight.vehicle.mode == "RTL"
     assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(True)]
     assert flight.wall_s < when_s + 10
+
+
+def interrupted_flight(vehicle: FakeVehicle, when_s: float, **plan: object) -> FlightInterrupted:
+    """What a flight raises that is interrupted then."""
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    vehicle.schedule.append((when_s, interrupt))
+    with pytest.raises(FlightInterrupted) as interrupted:
+        fake_flight(vehicle, **plan).fly()
+    return interrupted.value
+
+
+def test_ctrl_c_keeps_the_record_of_the_part_flown() -> None:
+    """Up to the interrupt, not what was flown until the vehicle heard of RTL."""
+    vehicle = FakeVehicle(FakeClock(), points=40)
+    obeys_from_s, obey = vehicle.clock.now_s + 36.0, vehicle.request_mode
+
+    def request_mode(mode: str) -> None:
+        if mode != "RTL" or vehicle.clock.now_s > obeys_from_s:
+            obey(mode)
+
+    vehicle.request_mode = request_mode  # type: ignore[method-assign]
+    record = interrupted_flight(vehicle, 30.0).record
+    assert (record.ended, record.problem) == ("interrupted", "the flight was interrupted")
+    assert record.rtl_confirmed
+    assert record.waypoints_reached == len(record.reached) > 0
+    assert record.flown.time_s[-1] == pytest.approx(record.auto_start_s + record.auto_s, abs=0.3)
+    assert record.flown.time_s[-1] < vehicle.time_s - 5.0
+
+
+def test_ctrl_c_on_the_way_home_keeps_the_whole_record() -> None:
+    """The 10 s in AUTO were over when it came."""
+    record = interrupted_flight(FakeVehicle(FakeClock(), points=40), 32.0, duration_s=10.0, land=True).record
+    assert (record.ended, record.rtl_confirmed, record.landed) == ("interrupted", True, False)
+    assert record.auto_s == pytest.approx(10.0, abs=0.3)
 
 
 def test_an_interrupt_before_arming_commands_nothing() -> None:

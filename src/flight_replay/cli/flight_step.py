@@ -25,7 +25,9 @@ from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.supervisor import FlightRecord, WallClock
 
 if TYPE_CHECKING:
+    from flight_replay.logs.tlog.writer import Recorder
     from flight_replay.vehicle import ConnectedVehicle
+    from flight_replay.vehicle.identity import Identity
     from flight_replay.vehicle.preflight import Briefing
 
 _POSITION_TIMEOUT_S = 120.0
@@ -43,6 +45,14 @@ class FlightResult:
     def record(self) -> FlightRecord:
         """How the flight went."""
         return self.outcome.record
+
+
+class ReplayInterrupted(KeyboardInterrupt):
+    """Ctrl-C or its like ended a flight, and RTL was commanded; ``flight`` is the part flown of ``route``."""
+
+    def __init__(self, route: Route, flight: FlightResult) -> None:
+        super().__init__()
+        self.route, self.flight = route, flight
 
 
 def fly(
@@ -63,25 +73,41 @@ def fly(
 
     Raises:
         FlightReplayError: The flight ended before the mission began.
+        ReplayInterrupted: Ctrl-C ended it after that.
     """
-    with ExitStack() as stack:
-        recorder = stack.enter_context(vehicle_step.recording(options))
-        connection = stack.enter_context(vehicle_step.vehicle_or_simulator(options, home, listener))
-        vehicle = vehicle_step.connected_vehicle(connection, options, listener, recorder)
-        connected = stack.enter_context(vehicle)
-        if options.connect is not None:
-            command = restore_commands(options, connection)
-            tell_of_changed_parameters(connected, Path.cwd(), command, listener)
-        route = plan(vehicle_step.vehicle_limits(connected, options, listener))
-        if options.dry_run:
-            return route, None
-        confirm = _check_before_arming(options, route, connected, console, listener)
-        record = _flown(flown_as(options, route), connected, connection, listener, confirm)
-        identity = connected.identity
+    try:
+        with ExitStack() as stack:
+            recorder = stack.enter_context(vehicle_step.recording(options))
+            connected, connection = _connected(options, home, listener, recorder, stack)
+            identity = connected.identity
+            route = plan(vehicle_step.vehicle_limits(connected, options, listener))
+            if options.dry_run:
+                return route, None
+            confirm = _check_before_arming(options, route, connected, console, listener)
+            record = _flown(flown_as(options, route), connected, connection, listener, confirm)
+    except supervisor.FlightInterrupted as interrupt:
+        raise ReplayInterrupted(route, _result(identity, route, interrupt.record)) from interrupt
     if recorder:
         record = replace(record, problem=record.problem or recorder.problem)
     listener(Finished(record.ended, record.problem, record.landed))
-    return route, FlightResult(identity.name, identity.simulated, compare_flight(route, record))
+    return route, _result(identity, route, record)
+
+
+def _result(identity: Identity, route: Route, record: FlightRecord) -> FlightResult:
+    return FlightResult(identity.name, identity.simulated, compare_flight(route, record))
+
+
+def _connected(
+    options: Options, home: Home, listener: Listener, recorder: Recorder | None, stack: ExitStack
+) -> tuple[ConnectedVehicle, str]:
+    """The vehicle until ``stack`` closes, and its connection string."""
+    connection = stack.enter_context(vehicle_step.vehicle_or_simulator(options, home, listener))
+    vehicle = vehicle_step.connected_vehicle(connection, options, listener, recorder)
+    connected = stack.enter_context(vehicle)
+    if options.connect is not None:
+        command = restore_commands(options, connection)
+        tell_of_changed_parameters(connected, Path.cwd(), command, listener)
+    return connected, connection
 
 
 def _flown(

@@ -115,29 +115,45 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
             relay.target = stack.enter_context(with_live_map(options, route, console, relay.target))
             return route
 
-        route, flight = _fly(options, planner.home, plan, console, relay)
+        def save(route: Route, flight: FlightResult | None) -> list[str]:
+            """Write the files of a flight; a sentence for each that could not be written."""
+            result = ReplayResult(recording, flights, route, flight)
+            problems = save_step.save_flown(options, result, track)
+            return problems + output_step.save_charts(options, result, event_log.entries, arguments)
+
+        route, flight = _fly(options, planner.home, plan, console, relay, save)
         result = ReplayResult(recording, flights, route, flight)
         output_step.print_result(options, result, console, arguments)
         problems = [] if flight is None else [flight.record.problem]
-        problems += save_step.save_flown(options, result, track)
-        problems += output_step.save_charts(options, result, event_log.entries, arguments)
+        problems += save(route, flight)
     return "; ".join(filter(None, problems)) or None
 
 
-def _fly(
+def _fly(  # noqa: PLR0913, PLR0917
     options: Options,
     home: Home,
     plan: Callable[[VehicleLimits], Route],
     console: Console,
     listener: Listener,
+    save: Callable[[Route, FlightResult], list[str]],
 ) -> tuple[Route, FlightResult | None]:
-    """The route, and how it was flown; a dry run without a vehicle is planned with ArduCopter's defaults."""
+    """The route, and how it was flown; a dry run without a vehicle is planned with ArduCopter's defaults.
+
+    A flight that is interrupted is saved before that is raised again.
+    """
     if options.dry_run and options.connect is None:
         return plan(VehicleLimits()), None
     # A dry run does not import half of the program.
     from flight_replay.cli import flight_step
 
-    return flight_step.fly(options, home, plan, console, listener)
+    try:
+        return flight_step.fly(options, home, plan, console, listener)
+    except flight_step.ReplayInterrupted as interrupt:
+        # RTL was commanded and the vehicle is closed: the next signal ends the program at once.
+        with signals.as_keyboard_interrupt():
+            for problem in save(interrupt.route, interrupt.flight):
+                listener(Notice(problem, warning=True))
+        raise
 
 
 def _console(options: Options) -> AbstractContextManager[Console]:

@@ -104,7 +104,8 @@ class FlightRecord:
     waypoints_reached: int
     ended: str
     """Why it ended: "duration", "final waypoint", "mission complete", "recording complete", "pilot",
-    "failsafe", "link lost", "reboot", "disarmed", "mission changed", "off course" or "no progress"."""
+    "failsafe", "link lost", "reboot", "disarmed", "mission changed", "off course", "no progress"
+    or "interrupted"."""
     problem: str | None
     """None if the flight ended as planned, else one sentence."""
     auto_start_s: float

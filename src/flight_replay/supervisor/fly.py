@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,6 +42,14 @@ _FALLEN = frozenset({"reboot", "disarmed"})
 """On the way home, too, this is how the flight ended."""
 
 
+class FlightInterrupted(KeyboardInterrupt):
+    """Ctrl-C or its like ended a flight, and RTL was commanded; ``record`` is of the part flown."""
+
+    def __init__(self, record: FlightRecord) -> None:
+        super().__init__()
+        self.record = record
+
+
 def fly(
     vehicle: Vehicle,
     clock: Clock,
@@ -64,18 +71,25 @@ def fly(
     Raises:
         PhaseTimeoutError: A phase before that timed out; the message has the vehicle's own reason.
         VehicleError: The vehicle, its pilot or its link ended the flight before that.
+        FlightInterrupted: Ctrl-C ended it after that.
     """
     monitor = VehicleMonitor(vehicle, clock, combine_listeners(listener), plan.deadlines)
     monitor.confirm_arming = confirm_arming or monitor.confirm_arming
     way = MissionFlight(monitor, plan) if isinstance(plan, Plan) else FollowingFlight(monitor, plan)
-    with _rtl_on_exception(monitor):
-        wait_prearm(monitor)
-        change_mode(monitor, "GUIDED")
-        way.verify()
-        arm_and_takeoff(monitor, plan.takeoff_altitude_m)
-        way.verify()
-        way.begin()
-        return _fly_and_return(monitor, way, plan)
+    part = _FlownPart(monitor, way)
+    try:
+        with _rtl_on_exception(monitor):
+            wait_prearm(monitor)
+            change_mode(monitor, "GUIDED")
+            way.verify()
+            arm_and_takeoff(monitor, plan.takeoff_altitude_m)
+            way.verify()
+            way.begin()
+            return _fly_and_return(monitor, way, plan, part)
+    except KeyboardInterrupt as interrupt:
+        if part.is_over:
+            raise FlightInterrupted(part.interrupted_record()) from interrupt
+        raise
 
 
 @contextmanager
@@ -179,17 +193,19 @@ def _rtl_unless_left(monitor: VehicleMonitor, limit_wall_s: float) -> None:
         command_rtl(monitor, limit_wall_s)
 
 
-def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan) -> FlightRecord:
+def _fly_and_return(
+    monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan, part: _FlownPart
+) -> FlightRecord:
     """Supervise the flight and RTL; the record of the flight."""
-    start_s = monitor.auto_start_s if monitor.auto_start_s is not None else monitor.time_s
     problem, landed, fell = None, False, False
     try:
-        ended = way.fly(start_s)
+        ended = way.fly(part.begin())
     except FlightEnded as end:
         ended, problem, fell = end.ended, end.problem, isinstance(end, Fallen)
         monitor.emit(Notice(problem, warning=True))
+    finally:
+        part.end()
     problem = _both(problem, "; ".join(monitor.progress.jumps) or None)
-    seen = _Seen.until_now(monitor, way)
     confirmed = monitor.mode == "RTL" and ended in _TAKEN_OVER
     if not monitor.taken_over:
         confirmed, rtl_problem = _return(monitor)
@@ -201,8 +217,7 @@ def _fly_and_return(monitor: VehicleMonitor, way: WayOfFlying, plan: FlightPlan)
     if confirmed and ended != "disarmed":
         landed, home_problem, ended_on_the_way = _see_home(monitor, plan, fell=fell)
         problem, ended = _both(home_problem, problem), ended_on_the_way or ended
-    record = _record(seen, way, start_s)
-    return replace(record, ended=ended, problem=problem, rtl_confirmed=confirmed, landed=landed)
+    return part.record(ended, problem, rtl_confirmed=confirmed, landed=landed)
 
 
 def _see_home(
@@ -222,39 +237,52 @@ def _see_home(
     return False, stays, None
 
 
-@dataclass(frozen=True, slots=True)
-class _Seen:
-    """What was flown when the flight was over: a vehicle that hears of RTL late flies on, but not for it."""
+class _FlownPart:
+    """What was flown until the flight was over: a vehicle that hears of RTL late flies on, but not for it."""
 
-    end_s: float
-    flown: tuple[VehicleState, ...]
-    reached: tuple[tuple[int, float], ...]
-    waypoints_reached: int
+    def __init__(self, monitor: VehicleMonitor, way: WayOfFlying) -> None:
+        self._monitor, self._way = monitor, way
+        self._start_s = self._end_s = 0.0
+        self._flown: tuple[VehicleState, ...] = ()
+        self._reached: tuple[tuple[int, float], ...] = ()
+        self._waypoints_reached = 0
+        self.is_over = False
 
-    @classmethod
-    def until_now(cls, monitor: VehicleMonitor, way: WayOfFlying) -> _Seen:
-        """Copies, made at once: RTL waits for them."""
-        reached = tuple(monitor.progress.reached.items())
-        return cls(monitor.time_s, tuple(monitor.flown), reached, way.waypoints_reached)
+    def begin(self) -> float:
+        """It begins: the vehicle's time when it did."""
+        began_s = self._monitor.auto_start_s
+        self._start_s = self._monitor.time_s if began_s is None else began_s
+        return self._start_s
 
+    def end(self) -> None:
+        """It is over: copies, made at once, as RTL waits for them."""
+        self._end_s = self._monitor.time_s
+        self._flown = tuple(self._monitor.flown)
+        self._reached = tuple(self._monitor.progress.reached.items())
+        self._waypoints_reached = self._way.waypoints_reached
+        self.is_over = True
 
-def _record(seen: _Seen, way: WayOfFlying, start_s: float) -> FlightRecord:
-    """The record of a flight, but for how it ended."""
-    track = _track(seen.flown)
-    return FlightRecord(
-        waypoints_reached=seen.waypoints_reached,
-        ended="",
-        problem=None,
-        auto_start_s=start_s,
-        auto_s=seen.end_s - start_s,
-        rtl_confirmed=False,
-        landed=False,
-        reached=tuple(
-            (seq, _until_next_s(time_s, track.time_s)) for seq, time_s in seen.reached if seq >= FIRST_SEQ
-        ),
-        flown=track,
-        recording_s=way.recording_s(track.time_s),
-    )
+    def interrupted_record(self) -> FlightRecord:
+        """The record of a flight that Ctrl-C ended."""
+        confirmed = self._monitor.rtl_confirmed
+        return self.record("interrupted", "the flight was interrupted", rtl_confirmed=confirmed, landed=False)
+
+    def record(self, ended: str, problem: str | None, *, rtl_confirmed: bool, landed: bool) -> FlightRecord:
+        """The record of the flight, which ended in that way."""
+        track = _track(self._flown)
+        reached = [(seq, time_s) for seq, time_s in self._reached if seq >= FIRST_SEQ]
+        return FlightRecord(
+            waypoints_reached=self._waypoints_reached,
+            ended=ended,
+            problem=problem,
+            auto_start_s=self._start_s,
+            auto_s=self._end_s - self._start_s,
+            rtl_confirmed=rtl_confirmed,
+            landed=landed,
+            reached=tuple((seq, _until_next_s(time_s, track.time_s)) for seq, time_s in reached),
+            flown=track,
+            recording_s=self._way.recording_s(track.time_s),
+        )
 
 
 def _until_next_s(time_s: float, positions_s: Floats) -> float:

@@ -86,9 +86,18 @@ def test_a_closed_page_does_no_harm() -> None:
             live.listener(vehicle_at(5, 7, 101.0 + n))
 
 
+class Interrupted(KeyboardInterrupt):
+    """As an interrupted flight raises."""
+
+
 @pytest.mark.usefixtures("no_tiles")
 @pytest.mark.parametrize(
-    ("error", "ended"), [(VehicleError("no arming"), "failed"), (KeyboardInterrupt(), "interrupted")]
+    ("error", "ended"),
+    [
+        (VehicleError("no arming"), "failed"),
+        (KeyboardInterrupt(), "interrupted"),
+        (Interrupted(), "interrupted"),
+    ],
 )
 def test_a_flight_that_fails_is_over_on_the_map(error: BaseException, ended: str) -> None:
     """Nothing else tells the page, which would show the last phase for ever."""

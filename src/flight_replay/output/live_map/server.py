@@ -60,9 +60,8 @@ class LiveMap:
     ) -> None:
         """Stop once open pages have shown the last events, and how it ended."""
         if error is not None and self._data.status.ended is None:
-            self._data.listener(
-                Finished("interrupted" if kind is KeyboardInterrupt else "failed", str(error))
-            )
+            ended = "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"
+            self._data.listener(Finished(ended, str(error)))
         if self.is_watched:
             time.sleep(_FINAL_UPDATE_S)
         self._loop.add_callback(self._loop.stop)
