@@ -41,8 +41,8 @@ def test_the_vehicle_is_turned_as_recorded(timed: bool) -> None:
     assert error_deg(turned) < 12
     assert len(turned.mission.waypoints) == len(route.mission.waypoints)
     assert [int(seq) for seq in np.unique(turned.path.seq)] == [seq for seq, _ in turned.mission.waypoints]
-    assert "turn the vehicle as recorded" in turned.notes[-1]
-    assert ("at equal places, not at equal times" in turned.notes[-1]) != timed
+    assert "turn the vehicle as recorded" in turned.notes[0]
+    assert ("at equal places, not at equal times" in turned.notes[0]) != timed
 
 
 def test_legs_that_are_flown_as_recorded_have_no_item() -> None:
@@ -59,8 +59,30 @@ def test_how_many_items_were_added_is_told(added: int, words: str, monkeypatch: 
     """None at all, too."""
     route = route_with(0.0)
     more = (*route.mission.items, *[change_speed(4.0)] * added)
-    monkeypatch.setattr(headings, "_turned", lambda *_, **__: replace(route.mission, items=more))
+    mission = replace(route.mission, items=more)
+    monkeypatch.setattr(headings, "_turned", lambda *_, **__: (mission, np.zeros(3)))
     assert words in with_recorded_headings(route, 30.0, timed=True).notes[-1]
+
+
+def test_headings_that_are_far_off_are_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here because there is no room for the items."""
+    ahead = with_recorded_headings(route_with(0.0), 30.0, timed=True)
+    assert not any("degrees off" in note for note in ahead.notes)
+    route = route_with(90.0)
+    monkeypatch.setattr(headings, "MEMORIES", (len(route.mission.items),))
+    notes = with_recorded_headings(route, 30.0, timed=True).notes
+    (told,) = [note for note in notes if "degrees off" in note]
+    assert told == (
+        "100 % of the headings are expected to be more than 30 degrees off, the worst 90 degrees; "
+        "--mode guided follows them more closely."
+    )
+
+
+def test_a_recording_without_times_is_not_to_be_followed() -> None:
+    """Nothing follows what has none."""
+    assert headings._off_note(np.array([90.0, np.nan, 0.0]), can_follow=False) == (
+        "50 % of the headings are expected to be more than 30 degrees off, the worst 90 degrees."
+    )
 
 
 def test_a_log_without_heading_is_flown_the_vehicles_way() -> None:

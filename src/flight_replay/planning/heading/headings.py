@@ -9,8 +9,9 @@ from functools import partial
 import numpy as np
 
 from flight_replay.exceptions import MissionError
+from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import LocalFrame
-from flight_replay.geometry.movement import Movement, turn_deg
+from flight_replay.geometry.movement import turn_deg
 from flight_replay.mission.items import Mission, MissionItem, face
 from flight_replay.mission.path import planned_path
 from flight_replay.planning.duration import LONGEST_SIMULATED_M
@@ -27,10 +28,12 @@ _PASSES = 3
 _SHIFT_COST_DEG_S = 20.0
 """A vehicle that is late turns late, too: by the rate at which copters are mostly turned."""
 _DEARER = 1.2
+_OFF_DEG, _WORTH_TELLING_SHARE = 30.0, 0.1
+"""Turns take their time: where a mission is turned as recorded, up to 4 % of its headings are so far off."""
 
 
 def with_recorded_headings(route: Route, takeoff_m: float, *, timed: bool) -> Route:
-    """The route with items that turn the vehicle as the recorded one was; a note says how many.
+    """The route with items that turn the vehicle as the recorded one was; notes say how many, and how well.
 
     The smallest memory that holds the mission and one item a leg holds it with all of them.
 
@@ -44,16 +47,22 @@ def with_recorded_headings(route: Route, takeoff_m: float, *, timed: bool) -> Ro
     if route.path.length_m > LONGEST_SIMULATED_M:
         return route.with_notes("The route is too long to plan headings; the vehicle turns its own way.")
     try:
-        mission = _turned(route, takeoff_m, timed=timed)
+        mission, off_deg = _turned(route, takeoff_m, timed=timed)
     except MissionError as error:
         return route.with_notes(f"No heading is planned, the vehicle turns its own way. {error}")
     added = len(mission.items) - len(route.mission.items)
     turned = replace(route, mission=mission, path=planned_path(mission, route.frame))
-    return turned.with_notes(_added_note(added, timed=timed))
+    return turned.with_notes(
+        _added_note(added, timed=timed), _off_note(off_deg, can_follow=route.recording.timed)
+    )
 
 
-def _turned(route: Route, takeoff_m: float, *, timed: bool) -> Mission:
-    """The best mission by the predicted heading error, and by how well it keeps the plan's time."""
+def _turned(route: Route, takeoff_m: float, *, timed: bool) -> tuple[Mission, Floats]:
+    """The best mission by the predicted heading error, and by how well it keeps the plan's time.
+
+    Beside it how far off its headings (n,) are expected to be from the first waypoint on, not a number
+    where none was recorded.
+    """
     mission, limits = route.mission, route.limits.limits
     flight = plan = PredictedFlight.of(route, takeoff_m)
     found, worth_deg_s = [], WORTH_DEG_S
@@ -63,9 +72,11 @@ def _turned(route: Route, takeoff_m: float, *, timed: bool) -> Mission:
         items, worth_deg_s = _affordable_items(search, _room(mission), worth_deg_s / _DEARER)
         turned = replace(mission, items=tuple(_merged(mission.items, items, route.frame)))
         flight = PredictedFlight.of(replace(route, mission=turned), takeoff_m)
-        cost = _SHIFT_COST_DEG_S * _shift_s(flight, plan)
-        found.append((_error_deg(flight, route.wanted, timed=timed) + cost, turned))
-    return min(found, key=lambda each: each[0])[1]
+        off_deg = np.abs(turn_deg(flight.heading_deg, flight.wanted_deg(route.wanted, timed=timed)))
+        cost = float(np.nanmean(off_deg)) + _SHIFT_COST_DEG_S * _shift_s(flight, plan)
+        found.append((cost, turned, off_deg[flight.time_s >= flight.begin_s[1]]))
+    _, mission, off_deg = min(found, key=lambda each: each[0])
+    return mission, off_deg
 
 
 def _affordable_items(
@@ -82,12 +93,6 @@ def _shift_s(flight: PredictedFlight, plan: PredictedFlight) -> float:
     """How much later or sooner than planned the legs begin, on average."""
     late_s = (flight.begin_s - flight.begin_s[1]) - (plan.begin_s - plan.begin_s[1])
     return float(np.abs(late_s).mean())
-
-
-def _error_deg(flight: PredictedFlight, recorded: Movement, *, timed: bool) -> float:
-    """The mean heading error."""
-    off_deg = turn_deg(flight.heading_deg, flight.wanted_deg(recorded, timed=timed))
-    return float(np.nanmean(np.abs(off_deg)))
 
 
 def _room(mission: Mission) -> int:
@@ -119,3 +124,15 @@ def _added_note(added: int, *, timed: bool) -> str:
     items_turn = ("item", "turns") if added == 1 else ("items", "turn")
     where = "" if timed else " at equal places, not at equal times"
     return "{} {} on top of the waypoints {} the vehicle as recorded{}.".format(added, *items_turn, where)
+
+
+def _off_note(off_deg: Floats, *, can_follow: bool) -> str:
+    """A sentence where many headings (n,) are expected to be far off, else nothing."""
+    share = np.count_nonzero(off_deg > _OFF_DEG) / np.count_nonzero(np.isfinite(off_deg))
+    if share <= _WORTH_TELLING_SHARE:
+        return ""
+    next_step = "; --mode guided follows them more closely" if can_follow else ""
+    return (
+        f"{100.0 * share:.0f} % of the headings are expected to be more than {_OFF_DEG:.0f} degrees off, the "
+        f"worst {np.nanmax(off_deg):.0f} degrees{next_step}."
+    )
