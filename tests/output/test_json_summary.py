@@ -1,5 +1,7 @@
 """json_summary.py: the objects of ``--json``."""
 
+import json
+import re
 from dataclasses import replace
 
 import pytest
@@ -129,3 +131,10 @@ def test_a_motion_that_is_followed_has_its_own_object() -> None:
     alignment = flight_summary("ArduCopter V4.6.0", True, outcome)["alignment"]
     assert alignment["waited_s"] == 7.0
     assert alignment["flown_s"] == 1005.0
+
+
+def test_a_small_negative_number_is_written_as_zero() -> None:
+    """Not as -0.0, such as the descent of a motion at one height."""
+    route, _ = made_following()
+    level = route_summary(replace(route, predicted_duration_s=-0.0001))
+    assert "-0.0" not in re.findall(r"-?[\d.]+", json.dumps(level))

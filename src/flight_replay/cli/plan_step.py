@@ -222,8 +222,8 @@ def _motion_notes(route: Route) -> list[str]:
     if route.reference is None:
         return []
     motion = reference_summary(route.reference)
-    low_m, high_m = f"{motion['lowest_m']:.0f}", f"{motion['highest_m']:.0f}"
-    heights = low_m if low_m == high_m else f"{low_m} to {high_m}"
+    low_m, high_m = round(motion["lowest_m"]), round(motion["highest_m"])
+    heights = f"{low_m}" if low_m == high_m else f"{low_m} to {high_m}"
     return [
         f"Generated a motion of {route.path.length_m:.0f} m, up to {motion['top_speed_m_s']:.1f} m/s and "
         f"{motion['top_acceleration_m_s2']:.1f} m/s², {heights} m above home"

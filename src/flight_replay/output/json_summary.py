@@ -56,7 +56,7 @@ def log_summary(log: Recording, flights: Sequence[Flight]) -> Json:
                 "start_s": _rounded(flight.start_s if log.track.timed else None),
                 "end_s": _rounded(flight.end_s if log.track.timed else None),
                 "fixes": flight.fixes,
-                "length_m": round(flight.length_m, 3),
+                "length_m": _rounded(flight.length_m),
                 "highest_m": _rounded(flight.highest_m),
                 "top_speed_m_s": _rounded(flight.top_speed_m_s),
             }
@@ -66,25 +66,25 @@ def log_summary(log: Recording, flights: Sequence[Flight]) -> Json:
     }
 
 
-def _rounded(value: float | None) -> float | None:
-    """A value to the thousandth."""
-    return None if value is None else round(value, 3)
+def _rounded(value: float | None, digits: int = 3) -> float | None:
+    """A value to the thousandth, or to so many digits; never -0.0."""
+    return None if value is None else round(value, digits) + 0.0
 
 
 def route_summary(route: Route) -> Json:
     """The "route" object; its items do not include home."""
-    objective = {} if route.objective_m is None else {"objective_m": round(route.objective_m, 4)}
+    objective = {} if route.objective_m is None else {"objective_m": _rounded(route.objective_m, 4)}
     return {
         "method": route.method,
         **_what_is_flown(route),
         "fixes_covered": len(route.recorded),
-        "length_m": round(route.path.length_m, 3),
+        "length_m": _rounded(route.path.length_m),
         "planned_error_m": _both_ways(route.planned_error, "planned"),
         **objective,
         "limits": _limits(route.limits),
         "heights": None if route.heights is None else _heights(route.heights),
         "predicted": None if route.predicted is None else errors_summary(route.predicted),
-        "predicted_duration_s": round(route.predicted_duration_s, 3),
+        "predicted_duration_s": _rounded(route.predicted_duration_s),
     }
 
 
@@ -103,13 +103,13 @@ def reference_summary(reference: ReferenceMotion) -> Json:
     times_s = reference.times_s(_REFERENCE_STEP_S)
     velocity, acceleration = reference.velocities_m_s(times_s), reference.accelerations_m_s2(times_s)
     return {
-        "duration_s": round(reference.end_s - reference.begin_s, 3),
-        "top_speed_m_s": round(float(np.hypot(*velocity[:, :2].T).max()), 3),
-        "top_climb_m_s": round(float(velocity[:, 2].max()), 3),
-        "top_descent_m_s": round(float(-velocity[:, 2].min()), 3),
-        "top_acceleration_m_s2": round(float(np.linalg.norm(acceleration, axis=1).max()), 3),
-        "lowest_m": round(float(reference.positions_m(times_s)[:, 2].min()), 3),
-        "highest_m": round(float(reference.positions_m(times_s)[:, 2].max()), 3),
+        "duration_s": _rounded(reference.end_s - reference.begin_s),
+        "top_speed_m_s": _rounded(float(np.hypot(*velocity[:, :2].T).max())),
+        "top_climb_m_s": _rounded(float(velocity[:, 2].max())),
+        "top_descent_m_s": _rounded(float(-velocity[:, 2].min())),
+        "top_acceleration_m_s2": _rounded(float(np.linalg.norm(acceleration, axis=1).max())),
+        "lowest_m": _rounded(float(reference.positions_m(times_s)[:, 2].min())),
+        "highest_m": _rounded(float(reference.positions_m(times_s)[:, 2].max())),
     }
 
 
@@ -121,7 +121,7 @@ def flight_summary(vehicle: str, simulated: bool, outcome: Outcome) -> Json:
         "simulated": simulated,
         "waypoints_reached": record.waypoints_reached,
         "ended": record.ended,
-        "auto_s": round(record.auto_s, 3),
+        "auto_s": _rounded(record.auto_s),
         "rtl_confirmed": record.rtl_confirmed,
         "coverage": _coverage(outcome),
         **errors_summary(outcome.errors),
@@ -152,9 +152,9 @@ def _alignment(outcome: Outcome) -> Json:
     first_s = outcome.first_waypoint_s
     return {
         "recorded_s": 0.0,
-        "flown_s": None if first_s is None else round(first_s, 3),
-        "waited_s": None if outcome.waited_s is None else round(outcome.waited_s, 3),
-        "seconds": round(float(np.ptp(errors.position_m.time_s)), 3) if len(errors.position_m) else 0.0,
+        "flown_s": _rounded(first_s),
+        "waited_s": _rounded(outcome.waited_s),
+        "seconds": _rounded(float(np.ptp(errors.position_m.time_s))) if len(errors.position_m) else 0.0,
         "fixes": len(errors.position_m),
         "heights": len(errors.height_m),
         "headings": len(errors.heading_deg),
@@ -184,7 +184,7 @@ def _limits(limits: VehicleLimits) -> Json:
     """The limits that a route is planned with; null as vehicle: the defaults of ArduCopter 4.6."""
     return {
         "vehicle": limits.vehicle,
-        **{name: round(value, 4) for name, value in limits.values.items()},
+        **{name: _rounded(value, 4) for name, value in limits.values.items()},
     }
 
 
@@ -192,9 +192,9 @@ def _heights(heights: RouteHeights) -> Json:
     """The climb to the first waypoint, and which fixes are not flown at their recorded height."""
     return {
         "takeoff_m": heights.takeoff_m,
-        "first_waypoint_m": round(heights.first_m, 3),
-        "climb_to_first_m": round(heights.first_m - heights.takeoff_m, 3),
-        "climb_to_first_s": round(heights.climb_s, 3),
+        "first_waypoint_m": _rounded(heights.first_m),
+        "climb_to_first_m": _rounded(heights.first_m - heights.takeoff_m),
+        "climb_to_first_s": _rounded(heights.climb_s),
         "floor_m": heights.floor_m,
         "raised_to_floor": _height_change(heights.raised),
         "not_kept": _height_change(heights.limited),
@@ -202,7 +202,7 @@ def _heights(heights: RouteHeights) -> Json:
 
 
 def _height_change(change: HeightChange) -> Json:
-    return {"fixes": change.fixes, "max_m": round(change.max_m, 3)}
+    return {"fixes": change.fixes, "max_m": _rounded(change.max_m)}
 
 
 def _item(seq: int, item: MissionItem) -> Json:
@@ -221,4 +221,4 @@ def _statistics(error: ErrorStatistics | None) -> Json:
     """Mean, 95th percentile and maximum; each null where there is nothing to compare."""
     if error is None:
         return {"mean": None, "p95": None, "max": None}
-    return {name: round(value, 4) for name, value in asdict(error).items()}
+    return {name: _rounded(value, 4) for name, value in asdict(error).items()}

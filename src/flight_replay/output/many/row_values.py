@@ -114,7 +114,7 @@ def _cleaned(name: str, value: Any) -> Any:
         digits = (
             8 if name.endswith("_deg") and ("_lat_" in name or "_lon_" in name) else _SIGNIFICANT_DECIMALS
         )
-        return round(float(value), digits) if math.isfinite(value) else None
+        return round(float(value), digits) + 0.0 if math.isfinite(value) else None
     if kind == "text":  # names of files may hold any bytes
         return str(value).encode(errors="backslashreplace").decode()
     return int(value) if kind == "whole" else bool(value)
