@@ -44,7 +44,7 @@ def test_a_fit_reports_progress_and_predicted_errors() -> None:
     assert path.path_to_recorded.error.mean() < 2
     assert route.objective_m is not None
     assert any(isinstance(event, Progress) and event.what == "fit" for event in events)
-    assert any(isinstance(event, Notice) and "left out" in event.text for event in events)
+    assert any(isinstance(event, Notice) and "Left out" in event.text for event in events)
 
 
 @pytest.mark.usefixtures("brief_search")
@@ -95,7 +95,7 @@ def test_of_a_recorded_speed_that_is_not_reached_the_time_is_said(times_as_fast:
     assert [note.endswith("; --route fit keeps up better.") for note in said] == [True] * told
 
 
-@pytest.mark.parametrize(("beyond", "told"), [(1, []), (30, [" 30 of 80 positions are left out"])])
+@pytest.mark.parametrize(("beyond", "told"), [(1, []), (30, [" Left out: 30 of 80 positions"])])
 def test_a_part_of_the_log_beyond_a_jump_is_said(tmp_path: Path, beyond: int, told: list[str]) -> None:
     """It may be half of the flight; single positions are not missed."""
     log = LogWriter()
@@ -104,8 +104,8 @@ def test_a_part_of_the_log_beyond_a_jump_is_said(tmp_path: Path, beyond: int, to
     (tmp_path / "a.tlog").write_bytes(log.data)
     notices: list[Event] = []
     plan_step.read_recording(parse_options([str(tmp_path / "a.tlog")]), notices.append)
-    said = [each.text for each in notices if isinstance(each, Notice) and "are left out:" in each.text]
-    assert [text[: len(" 30 of 80 positions are left out")] for text in said] == told
+    said = [each.text for each in notices if isinstance(each, Notice) and "Left out:" in each.text]
+    assert [text[: len(" Left out: 30 of 80 positions")] for text in said] == told
 
 
 def test_heights_are_said() -> None:

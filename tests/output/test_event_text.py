@@ -29,6 +29,7 @@ STATE = VehicleState(1.0, 47.0, 8.0, 30.0, (1.0, 0.0, 0.0), 90.0, "AUTO", armed=
 EXAMPLE_LINES = [
     (PhaseStarted(Phase.CONNECT, "tcp:127.0.0.1:5760"), "Connecting to vehicle on: tcp:127.0.0.1:5760"),
     (PhaseStarted(Phase.UPLOAD, "100"), "Uploading 100 waypoints to vehicle..."),
+    (PhaseStarted(Phase.UPLOAD, "1"), "Uploading 1 waypoint to vehicle..."),
     (PhaseStarted(Phase.PREARM), "Arm and Takeoff"),
     (Waiting(Phase.PREARM, ""), " Waiting for vehicle to initialise..."),
     (PhaseStarted(Phase.ARM), " Waiting for arming..."),

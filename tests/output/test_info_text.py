@@ -59,7 +59,7 @@ def test_the_other_vehicles_are_named(tmp_path: Path) -> None:
     log.add(33, position_payload(9_000), system=2)
     path = tmp_path / "two.tlog"
     path.write_bytes(log.data)
-    for chosen, other in ((1, "2:1 (1 fixes)"), (2, "1:1 (16 fixes)")):
+    for chosen, other in ((1, "2:1 (1 fix)"), (2, "1:1 (16 fixes)")):
         recording = read_log(path, vehicle=VehicleId(chosen))
         lines = info_lines(recording, find_flights(recording.track))
         assert f"Others    {other}; choose with --vehicle" in lines

@@ -22,7 +22,7 @@ def test_the_flown_part_leaves_out_the_ground_and_closes_the_gap() -> None:
     part, notes = flown_part(joined(*apart))
     assert len(part) == len(first) + len(second)
     assert part.time_s[-1] == pytest.approx(20.25)
-    assert notes == (f"240 of {240 + len(part)} fixes are left out: they are not part of a flight.",)
+    assert notes == (f"Left out: 240 of {240 + len(part)} fixes, no part of a flight.",)
 
 
 def test_a_far_join_is_said() -> None:

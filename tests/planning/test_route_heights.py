@@ -62,8 +62,9 @@ def test_fixes_below_the_floor_are_counted() -> None:
     low = heights([2.0] * 10 + [4.5] * 5 + [30.0] * 36, takeoff_m=5.0)
     assert (low.raised.fixes, low.raised.max_m) == (15, 3.0)
     (note,) = low.notes
-    assert note.startswith("15 of 51 flown fixes are recorded below the floor of 5 m, by up to 3.0 m")
-    assert note.endswith(" (--floor).")
+    assert (
+        note == "Below the floor of 5 m, by up to 3.0 m: 15 of 51 flown fixes; flown at the floor (--floor)."
+    )
 
 
 def test_of_a_flight_down_a_cliff_is_said_how_its_heights_are_kept() -> None:
@@ -90,7 +91,7 @@ def test_raised_heights_have_their_floor() -> None:
     assert (raised.raised.fixes, raised.raised.max_m) == (10, 3.0)
     (note,) = raised.notes
     assert note.startswith(
-        "10 of 51 flown fixes are, 10 m higher than recorded, below the floor of 5 m, by up"
+        "Below the floor of 5 m, by up to 3.0 m: 10 of 51 flown fixes, 10 m higher than recorded; "
     )
     assert set(route.recorded.alt_m) == {-8.0, 2.0}
 

@@ -14,6 +14,7 @@ from flight_replay.output.console.console import Console
 from flight_replay.output.console.terminal import write_verbatim
 from flight_replay.output.json_summary import errors_summary
 from flight_replay.output.result_text import error_lines
+from flight_replay.writing.counted import counted
 
 
 def compare(options: Options, console: Console) -> None:
@@ -37,7 +38,7 @@ def compare(options: Options, console: Console) -> None:
     for line in error_lines("", result.errors):
         console.print(line)
     console.print(
-        f" At equal times: from the first of {result.fixes} fixes that both have, "
+        f" At equal times: from the first of {counted(result.fixes, 'fix')} that both have, "
         f"{len(result.errors.position_m)} of them"
     )
 

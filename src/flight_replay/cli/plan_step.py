@@ -31,6 +31,7 @@ from flight_replay.planning.top_speed import with_recorded_speed_note, with_spee
 from flight_replay.planning.unrecorded_ways import unrecorded_notes
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.writing.counted import counted
 
 _MANY_BEYOND = 0.05
 """Of all positions: single ones beyond jumps are missed by nobody."""
@@ -110,14 +111,14 @@ def _left_out(recording: Recording) -> list[str]:
     of = len(recording.track) + recording.rejected_total
     if beyond <= _MANY_BEYOND * of:
         return []
-    return [f"{beyond} of {of} positions are left out: an impossible jump is between them and the others"]
+    return [f"Left out: {beyond} of {of} positions, which an impossible jump parts from the others"]
 
 
 def _choices(options: Options, recording: Recording, flights: Sequence[Flight]) -> list[str]:
     """What else of the log could be replayed."""
     notes = []
     if options.vehicle is None and len(recording.vehicles) > 1 and recording.vehicle is not None:
-        others = ", ".join(f"{each.id} ({each.fixes} fixes)" for each in recording.vehicles[1:])
+        others = ", ".join(f"{each.id} ({counted(each.fixes, 'fix')})" for each in recording.vehicles[1:])
         notes.append(f"Replaying vehicle {recording.vehicle.id}; choose others with --vehicle: {others}")
     if options.flight is None and len(flights) > 1:
         notes.append(f"The log holds {len(flights)} flights; choose one with --flight, or see --info")
@@ -186,7 +187,7 @@ def _planned_route(
     check_moves(
         route.mission, track, "--max-points" if options.route == "fit" else "--spacing or --max-points"
     )
-    listener(Notice(f" Generated {len(route.mission.waypoints)} waypoints from {source}"))
+    listener(Notice(f" Generated {counted(len(route.mission.waypoints), 'waypoint')} from {source}"))
     route = _with_heights(options, route)
     if options.heading == "recorded":
         route = _with_recorded_headings(options, route)

@@ -23,6 +23,7 @@ from flight_replay.mission import formats
 from flight_replay.mission.items import Mission
 from flight_replay.output.console.terminal import flush_or_discard, write_error, write_line
 from flight_replay.simulator.server.addresses import is_serial_port
+from flight_replay.writing.counted import counted
 from flight_replay.writing.output_files import unused_path
 from flight_replay.writing.terminal_text import Parser
 
@@ -114,7 +115,7 @@ def _restore(options: argparse.Namespace) -> tuple[str, str]:
     ) as connected:
         if parameters is None:
             connected.upload(mission)
-            return f"{len(mission.items)} mission items", ""
+            return counted(len(mission.items), "mission item"), ""
         unset = connected.set_known_parameters(parameters)
     return ", ".join(name for name in parameters if name not in unset), _not_restored(unset)
 

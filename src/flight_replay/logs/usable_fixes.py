@@ -16,6 +16,7 @@ from flight_replay.logs.plausibility import (
     rejected_by_reason,
 )
 from flight_replay.logs.track import Track
+from flight_replay.writing.counted import counted
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +36,7 @@ def why_no_fix(without_position: int, rejected: Mapping[str, int]) -> str:
     """Why no position is usable: how many were left out, by reason."""
     why = [f"{count} rejected ({reason})" for reason, count in rejected.items()]
     if without_position:
-        why.insert(0, f"{without_position} records are empty")
+        why.insert(0, counted(without_position, "empty record"))
     return ", ".join(why) or "there is none"
 
 

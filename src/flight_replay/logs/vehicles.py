@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from flight_replay.writing.counted import counted
+
 _NAMED = 10
 
 
@@ -39,7 +41,7 @@ class VehicleCount:
 
 def vehicles_text(vehicles: Sequence[VehicleCount]) -> str:
     """The first ten vehicles with their fixes, and how many there are besides; empty if there are none."""
-    named = [f"{each.id} ({each.fixes} fixes)" for each in vehicles[:_NAMED]]
+    named = [f"{each.id} ({counted(each.fixes, 'fix')})" for each in vehicles[:_NAMED]]
     if len(vehicles) > _NAMED:
         named.append(f"{len(vehicles) - _NAMED} more")
     return ", ".join(named)

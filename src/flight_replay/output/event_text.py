@@ -25,10 +25,11 @@ from flight_replay.events import (
     Waiting,
     WaypointReached,
 )
+from flight_replay.writing.counted import counted
 
 _PHASES = {
     Phase.CONNECT: "Connecting to vehicle on: {}",
-    Phase.UPLOAD: "Uploading {} waypoints to vehicle...",
+    Phase.UPLOAD: "Uploading {} to vehicle...",
     Phase.PREARM: "Arm and Takeoff",
     Phase.ARM: " Waiting for arming...",
     Phase.TAKEOFF: " Taking off!",
@@ -69,9 +70,10 @@ def event_line(event: object) -> str | None:
 
 @event_line.register
 def _phase_started(event: PhaseStarted) -> str:
-    if event.phase is Phase.UPLOAD and not event.detail:
-        return "Uploading the mission to vehicle..."
-    return _PHASES[event.phase].format(event.detail)
+    detail = event.detail
+    if event.phase is Phase.UPLOAD:
+        detail = counted(int(detail), "waypoint") if detail else "the mission"
+    return _PHASES[event.phase].format(detail)
 
 
 @event_line.register

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flight_replay.geometry.error_statistics import ErrorStatistics
+from flight_replay.writing.counted import counted
 
 if TYPE_CHECKING:
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
@@ -17,8 +18,9 @@ _WORTH_TELLING_S = 0.05
 
 def route_lines(route: Route) -> list[str]:
     """The route: what it covers, and how near it is to the recording as planned and as predicted."""
+    of_fixes = counted(len(route.recording), "fix")
     lines = [
-        f" Route: {route.path.length_m:.0f} m, covers {len(route.recorded)} of {len(route.recording)} fixes",
+        f" Route: {route.path.length_m:.0f} m, covers {len(route.recorded)} of {of_fixes}",
         *path_lines("Planned path error", route.planned_error, "planned"),
     ]
     if route.predicted is not None:
@@ -43,7 +45,7 @@ def _reached_line(route: Route, outcome: Outcome) -> str:
         followed_s = outcome.coverage.recorded_s
         return f" Followed {followed_s:.1f} s of the recording in {record.auto_s:.1f} s of GUIDED"
     return (
-        f" Reached {record.waypoints_reached} of {len(route.mission.waypoints)} waypoints "
+        f" Reached {record.waypoints_reached} of {counted(len(route.mission.waypoints), 'waypoint')} "
         f"in {record.auto_s:.1f} s of AUTO"
     )
 
@@ -61,7 +63,7 @@ def coverage_text(coverage: Coverage) -> str:
 
     The whole is what was selected of the recording, whose flights may be longer.
     """
-    part, whole = f"{coverage.fixes}", f"{coverage.of_fixes} recorded fixes"
+    part, whole = f"{coverage.fixes}", counted(coverage.of_fixes, "recorded fix")
     if coverage.timed:
         part = duration_text(coverage.recorded_s)
         whole = f"{duration_text(coverage.of_recorded_s)} of recorded flight"
@@ -104,7 +106,7 @@ def alignment_lines(outcome: Outcome) -> list[str]:
     if not len(position):
         return []
     seconds = position.time_s[-1] - position.time_s[0]
-    lines = [f" At equal times: {what}, {len(position)} fixes, {seconds:.0f} s"]
+    lines = [f" At equal times: {what}, {counted(len(position), 'fix')}, {seconds:.0f} s"]
     if waited_s is not None and waited_s >= _WORTH_TELLING_S:
         lines.append(f" The recording waited {waited_s:.1f} s for the vehicle")
     return lines

@@ -33,7 +33,7 @@ def flown_part(track: Track, *, tell_joins: bool = True) -> tuple[Track, tuple[s
     notes = _gap_notes(parts, flights) if tell_joins else []
     if len(flown) < len(track):
         left_out = len(track) - len(flown)
-        notes = [f"{left_out} of {len(track)} fixes are left out: they are not part of a flight.", *notes]
+        notes = [f"Left out: {left_out} of {len(track)} fixes, no part of a flight.", *notes]
     return flown, tuple(notes)
 
 

@@ -393,8 +393,8 @@ def _find(
     except VehicleError as error:
         if link.ignored:
             raise VehicleError(
-                f"{link.ignored} messages on {connection_string} were not signed with the key "
-                "of --signing-key; check the key, and that the vehicle signs"
+                f"what is sent on {connection_string} is not signed with the key of --signing-key; "
+                "check the key, and that the vehicle signs"
             ) from error
         raise
     if link.received_signed and not link.signs:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from flight_replay.geometry.arrays import Floats
+from flight_replay.writing.counted import counted
 
 
 class RouteWords(Protocol):
@@ -40,7 +41,7 @@ class MissionWords:
 
     def extent(self, places: int) -> str:
         """How many there are."""
-        return f"{places} waypoints, "
+        return f"{counted(places, 'waypoint')}, "
 
 
 @dataclass(frozen=True, eq=False)

@@ -347,7 +347,7 @@ def test_standard_input_and_packed_logs_are_read(tmp_path: Path, monkeypatch: py
         ),
         (
             bytes(unarmed().receiver(10, Status=1, Lat=0, Lng=0).data),
-            "has no usable position: 1 records are em",
+            "has no usable position: 1 empty record;",
         ),
         (bytes(unarmed().receiver(10, Status=1).data), "has no usable position: 1 rejected (no 3D fix)"),
         (unarmed().text, "is a DataFlash log without any position"),

@@ -150,7 +150,7 @@ def test_a_vehicle_that_is_not_there_is_told_with_those_that_are(tmp_path: Path)
     with pytest.raises(LogError, match="no positions of vehicle 1:2; choose"):
         read_log(path, vehicle=VehicleId(1, 2))
     empty = flight(LogWriter(), 5).data + LogWriter(system=3).empty(100).data
-    with pytest.raises(LogError, match="vehicle 3:1: 1 records are empty; choose with --vehicle from 1:1"):
+    with pytest.raises(LogError, match="vehicle 3:1: 1 empty record; choose with --vehicle from 1:1"):
         read_log(write(tmp_path, bytes(empty)), vehicle=VehicleId(3))
 
 
@@ -385,10 +385,10 @@ UTF16 = ("\ufeff" + "Build started 12.03.2019\r\n" * 40).encode("utf-16-le")
         (gzip.compress(b"nothing"), "is gzip data that holds no flight"),
         (bytes(range(256)) * 8, "holds no MAVLink position"),
         (bytes(LogWriter().heartbeat().gps(3).data), "without any GLOBAL_POSITION_INT"),
-        (bytes(LogWriter().empty(1).empty(2).data), "vehicle 1:1: 2 records are empty; name another log"),
+        (bytes(LogWriter().empty(1).empty(2).data), "vehicle 1:1: 2 empty records; name another log"),
         (
             bytes(LogWriter().empty(1).position(2, 0.001, 0.001).data),
-            r"1 records are empty, 1 rejected \(near 0,0\)",
+            r"1 empty record, 1 rejected \(near 0,0\)",
         ),
     ],
     ids=[

@@ -192,7 +192,7 @@ def test_a_slow_disk_leaves_a_recording_its_name(tmp_path: Path, monkeypatch: py
     recorder.close()
     assert [each.name for each in tmp_path.iterdir()] == ["a.tlog"]
     assert recorder.problem is not None
-    assert "frames came faster than they could be written" in recorder.problem
+    assert "frames came faster than could be written" in recorder.problem
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
@@ -209,4 +209,4 @@ def test_frames_that_do_not_fit_are_counted(tmp_path: Path, monkeypatch: pytest.
         written = len(reader.read()) // len(b"12345678frame")
     assert written <= 7
     assert recorder.problem is not None
-    assert f"{100 - written} frames came faster than they could be written" in recorder.problem
+    assert f"{100 - written} frames came faster than could be written" in recorder.problem

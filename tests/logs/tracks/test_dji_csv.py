@@ -67,7 +67,8 @@ def test_a_stray_character_costs_its_own_row(stray: bytes) -> None:
     lines[50] = stray + lines[50] if stray == b'"' else lines[50].replace(b",P-", stray + b",P-")
     recording = read_bytes(b"\n".join(lines))
     assert len(recording.track) == 99
-    assert "rows have more or fewer cells" in recording.notes[0]
+    rows = "2 rows" if stray == b"\r" else "1 row"
+    assert recording.notes[0] == f"Left out: {rows} with more or fewer cells than the header"
 
 
 def test_a_table_in_a_single_column_is_no_table_of_a_flight() -> None:

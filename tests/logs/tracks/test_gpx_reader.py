@@ -129,7 +129,7 @@ def test_of_tracks_at_the_same_time_the_longer_one_is_read() -> None:
     """Two recorders in one file are not mixed; a later track, though first in the file, follows."""
     aside = [(time_s, lat, lon + 0.01, height) for time_s, lat, lon, height in moving(30)]
     recording = read_bytes(gpx_of([[moving(40, start_s=1000.0)], [aside], [moving()]]))
-    assert recording.notes == ("1 track at the same time as a longer one is left out",)
+    assert recording.notes == ("Left out: 1 track at the same time as a longer one",)
     assert recording.track.lon_deg.tolist() == [8.0] * 100
     assert (np.diff(recording.track.time_s) > 0).all()
     assert recording.track.boot.tolist() == [0] * 60 + [1] * 40
@@ -159,7 +159,7 @@ def test_points_without_a_time_among_others_are_left_out() -> None:
     points[5] = (None, *points[5][1:])
     recording = read_bytes(gpx(points))
     assert len(recording.track) == 59
-    assert recording.notes == ("1 points without a time are left out",)
+    assert recording.notes == ("Left out: 1 point without a time",)
 
 
 def test_a_timed_track_is_read_beside_a_longer_one_without_times() -> None:
@@ -168,7 +168,7 @@ def test_a_timed_track_is_read_beside_a_longer_one_without_times() -> None:
     recording = read_bytes(gpx_of([[plan], [moving()]]))
     assert recording.track.timed
     assert len(recording.track) == 60
-    assert recording.notes[0] == "150 points without a time are left out"
+    assert recording.notes[0] == "Left out: 150 points without a time"
 
 
 def test_a_track_without_times_is_flown_at_one_speed_as_one_flight() -> None:

@@ -188,7 +188,7 @@ def test_dropouts_are_told() -> None:
         (bytes(UlogWriter(STATUS).sample("vehicle_status", 1.0, 2, 2).data), "without any position"),
         (
             bytes(UlogWriter(GLOBAL).sample("vehicle_global_position", 1.0, 0, 0, 0).data),
-            "1 records are empty",
+            "1 empty record",
         ),
         (bytes(UlogWriter({"a": ("b[60000] x",), "b": ("a[60000] x",)}).data), "damaged list of formats"),
         (

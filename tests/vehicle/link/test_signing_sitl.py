@@ -78,7 +78,7 @@ def test_a_copter_that_wants_signatures_is_flown_with_the_key(tmp_path: Path) ->
         assert any("give its key with --signing-key" in text for text in warnings)
         with (
             key_file(tmp_path / "wrong", "a guess") as wrong,
-            pytest.raises(VehicleError, match="were not signed with the key"),
+            pytest.raises(VehicleError, match="is not signed with the key"),
             connect(connection, speedup=SPEEDUP, signing_key=wrong, limit_s=5.0),
         ):
             pass

@@ -36,6 +36,7 @@ from flight_replay.logs.recording import Recording
 from flight_replay.logs.track import Track, track_from_columns
 from flight_replay.logs.usable_fixes import usable_fixes
 from flight_replay.logs.vehicles import VehicleCount
+from flight_replay.writing.counted import counted
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,8 +63,8 @@ def dataflash_recording(contents: LogContents) -> Recording:
     source = choose_positions(tables.pos, tables.gps, tables.velocities, tables.sections)
     if not len(source.positions):
         raise LogError(
-            f"{contents.name} has no usable position: all {tables.damaged} records are damaged; name a "
-            "log of a flight"
+            f"{contents.name} has no usable position, but {counted(tables.damaged, 'damaged record')}; "
+            "name a log of a flight"
         )
     vehicle = contents.collected.vehicle
     made = _track(source, tables, vehicle.logs_when_disarmed)

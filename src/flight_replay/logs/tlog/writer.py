@@ -15,6 +15,7 @@ from typing import IO
 
 from flight_replay.exceptions import FlightReplayError, VehicleError
 from flight_replay.writing.background import Background
+from flight_replay.writing.counted import counted
 from flight_replay.writing.output_files import NewFile
 
 QUEUED_FRAMES = 20_000
@@ -87,7 +88,7 @@ class Recorder:
         if not self._thread.close(_CLOSE_S, self._finish):
             self._fail(f"it could not be written in {_CLOSE_S:.0f} s")
         elif self._thread.dropped and self.problem is None:
-            self._fail(f"{self._thread.dropped} frames came faster than they could be written")
+            self._fail(f"{counted(self._thread.dropped, 'frame')} came faster than could be written")
 
     def _finish(self) -> None:
         """Put the file in its place, on the recorder's thread."""

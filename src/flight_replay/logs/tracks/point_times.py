@@ -15,6 +15,7 @@ from flight_replay.geometry.arrays import Flags, Floats
 from flight_replay.geometry.geodesy import surface_xyz_m
 from flight_replay.geometry.polyline import segment_lengths_m
 from flight_replay.logs.tracks.track_points import TrackPoints
+from flight_replay.writing.counted import counted
 
 _SEGMENT_GAP_S = 10.0
 """Receivers begin a segment whenever they lost the satellites; after more than this, somebody switched on."""
@@ -57,16 +58,13 @@ def are_timed(points: TrackPoints) -> bool:
 def in_order_of_time(points: TrackPoints) -> OrderedPoints:
     """Points that are timed, each at a time of its own."""
     known = np.isfinite(points.utc_s)
-    notes = [] if known.all() else [f"{np.count_nonzero(~known)} points without a time are left out"]
+    untimed = int(np.count_nonzero(~known))
+    notes = [f"Left out: {counted(untimed, 'point')} without a time"] if untimed else []
     points = points.select(known)
     apart = points.select(_apart_in_time(points))
     left_out = len(np.unique(points.track)) - len(np.unique(apart.track))
     if left_out:
-        notes.append(
-            "1 track at the same time as a longer one is left out"
-            if left_out == 1
-            else f"{left_out} tracks at the same time as longer ones are left out"
-        )
+        notes.append(f"Left out: {counted(left_out, 'track')} at the same time as a longer one")
     points = apart.select(np.argsort(apart.utc_s, kind="stable"))
     gap_s = np.diff(points.utc_s)
     breaks = (np.diff(points.segment) != 0) & (gap_s > _SEGMENT_GAP_S) | (gap_s > _LONGEST_GAP_S)

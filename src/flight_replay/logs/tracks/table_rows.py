@@ -15,6 +15,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.logs.tracks.byte_pieces import LogPieces
 from flight_replay.logs.tracks.text_values import cells_of, header_cells, number
 from flight_replay.logs.tracks.track_points import MOST_POINTS
+from flight_replay.writing.counted import counted
 
 
 class Table:
@@ -61,9 +62,7 @@ class Table:
             if rows > MOST_POINTS:
                 raise LogError(f"{self._name} has more than {MOST_POINTS} rows; cut it, or name another log")
         if damaged:
-            self.notes.append(
-                f"{damaged} of its rows have more or fewer cells than its header, and are left out"
-            )
+            self.notes.append(f"Left out: {counted(damaged, 'row')} with more or fewer cells than the header")
         return {name: np.array(column) for name, (column, _, _) in zip(wanted, taken, strict=True)}
 
 

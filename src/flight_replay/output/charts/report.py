@@ -31,6 +31,7 @@ from flight_replay.output.outcome import Coverage, Outcome, flown_start_s
 from flight_replay.output.result_text import coverage_text, duration_text, statistics_text
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
+from flight_replay.writing.counted import counted
 from flight_replay.writing.output_files import check_suffix, write_atomically
 
 if TYPE_CHECKING:
@@ -219,7 +220,7 @@ def _waypoint_rows(summary: Summary) -> list[tuple[str, str]]:
 
 def _log_rows(log: Summary, route: Route) -> list[tuple[str, str]]:
     vehicles = ", ".join(
-        f"{each['system']}:{each['component']} ({each['fixes']} fixes)" for each in log["vehicles"]
+        f"{each['system']}:{each['component']} ({counted(each['fixes'], 'fix')})" for each in log["vehicles"]
     )
     return [
         ("file", str(log["path"])),

@@ -9,6 +9,7 @@ from typing import Any
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.many.fleet_summary import flight_name
 from flight_replay.output.many.flight_columns import ERRORS, GOOD, Row, error_column
+from flight_replay.writing.counted import counted
 
 _COMPARED = ("mean", "p95")  # One position decides a maximum: it differs from flight to flight.
 _DEG_PER_M = 10.0
@@ -111,8 +112,8 @@ def _outcome(row: Row) -> str:
         return f"{row.get('status')}: {row.get('problem', 'no reason known')}"
     waypoints = row.get("waypoints", 0)  # none where a motion was followed
     if "flown_by" not in row:
-        return f"planned in {waypoints} waypoints" if waypoints else "planned"
-    reached = f", {row.get('waypoints_reached', 0)} of {waypoints} waypoints" if waypoints else ""
+        return f"planned in {counted(waypoints, 'waypoint')}" if waypoints else "planned"
+    reached = f", {row.get('waypoints_reached', 0)} of {counted(waypoints, 'waypoint')}" if waypoints else ""
     return f"{row.get('ended')}{reached}"
 
 
@@ -157,8 +158,8 @@ def comparison_lines(comparison: FleetComparison) -> list[str]:
     """The comparison for people: the worst first."""
     worse, better = comparison.worse, comparison.better
     lines = [
-        f"{comparison.flights} flights: {_flights(worse)} became worse, {_flights(better)} better"
-        + (f"; {comparison.only_new} are only in the new table" if comparison.only_new else "")
+        f"{counted(comparison.flights, 'flight')}: {_flights(worse)} became worse, {_flights(better)} better"
+        + (f"; only in the new table: {comparison.only_new}" if comparison.only_new else "")
     ]
     for title, changes in (("Worse", worse), ("Better", better)):
         if changes:

@@ -17,6 +17,7 @@ from flight_replay.geometry.arrays import Floats
 from flight_replay.geometry.geodesy import EQUATORIAL_RADIUS_M
 from flight_replay.output.many.fleet_summary import FleetSummary, summary_lines
 from flight_replay.output.many.flight_columns import COLUMN_OF, ERRORS, GOOD, Row, error_column
+from flight_replay.writing.counted import counted
 from flight_replay.writing.output_files import check_place, check_suffix, write_atomically
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def save_fleet_report(path: Path, rows: Iterable[Row], command: str) -> None:
         title="Replays of many flights",
         template=Template(template),
         template_variables={
-            "lead": f"{summary.rows} rows, {summary.failed} of them without a flight that went as asked.",
+            "lead": _lead(summary),
             "summary": "\n".join(summary_lines(summary)),
             "has_map": any(root.name == "map" for root in roots),
             "has_histograms": any(root.name == "histograms" for root in roots),
@@ -92,6 +93,10 @@ def save_fleet_report(path: Path, rows: Iterable[Row], command: str) -> None:
         },
     )
     write_atomically(path, page)
+
+
+def _lead(summary: FleetSummary) -> str:
+    return f"{counted(summary.rows, 'row')}, {summary.failed} of them without a flight that went as asked."
 
 
 class _Columns:

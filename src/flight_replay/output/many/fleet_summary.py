@@ -14,6 +14,7 @@ import numpy as np
 
 from flight_replay.output.many.flight_columns import BOTH_WAYS, ERRORS, GOOD, Row, error_column
 from flight_replay.output.result_text import duration_text
+from flight_replay.writing.counted import counted
 
 WORST = 5
 _WORTH_TELLING = 0.005
@@ -145,9 +146,9 @@ def summary_json(summary: FleetSummary) -> Mapping[str, Any]:
 def summary_lines(summary: FleetSummary) -> list[str]:
     """The summary for people."""
     lines = [
-        f"{summary.rows} rows: " + (_counted(summary.statuses) or "nothing"),
+        f"{counted(summary.rows, 'row')}: " + (_kinds(summary.statuses) or "nothing"),
         f" Recorded: {duration_text(summary.duration_s)}, {summary.length_m / 1000.0:.1f} km",
-        f" Formats: {_counted(summary.formats)}; vehicles: {_counted(summary.vehicles)}",
+        f" Formats: {_kinds(summary.formats)}; vehicles: {_kinds(summary.vehicles)}",
     ]
     if summary.copies:
         lines.append(f" Rows of copies of logs, not counted again: {summary.copies}")
@@ -157,7 +158,9 @@ def summary_lines(summary: FleetSummary) -> list[str]:
         lines.append(" Why not:")
         lines += [f"  {count} x {text}" for text, count in summary.reasons.most_common(_REASONS)]
         if len(summary.reasons) > _REASONS:
-            lines.append(f"  and {len(summary.reasons) - _REASONS} more reasons; see the column problem")
+            lines.append(
+                f"  and {counted(len(summary.reasons) - _REASONS, 'more reason')}; see the column problem"
+            )
     flown = any(column.startswith("flown") for column in summary.errors)
     for column, error in summary.errors.items():
         if not (flown and column.startswith("predicted")):
@@ -165,7 +168,7 @@ def summary_lines(summary: FleetSummary) -> list[str]:
     return lines
 
 
-def _counted(counter: Counter[str]) -> str:
+def _kinds(counter: Counter[str]) -> str:
     return ", ".join(f"{count} {name}" for name, count in counter.most_common())
 
 

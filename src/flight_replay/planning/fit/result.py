@@ -15,6 +15,7 @@ from flight_replay.planning.fit.problem import FitProblem
 from flight_replay.planning.fit.simulated_draft import SimulatedDraft
 from flight_replay.planning.heights import Heights
 from flight_replay.planning.stretches import worst_stretches
+from flight_replay.writing.counted import counted
 
 MIN_LAG_M = 5.0
 """Nearer behind or ahead than this is keeping to the recorded times."""
@@ -52,7 +53,7 @@ def few_waypoints_note(best: Evaluation, most: int) -> str:
     if places < _FEW_SHARE * most or beside_m < _FEW_ERROR_M:
         return ""
     return (
-        f"With {places} waypoint{'s' if places > 1 else ''} the vehicle is expected to fly {beside_m:.1f} m "
+        f"With {counted(places, 'waypoint')} the vehicle is expected to fly {beside_m:.1f} m "
         "beside the recording on average; more of them follow it more closely (--max-points)."
     )
 

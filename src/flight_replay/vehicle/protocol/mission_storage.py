@@ -11,6 +11,7 @@ from flight_replay.vehicle.link.vehicle_link import VehicleLink
 from flight_replay.vehicle.protocol.mission_download import MissionDownloader
 from flight_replay.vehicle.protocol.mission_items import difference
 from flight_replay.vehicle.protocol.mission_upload import MissionUploader
+from flight_replay.writing.counted import counted
 
 _ATTEMPTS = 3
 _UNKNOWN_HOME = Home(0.0, 0.0, 0.0)
@@ -97,7 +98,7 @@ def _first_difference(
     sent: Sequence[MissionItem], found: Sequence[MissionItem], *, as_int: bool
 ) -> str | None:
     if len(sent) != len(found):
-        return f"{len(found)} items instead of {len(sent)}"
+        return f"{counted(len(found), 'item')} instead of {len(sent)}"
     for seq, (ours, theirs) in enumerate(zip(sent, found, strict=True), 1):
         unlike = difference(ours, theirs, as_int=as_int)
         if unlike:
