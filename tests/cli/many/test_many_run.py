@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from flight_replay.cli.many import many_run
 from flight_replay.cli.many.flight_task import flight_row
 from flight_replay.cli.many.job import Job
 from flight_replay.cli.many.log_content import LogContent
@@ -114,6 +115,21 @@ def test_a_log_that_workers_do_not_see_is_sent(
         "aa.tlog": "unreadable",
     }
     assert any("too large to be sent" in row.get("problem", "") for row in rows)
+
+
+@pytest.mark.parametrize("step", ["survey", "flight_row"])
+def test_a_row_of_a_task_that_failed_names_no_machine(
+    client: Any, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str
+) -> None:
+    """It is not known here which one it was."""
+
+    def fails(*_: object) -> None:
+        raise RuntimeError("as a worker that died")
+
+    monkeypatch.setattr(many_run, step, fails)
+    new, _ = run(client, logs / "a.tlog", tmp_path / "failed.csv", Job(arguments=SHORT))
+    assert [row["status"] for row in new] == ["internal error"]
+    assert "worker" not in new[0]
 
 
 def test_the_command_of_a_copy_takes_its_path_for_no_option(

@@ -232,7 +232,8 @@ class ManyRun:
         else:
             status, problem = Status.INTERNAL_ERROR, f"{type(error).__name__}: {error}"
         if task.flight is None:
-            self._add(problem_row(task.log, None, self.job, status, problem))
+            row = problem_row(task.log, None, self.job, status, problem)
+            self._add(clean({**row, "worker": None}))  # it was another machine, or may have been
             self.counts.logs_done += 1
         else:
             self._take_row(task, self._failed_row(task, task.flight, status, problem))

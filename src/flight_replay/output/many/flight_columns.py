@@ -107,7 +107,7 @@ COLUMNS: tuple[TableColumn, ...] = (
     *_error_columns("flown", tuple(ERRORS)),
     TableColumn("plan_wall_s", "number", "time that reading and planning took"),
     TableColumn("fly_wall_s", "number", "time that the replay took, by the wall clock"),
-    TableColumn("worker", "text", "machine that did it"),
+    TableColumn("worker", "text", "machine that did it, if known"),
     TableColumn("options", "text", "the options it was done with"),
     TableColumn("options_id", "text", "hash of the options, and of the SITL binary"),
     TableColumn("version", "text", "version of flight-replay"),
