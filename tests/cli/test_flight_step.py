@@ -169,7 +169,7 @@ def test_the_vehicle_is_shown_where_it_is_when_the_word_is_asked_for(monkeypatch
         "Position: 47.0005000, 8.0000000",
         "Battery: 15.2 V",
         "First waypoint: 56 m away",
-        "Route: 1 waypoints, up to 56 m away and 30 m above home",
+        "Route: 1 waypoint, up to 56 m away and 30 m above home",
         "asked",
     ]
     shown.clear()

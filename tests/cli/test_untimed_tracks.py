@@ -73,7 +73,7 @@ def test_it_flies_and_is_measured_in_space(
     assert flight["coverage"]["recorded_s"] is None
     assert flight["coverage"]["of_fixes"] == 60
     assert flight["not_measured"]["position_error_m"] == "the recording has no times"
-    assert "60 fixes" in (tmp_path / "report.html").read_text()
+    assert "60 recorded fixes" in (tmp_path / "report.html").read_text()
 
 
 def test_info_leaves_its_times_out(track: Path, capsys: pytest.CaptureFixture[str]) -> None:
