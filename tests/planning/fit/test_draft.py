@@ -1,9 +1,11 @@
 """Routes while they are fitted: what is asked of their legs, whatever a search would like."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from flight_replay.planning.fit.draft import Draft, without_hooks
+from flight_replay.planning.fit.draft import Draft, with_straight_climbs, without_hooks
 from flight_replay.planning.fit.reference import flat_frame
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
@@ -42,6 +44,18 @@ def test_other_curves_stay(places: list[tuple[float, float]], hold: list[float])
     """Where the vehicle flies through, or stops at the end, where legs are alike, and the last."""
     curves = CURVES[: len(places)]
     assert np.array_equal(without_hooks(draft_of(places, curves, hold)).spline, curves)
+
+
+def test_straight_up_and_down_and_to_there_and_from_there_but_for_a_stop() -> None:
+    """Level, down and on from a stop, level again; a draft without steep legs is itself."""
+    draft = draft_of(
+        [(0, 0), (20, 0), (40, 0), (40, 1), (60, 0), (80, 0)], [False] + [True] * 5, [1] + [0] * 5
+    )
+    assert with_straight_climbs(draft) is draft
+    draft.places_m[3:, 2] -= 15.0
+    assert with_straight_climbs(draft).spline.tolist() == [False, True, False, False, False, True]
+    stopping = replace(draft, hold_s=np.array([1.0, 0, 2, 3, 0, 0]))
+    assert with_straight_climbs(stopping).spline.tolist() == [False, True, True, False, True, True]
 
 
 def test_places_are_where_items_hold_them() -> None:

@@ -1,14 +1,16 @@
 """The search among starts, and why it stops."""
 
 from dataclasses import replace
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 import flight_replay.planning.fit.search as search_module
 from flight_replay.exceptions import MissionError
-from flight_replay.planning.fit import untimed_search
-from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints
+from flight_replay.planning.fit import timed_search, untimed_search
+from flight_replay.planning.fit.draft import Draft
+from flight_replay.planning.fit.first_drafts.knot_selection import select_waypoints, selections
 from flight_replay.planning.fit.first_drafts.line_simplification import douglas_peucker, straight_draft
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
@@ -17,7 +19,15 @@ from flight_replay.planning.fit.rounds import State
 from flight_replay.planning.fit.search import search
 from flight_replay.planning.fit.simulated_draft import simulate_draft
 from flight_replay.simulator.dynamics.limits import Limits
-from tests.helpers.fit_tracks import DIVE, along, budget, draft_of, recording_of, wander
+from tests.helpers.fit_tracks import (
+    DIVE,
+    along,
+    budget,
+    draft_of,
+    recording_of,
+    track_through,
+    wander,
+)
 
 
 def problem_and_starts(*, timed: bool) -> tuple[FitProblem, list[FirstDraft]]:
@@ -93,14 +103,33 @@ def test_stops_that_make_the_vehicle_very_late_are_left_out_soon() -> None:
     assert spent.flights > 16
 
 
-def test_where_the_vehicle_comes_down_no_search_goes_on() -> None:
+def dive_problem(draft: Draft, *, timed: bool) -> FitProblem:
+    """To follow what a vehicle flies of it."""
+    return problem_for(recording_of(simulate_draft(draft, Limits(), 0.05)), 20, Limits(), timed=timed)
+
+
+def test_where_the_vehicle_comes_down_no_search_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a dive at 12 m/s and one at 3 m/s the slow one does; if there is none, that is said."""
+    monkeypatch.setattr(untimed_search, "with_straight_climbs", lambda draft: draft)
     slow = replace(DIVE, speed_m_s=np.where(np.isnan(DIVE.speed_m_s), np.nan, 3.0))
-    recording = recording_of(simulate_draft(slow, Limits(), 0.05))
-    problem = problem_for(recording, 20, Limits(), timed=False)
-    spent = budget(20)
+    problem, spent = dive_problem(slow, timed=False), budget(20)
     best, _ = search(problem, [FirstDraft(DIVE, {}), FirstDraft(slow, {})], 20, spent)
     assert best.flight.stays_up
     assert best.objective_m < 1.0
     with pytest.raises(MissionError, match="come down to less than half of its lowest planned height"):
         search(problem, [FirstDraft(DIVE, {})], 20, spent)
+
+
+@pytest.mark.parametrize("way", [timed_search, untimed_search])
+def test_where_the_vehicle_would_fall_out_of_a_curve_it_is_flown_straight(way: ModuleType) -> None:
+    """On a flight that comes home at 9 m/s and descends there, as most do; the first draft is all curves."""
+    corners_m, corners_s = np.array([(-150, 0, 20), (0, 0, 20), (0, 0, 5)]), [0.0, 17.0, 27.0]
+    time_s = np.arange(0.0, 27.0, 0.25)
+    fixes_m = np.column_stack([np.interp(time_s, corners_s, axis) for axis in corners_m.T])
+    recording = local_track(track_through(fixes_m[:, :2], time_s, fixes_m[:, 2]), fixes_m[:, 2])
+    problem = problem_for(recording, 12, Limits(), timed=way is timed_search)
+    start = selections(problem, 12)[0]
+    (begun,) = way.begun(problem, [start], budget(30))
+    assert start.draft.spline[-2:].all()
+    assert not begun.best.draft.spline[-2:].any()
+    assert begun.best.flight.stays_up

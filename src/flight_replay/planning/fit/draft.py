@@ -19,7 +19,7 @@ from flight_replay.mission.items import (
     waypoint,
 )
 from flight_replay.mission.path import Destination, Path, path_through
-from flight_replay.planning.fit.climb_speeds import leg_climbs_m_s
+from flight_replay.planning.fit.climb_speeds import leg_climbs_m_s, steep_legs
 from flight_replay.planning.fit.reference import DECIMALS
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.navigation.hermite import MAX_TANGENTS_PER_CHORD
@@ -163,6 +163,17 @@ def without_hooks(draft: Draft) -> Draft:
     from_stop = np.append(True, draft.hold_s[1:] > 0)[: len(through)]
     spline[1:-1] &= ~(backwards & from_stop & through)
     return replace(draft, spline=spline)
+
+
+def with_straight_climbs(draft: Draft) -> Draft:
+    """The draft with straight legs up, down, and to and from those where it does not stop; itself if it has.
+
+    Out of a curve from level flight to a steep descent a vehicle falls, and flies past it.
+    """
+    steep, through = steep_legs(draft.places_m), draft.hold_s == 0
+    before, behind = np.append(steep[1:] & through[:-1], False), np.append(False, (steep & through)[:-1])
+    spline = draft.spline & ~(steep | before | behind)
+    return draft if np.array_equal(spline, draft.spline) else replace(draft, spline=spline)
 
 
 def with_every_speed(draft: Draft) -> Draft:

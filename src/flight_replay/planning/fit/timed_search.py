@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS
+from flight_replay.planning.fit.draft import with_straight_climbs
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
     FIRST_DAMPING,
@@ -40,6 +41,9 @@ def _rounded(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> l
         some_stay_up = any(state.best.flight.stays_up for state in states)
         if not some_stay_up or budget.affords(_BEGINNING_FLIGHTS):
             on_time = flown_on_schedule(problem, start.draft, start.hovers, budget)
+            if not on_time.flight.stays_up:
+                straight = with_straight_climbs(start.draft)
+                on_time = flown_on_schedule(problem, straight, start.hovers, budget)
             states.append(State(on_time, start.hovers))
     return rounded_hopeful(problem, states, budget, ROUND_FLIGHTS, _BEGINNING_FLIGHTS)
 

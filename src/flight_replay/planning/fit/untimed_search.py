@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf
 
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS
+from flight_replay.planning.fit.draft import with_straight_climbs
 from flight_replay.planning.fit.objective import objective_lower_bound_m
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
@@ -12,6 +13,7 @@ from flight_replay.planning.fit.rounds import (
     SWEEP_FLIGHTS,
     WORTH_GOING_ON,
     State,
+    better,
     flown,
     polished,
     rounded_hopeful,
@@ -32,7 +34,10 @@ def begun(problem: FitProblem, starts: list[FirstDraft], budget: Budget) -> list
         best_m = min((state.objective_m for state in states), default=inf)
         least_m = objective_lower_bound_m(start.draft, problem.recording)
         if best_m == inf or (least_m < best_m and budget.affords(_BEGINNING_FLIGHTS)):
-            states.append(State(flown(problem, start.draft, budget), start.hovers))
+            found, straight = flown(problem, start.draft, budget), with_straight_climbs(start.draft)
+            if straight is not start.draft:
+                found = better(found, flown(problem, straight, budget))
+            states.append(State(found, start.hovers))
     return rounded_hopeful(problem, states, budget, MOVING_FLIGHTS, _BEGINNING_FLIGHTS)
 
 
