@@ -48,9 +48,8 @@ def test_other_curves_stay(places: list[tuple[float, float]], hold: list[float])
 
 def test_straight_up_and_down_and_to_there_and_from_there_but_for_a_stop() -> None:
     """Level, down and on from a stop, level again; a draft without steep legs is itself."""
-    draft = draft_of(
-        [(0, 0), (20, 0), (40, 0), (40, 1), (60, 0), (80, 0)], [False] + [True] * 5, [1] + [0] * 5
-    )
+    places: list[tuple[float, float]] = [(0, 0), (20, 0), (40, 0), (40, 1), (60, 0), (80, 0)]
+    draft = draft_of(places, [False, True, True, True, True, True], [1, 0, 0, 0, 0, 0])
     assert with_straight_climbs(draft) is draft
     draft.places_m[3:, 2] -= 15.0
     assert with_straight_climbs(draft).spline.tolist() == [False, True, False, False, False, True]
