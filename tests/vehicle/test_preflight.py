@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from flight_replay.events import VehicleState
@@ -11,6 +12,7 @@ from flight_replay.exceptions import FlightReplayError, MissionError, VehicleErr
 from flight_replay.mission.items import Frame, Home, Mission, MissionItem, change_speed, waypoint
 from flight_replay.vehicle.identity import Identity
 from flight_replay.vehicle.preflight import MAX_DISTANCE_M, check
+from flight_replay.vehicle.route_words import MotionWords
 
 COPTER = Identity(
     system=1, vehicle_type=2, autopilot=3, version="4.6.0", takes_item_int=True, simulated=False
@@ -57,6 +59,9 @@ def test_an_unknown_battery_is_unknown_in_the_briefing() -> None:
         ({"FS_GCS_ENABLE": 1.0, "SYSID_MYGCS": 254.0}, "SYSID_MYGCS is 254, not 255"),
         ({"FS_GCS_ENABLE": 1.0, "MAV_GCS_SYSID": 1.0}, "MAV_GCS_SYSID is 1, not 255"),
         ({"FS_GCS_ENABLE": 1.0, "MAV_GCS_SYSID": 1.0, "MAV_GCS_SYSID_HI": 255.0}, ""),
+        ({"FS_GCS_ENABLE": 2.0}, "FS_GCS_ENABLE is 2"),
+        ({"FS_GCS_ENABLE": 1.0, "FS_OPTIONS": 18.0}, "FS_OPTIONS is 18: AUTO goes on"),
+        ({"FS_GCS_ENABLE": 1.0, "FS_OPTIONS": 16.0}, ""),
         ({"FS_GCS_ENABLE": 1.0, "SYSID_MYGCS": 255.0}, ""),
         ({}, ""),
     ],
@@ -66,6 +71,13 @@ def test_the_briefing_names_a_failsafe_that_does_not_act(parameters: dict[str, f
     identity = replace(COPTER, parameters=parameters)
     lines = check(identity, route(1), HERE, takeoff_altitude_m=30.0).lines[5:]
     assert lines == ((f"Lost link: the vehicle does not come home by itself ({why})",) if why else ())
+
+
+def test_in_guided_the_failsafe_acts_that_does_not_in_auto() -> None:
+    """Options that let a mission go on are of AUTO alone."""
+    identity = replace(COPTER, parameters={"FS_GCS_ENABLE": 1.0, "FS_OPTIONS": 2.0})
+    words = MotionWords(np.zeros(2))
+    assert len(check(identity, route(1), HERE, takeoff_altitude_m=30.0, words=words).lines) == 5
 
 
 def test_a_far_away_first_waypoint_is_refused() -> None:

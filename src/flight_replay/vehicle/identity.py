@@ -33,12 +33,14 @@ RTL_END_PARAMETERS = ("RTL_ALT_FINAL", "RTL_ALT_FINAL_M")
 """Where RTL ends, 0 on the ground: cm, or in 4.7 metres."""
 _RTL_LOITER, _USUAL_RTL_LOITER_MS = "RTL_LOIT_TIME", 5000.0
 _RALLY_POINTS, _RALLY_LIMIT_KM = "RALLY_TOTAL", "RALLY_LIMIT_KM"
-_GCS_FAILSAFE = "FS_GCS_ENABLE"
+_GCS_FAILSAFE, _FAILSAFE_OPTIONS = "FS_GCS_ENABLE", "FS_OPTIONS"
+_OR_AUTO_GOES_ON = 2
+"""Of ``FS_GCS_ENABLE`` before 4.0; since then it is a bit of ``FS_OPTIONS``."""
 _GCS_SYSTEMS, _LAST_GCS_SYSTEM = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
 """Whose heartbeats the failsafe counts, up to 4.6 and in 4.7, where it may be all up to a last one, or 0."""
 _CHECKED_PARAMETERS = (
     *FENCE_PARAMETERS, *RTL_END_PARAMETERS, _RTL_LOITER, _RALLY_POINTS, _RALLY_LIMIT_KM,
-    _GCS_FAILSAFE, *_GCS_SYSTEMS, _LAST_GCS_SYSTEM,
+    _GCS_FAILSAFE, _FAILSAFE_OPTIONS, *_GCS_SYSTEMS, _LAST_GCS_SYSTEM,
 )  # fmt: skip
 
 
@@ -78,11 +80,14 @@ class Identity:
         limit_km = self.parameters.get(_RALLY_LIMIT_KM, 0.0)
         return limit_km * 1000.0 if limit_km > 0 else inf
 
-    @property
-    def without_failsafe(self) -> str:
-        """Why no failsafe acts when this program's link is lost; empty where one does, or is unknown."""
-        if self.parameters.get(_GCS_FAILSAFE, 1.0) == 0.0:
-            return f"{_GCS_FAILSAFE} is 0"
+    def without_failsafe(self, mode: str) -> str:
+        """Why no failsafe acts when the link is lost in a mode; empty where one does, or it is unknown."""
+        enabled = self.parameters.get(_GCS_FAILSAFE, 1.0)
+        options = self.parameters.get(_FAILSAFE_OPTIONS, 0.0)
+        if enabled == 0 or (enabled == _OR_AUTO_GOES_ON and mode == "AUTO"):
+            return f"{_GCS_FAILSAFE} is {enabled:.0f}"
+        if int(options) & _OR_AUTO_GOES_ON and mode == "AUTO":
+            return f"{_FAILSAFE_OPTIONS} is {options:.0f}: AUTO goes on"
         last = self.parameters.get(_LAST_GCS_SYSTEM, 0.0)
         for name in _GCS_SYSTEMS:
             first = self.parameters.get(name, OUR_SYSTEM)

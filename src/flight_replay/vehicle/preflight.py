@@ -121,7 +121,7 @@ def _briefing(
         first_m=float(distances_m[0]),
         farthest_m=float(distances_m.max()),
         highest_m=float(heights_m.max()),
-        without_failsafe=identity.without_failsafe,
+        without_failsafe=identity.without_failsafe(words.mode),
     )
 
 

@@ -13,6 +13,10 @@ class RouteWords(Protocol):
     """What a person is told of places on a route; ``seq`` is a waypoint's number, from 1 on."""
 
     @property
+    def mode(self) -> str:
+        """The mode in which the route is flown."""
+
+    @property
     def beginning(self) -> str:
         """Where the route begins, such as "the first waypoint"."""
 
@@ -29,6 +33,7 @@ class RouteWords(Protocol):
 class MissionWords:
     """A mission is told of by its waypoints."""
 
+    mode = "AUTO"
     beginning = "the first waypoint"
 
     def place(self, seq: int) -> str:
@@ -50,6 +55,7 @@ class MotionWords:
 
     times_s: Floats
 
+    mode = "GUIDED"
     beginning = "the beginning of the motion"
 
     def place(self, seq: int) -> str:
