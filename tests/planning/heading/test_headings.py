@@ -78,9 +78,17 @@ def test_headings_that_are_far_off_are_told_once(monkeypatch: pytest.MonkeyPatch
     )
 
 
+def test_a_mission_that_is_over_before_the_first_heading_says_nothing_of_them() -> None:
+    """Of a recording whose only heading is its last fix's, flown twice as fast."""
+    track = straight_track()
+    headings_deg = np.append(np.full(len(track) - 1, np.nan), 90.0)
+    route = spaced_route(replace(track, heading_deg=headings_deg), spacing_m=30.0, speed_m_s=8.0)
+    assert not any("degrees off" in note for note in with_recorded_headings(route, 30.0, timed=True).notes)
+
+
 def test_a_recording_without_times_is_not_to_be_followed() -> None:
     """Nothing follows what has none."""
-    assert headings._off_note(np.array([90.0, np.nan, 0.0]), can_follow=False) == (
+    assert headings._off_note(np.array([90.0, 0.0]), can_follow=False) == (
         "50 % of the headings are expected to be more than 30 degrees off, the worst 90 degrees."
     )
 

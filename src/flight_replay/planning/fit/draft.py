@@ -166,7 +166,7 @@ def without_hooks(draft: Draft) -> Draft:
 
 
 def with_straight_climbs(draft: Draft) -> Draft:
-    """The draft with straight legs up, down, and to and from those where it does not stop; itself if it has.
+    """The draft with straight steep legs, and straight to and from them but for stops; itself if it has such.
 
     Out of a curve from level flight to a steep descent a vehicle falls, and flies past it.
     """

@@ -60,8 +60,8 @@ def with_recorded_headings(route: Route, takeoff_m: float, *, timed: bool) -> Ro
 def _turned(route: Route, takeoff_m: float, *, timed: bool) -> tuple[Mission, Floats]:
     """The best mission by the predicted heading error, and by how well it keeps the plan's time.
 
-    Beside it how far off its headings (n,) are expected to be from the first waypoint on, not a number
-    where none was recorded.
+    Beside it how far off its headings (n,) are expected to be from the first waypoint on, where one was
+    recorded.
     """
     mission, limits = route.mission, route.limits.limits
     flight = plan = PredictedFlight.of(route, takeoff_m)
@@ -73,8 +73,10 @@ def _turned(route: Route, takeoff_m: float, *, timed: bool) -> tuple[Mission, Fl
         turned = replace(mission, items=tuple(_merged(mission.items, items, route.frame)))
         flight = PredictedFlight.of(replace(route, mission=turned), takeoff_m)
         off_deg = np.abs(turn_deg(flight.heading_deg, flight.wanted_deg(route.wanted, timed=timed)))
-        cost = float(np.nanmean(off_deg)) + _SHIFT_COST_DEG_S * _shift_s(flight, plan)
-        found.append((cost, turned, off_deg[flight.time_s >= flight.begin_s[1]]))
+        known = np.isfinite(off_deg)
+        cost = float(off_deg[known].mean()) if known.any() else 0.0
+        cost += _SHIFT_COST_DEG_S * _shift_s(flight, plan)
+        found.append((cost, turned, off_deg[known & (flight.time_s >= flight.begin_s[1])]))
     _, mission, off_deg = min(found, key=lambda each: each[0])
     return mission, off_deg
 
@@ -128,11 +130,11 @@ def _added_note(added: int, *, timed: bool) -> str:
 
 def _off_note(off_deg: Floats, *, can_follow: bool) -> str:
     """A sentence where many headings (n,) are expected to be far off, else nothing."""
-    share = np.count_nonzero(off_deg > _OFF_DEG) / np.count_nonzero(np.isfinite(off_deg))
+    share = np.count_nonzero(off_deg > _OFF_DEG) / max(len(off_deg), 1)
     if share <= _WORTH_TELLING_SHARE:
         return ""
     next_step = "; --mode guided follows them more closely" if can_follow else ""
     return (
         f"{100.0 * share:.0f} % of the headings are expected to be more than {_OFF_DEG:.0f} degrees off, the "
-        f"worst {np.nanmax(off_deg):.0f} degrees{next_step}."
+        f"worst {off_deg.max():.0f} degrees{next_step}."
     )
