@@ -44,3 +44,12 @@ def test_roll_and_pitch_share_the_highest_rate() -> None:
     leans = [lean_north(yaw_rad, slow) for yaw_rad in (0.0, pi / 2, pi / 4)]
     assert leans == pytest.approx([leans[0]] * 3, rel=0.05)
     assert max(leans) < radians(30.0) * 0.15
+
+
+def test_the_more_a_copter_leans_the_more_a_turn_changes_its_lean() -> None:
+    """On the way from 0.45 to as much the other way it is at 0.205 after 0.15 s, not at 0.23."""
+    airframe = Airframe(Limits(), (0.0, 0.0, 100.0), 0.0, Air(), 0.0025)
+    for wanted_m_s2, steps in ((4.41, 400), (-4.41, 60)):
+        for _ in range(steps):
+            airframe.step(wanted_m_s2, 0.0, Limits().hover_throttle)
+    assert airframe.target_lean[0] == pytest.approx(0.205, abs=0.01)

@@ -24,7 +24,7 @@ from flight_replay.planning.fit.reference import DECIMALS
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.navigation.hermite import MAX_TANGENTS_PER_CHORD
 
-_DEGREE_DECIMALS = 7
+_DEGREE_DECIMALS, _HEIGHT_DECIMALS = 7, 2
 _SHAPING_PLACES = 2
 """How many places before and behind legs shape their curves."""
 
@@ -95,13 +95,14 @@ class Draft:
         return climbs_m_s, np.where(np.isfinite(climbs_m_s), every_m_s, self.speed_m_s)
 
     def as_items_hold_it(self, frame: FlatFrame) -> Draft:
-        """The draft with its places at degrees to 1e-7, in steps of a centimetre; itself if they are there.
+        """The draft with its places at degrees to 1e-7 and heights in whole centimetres; itself if they are.
 
         So little counts: from rest to rest a leg of a centimetre takes a second, one of none no time at all,
         and a vehicle may be through the cusp of a spline seconds sooner for it.
         """
         places_m = self.places_m.copy()
         lat_deg, lon_deg = frame.to_degrees(places_m[:, :2])
+        places_m[:, 2] = places_m[:, 2].round(_HEIGHT_DECIMALS)
         places_m[:, :2] = frame.to_metres(lat_deg.round(_DEGREE_DECIMALS), lon_deg.round(_DEGREE_DECIMALS))
         held = replace(self, places_m=places_m)
         return self if np.array_equal(held.places_m, self.places_m) else held

@@ -12,6 +12,7 @@ from math import atan, cos, exp, pi, sin
 from typing import Final
 
 from flight_replay.simulator.dynamics.aerodynamics import Air
+from flight_replay.simulator.dynamics.body_turns import lean_rate, turn_between
 from flight_replay.simulator.dynamics.heading import Heading
 from flight_replay.simulator.dynamics.limits import GRAVITY_M_S2, Limits
 from flight_replay.simulator.dynamics.shaping import sqrt_controller, step_towards
@@ -148,7 +149,11 @@ class Airframe(SnapshotPart):
     def _lean_towards(self, lean_n: float, lean_e: float) -> None:
         """Move the attitude target with limited rate and acceleration, and the lean after it."""
         dt = self.dt
-        rate_n, rate_e = self._next_lean_rates(lean_n - self._target_n, lean_e - self._target_e)
+        c, s = self._target_unit
+        target = self._target_n * c + self._target_e * s, self._target_e * c - self._target_n * s
+        turn = turn_between(target, (lean_n * c + lean_e * s, lean_e * c - lean_n * s))
+        forward, right = lean_rate(target, self._next_turn_rates(turn))
+        rate_n, rate_e = forward * c - right * s, forward * s + right * c
         # The lean follows a target that moves on evenly, so that its lag is the same in steps of any length.
         decay = self._lean_decay
         late_n, late_e = rate_n * _LEAN_LAG_S, rate_e * _LEAN_LAG_S
@@ -158,20 +163,19 @@ class Airframe(SnapshotPart):
         self.lean_n = self._target_n - late_n - behind_n * decay
         self.lean_e = self._target_e - late_e - behind_e * decay
 
-    def _next_lean_rates(self, error_n: float, error_e: float) -> tuple[float, float]:
-        """Next rates of the lean north and east, rad/s, that remove its errors; a limit of 0 is none."""
-        c, s = self._target_unit
-        forward = self._next_lean_rate(error_n * c + error_e * s, self._rate_forward)
-        right = self._next_lean_rate(error_e * c - error_n * s, self._rate_right)
+    def _next_turn_rates(self, turn: tuple[float, float]) -> tuple[float, float]:
+        """Next rates, forward and to the right, rad/s, for a turn that is wanted; a limit of 0 is none."""
+        forward = self._next_turn_rate(turn[0], self._rate_forward)
+        right = self._next_turn_rate(turn[1], self._rate_right)
         rate_max = self._limits.lean_rate_rad_s
         if rate_max > 0:
             share = min(1.0, rate_max / max(norm(forward, right), 1e-9))
             forward, right = forward * share, right * share
         self._rate_forward, self._rate_right = forward, right
-        return forward * c - right * s, forward * s + right * c
+        return forward, right
 
-    def _next_lean_rate(self, error: float, rate: float) -> float:
-        """Next rate of the lean along an axis of the body (input_shaping_angle)."""
+    def _next_turn_rate(self, error: float, rate: float) -> float:
+        """Next rate about one axis of the body (input_shaping_angle)."""
         limits, dt = self._limits, self.dt
         accel_max = limits.lean_accel_rad_s2
         wanted = sqrt_controller(error, 1.0 / max(limits.attitude_input_s, 0.01), accel_max, dt)

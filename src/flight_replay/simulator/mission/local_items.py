@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from flight_replay.geometry.flat_earth import FlatFrame
 from flight_replay.mission.items import FIRST_SEQ, Command, Frame, Mission
-from flight_replay.simulator.mission.stored_params import PARAM_RULES, stored_params
+from flight_replay.simulator.mission.stored_params import PARAM_RULES, stored_altitude_cm, stored_params
 
 Params = tuple[float, float, float, float]
 
@@ -89,14 +89,15 @@ def local_items(mission: Mission, frame: FlatFrame, home_amsl_m: float) -> tuple
         zip(mission.items, north_east.tolist(), strict=True), FIRST_SEQ
     ):
         is_here = item.lat_deg == 0 and item.lon_deg == 0
-        up = item.alt_m - (home_amsl_m if item.frame in _ABSOLUTE_FRAMES else 0.0)
+        alt_m = stored_altitude_cm(item.alt_m) / 100.0
+        up = alt_m - (home_amsl_m if item.frame in _ABSOLUTE_FRAMES else 0.0)
         items.append(
             LocalItem(
                 seq,
                 copter_command(int(item.command)),
                 stored_params(item.command, item.params) if item.command in PARAM_RULES else item.params,
                 None if is_here else (north, east),
-                None if item.alt_m == 0 else up,
+                None if alt_m == 0 else up,
                 item.frame in _TERRAIN_FRAMES,
             )
         )

@@ -15,6 +15,7 @@ from flight_replay.simulator.mission.stored_params import (
     PARAM_RULES,
     STORED_IN_LOCATION,
     float32,
+    stored_altitude_cm,
     stored_params,
 )
 
@@ -72,7 +73,7 @@ def to_stored_item(message: Message) -> StoredItem:
     if frame is None:
         raise ItemRejected(dialect.MAV_MISSION_UNSUPPORTED_FRAME)
     return StoredItem(
-        message.command, frame, stored_params(message.command, params), x, y, int(float32(message.z * 100.0))
+        message.command, frame, stored_params(message.command, params), x, y, stored_altitude_cm(message.z)
     )
 
 

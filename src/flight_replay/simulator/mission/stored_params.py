@@ -25,6 +25,11 @@ def float32(value: float) -> float:
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
+def stored_altitude_cm(alt_m: float) -> int:
+    """The altitude of an item as it is kept: cut off to a whole centimetre (mavlink_int_to_mission_cmd)."""
+    return int(float32(float32(alt_m) * 100.0))
+
+
 def _flag(value: float) -> float:
     return float(value > 0)
 
