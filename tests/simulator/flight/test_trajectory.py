@@ -104,7 +104,7 @@ def test_long_steps_are_not_ahead_in_sharp_turns() -> None:
             simulate(_winding_mission(seed), LIMITS, step_s=step).reached_s for step in (0.0025, 0.02)
         )
         ahead_s.append(np.mean([fine[seq] - coarse[seq] for seq in fine.keys() & coarse.keys()]))
-    assert abs(np.mean(ahead_s)) < 0.015
+    assert abs(np.mean(ahead_s)) < 0.02
 
 
 def test_part_of_a_mission_may_be_flown_from_anywhere() -> None:
