@@ -8,11 +8,9 @@ import pytest
 from flight_replay.planning.fit.first_drafts.line_simplification import straight_draft
 from flight_replay.planning.fit.lateness import position_offsets_m
 from flight_replay.planning.fit.objective import (
-    CREEPING_M_S,
     PATH_SHARES,
     TIMED_PATH_SHARES,
     Evaluation,
-    creeping_s,
     evaluate,
     objective_lower_bound_m,
     seconds_cost_m_s,
@@ -60,41 +58,12 @@ def evaluation_with(planned_m: list[float], flown_m: list[float], late_m: list[f
     n = len(planned_m)
     recording = local_track(along([(0, 0), (n - 1, 0)], 1.0, rate_hz=1.0), 20.0)
     line = straight_draft(recording, np.array([0, n - 1]))
-    whole = replace(
-        evaluate(simulate_draft(line, Limits(), 0.05), recording, timed=True), creeping_s=np.empty(0)
-    )
+    whole = evaluate(simulate_draft(line, Limits(), 0.05), recording, timed=True)
     planned, flown = (
         (Offsets(np.zeros(n, np.intp), np.zeros(n), np.column_stack([np.zeros(n), off])),) * 2
         for off in (planned_m, flown_m)
     )
     return replace(whole, planned=planned, flown=flown, late_off_m=np.array(late_m)[:, None])
-
-
-def test_creeping_costs_and_stopping_does_not() -> None:
-    """Ten seconds at 3 cm/s halfway, where the vehicle is to stop or not; the ends are stops."""
-    draft = straight_draft(local_track(along([(0, 0), (30, 0), (60, 0)], 4.0), 20.0), np.array([0, 30, 60]))
-    stopping = replace(draft, hold_s=np.array([0.0, 3.0, 0.0]))
-    time_s = np.arange(0.0, 30.0, 0.1)
-    hover_m = np.column_stack([np.interp(time_s, [0, 10, 20, 30], [0, 30, 30.3, 60]), np.zeros(len(time_s))])
-    assert creeping_s(draft, time_s, hover_m).sum() == pytest.approx(10.0, abs=0.2)
-    assert not creeping_s(stopping, time_s, hover_m).any()
-    for back_from_m in (59.9, 60.9):
-        at_end_m = np.column_stack(
-            [np.interp(time_s, [0, 10, 30], [0, back_from_m, 60]), np.zeros(len(time_s))]
-        )
-        assert not creeping_s(draft, time_s, at_end_m).any()
-
-
-def test_a_slow_climb_is_no_creeping() -> None:
-    """Where heights count the vehicle moves as it climbs, away from the stops below and above."""
-    draft = replace(
-        straight_draft(local_track(along([(0, 0), (1, 0)], 1.0), 20.0), np.array([0, 4])),
-        places_m=np.array([(0, 0, 10), (0, 0, 40)], float),
-    )
-    time_s = np.arange(0.0, 60.0, 0.1)
-    climb_m = np.column_stack([np.zeros((len(time_s), 2)), 10.0 + 0.5 * time_s])
-    assert not creeping_s(draft, time_s, climb_m).any()
-    assert creeping_s(draft, time_s, climb_m * (1.0, 1.0, 0.5)).any()
 
 
 def test_the_objective_is_a_sum_with_fixed_shares() -> None:
@@ -105,8 +74,6 @@ def test_the_objective_is_a_sum_with_fixed_shares() -> None:
     assert evaluation_with([1, 1, 1], [2, 2, 2], [2, 4, 6]).objective_m == pytest.approx(
         3.0 + TIMED_PATH_SHARES[1]
     )
-    creeping = replace(evaluation_with([0, 0, 0], [2, 2, 2], [0, 0, 0]), creeping_s=np.array([4.0, 6.0]))
-    assert creeping.objective_m == pytest.approx(2.0 + 10.0 * CREEPING_M_S)
 
 
 def test_one_fix_at_2_m_counts_as_sixteen_at_1_m() -> None:

@@ -4,7 +4,6 @@ The objective, in metres, smaller is better:
 
     shares x path errors, flown and planned
     + time share x what the position errors cost on average, flown
-    + CREEPING_M_S x seconds of creeping, where the recorded speed is kept
 
 "Flown" is what the model of ArduCopter predicts, "planned" the path on paper. A path error counts both
 ways, half and half: from every fix to the path, matched in order, and from every part of the path
@@ -28,7 +27,7 @@ from math import inf
 import numpy as np
 
 from flight_replay.geometry.arrays import Floats
-from flight_replay.geometry.polyline import lengths_m, segment_lengths_m, speeds_m_s
+from flight_replay.geometry.polyline import lengths_m, speeds_m_s
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.lateness import (
     counted_offsets_m,
@@ -46,9 +45,6 @@ there the planned path has to lead the vehicle, which swings out of curves.
 """
 LATE_SHARE, TIME_SHARE = 0.15, 0.25
 """Where the recorded speed is not asked for, and where it is kept."""
-CREEPING_M_S, CREEPING_SPEED_M_S = 0.05, 0.3
-_AT_STOP_M = 1.0
-"""A vehicle that comes to rest shoots past its stop and comes back slowly: so near it does not creep."""
 _LEAST_SCALE_M = 0.4
 
 
@@ -59,8 +55,7 @@ class Evaluation:
     ``planned`` and ``flown`` are each the offsets of both ways: of the fixes, and of the path's own points.
     ``flown_s`` (n,) is when the vehicle flies by each fix, ``late_off_m`` (n, axes) the way from where it
     ought to be at the time of each, as far as that counts, see ``lateness``.
-    ``creeping_s`` is how much of each step of the flight it creeps, where that counts; ``timed`` whether the
-    recorded speed is to be kept.
+    ``timed`` says whether the recorded speed is to be kept.
     """
 
     flight: SimulatedDraft
@@ -68,7 +63,6 @@ class Evaluation:
     flown: tuple[Offsets, Offsets]
     flown_s: Floats
     late_off_m: Floats
-    creeping_s: Floats
     timed: bool
 
     @property
@@ -115,10 +109,7 @@ class Evaluation:
         """The number that the fit makes small, see the module; infinite if the vehicle does not stay up."""
         if not self.flight.stays_up:
             return inf
-        late = self.time_share * float(lateness_cost_m(self.late_m).mean()) + CREEPING_M_S * float(
-            self.creeping_s.sum()
-        )
-        return self.path_cost_m + late
+        return self.path_cost_m + self.time_share * float(lateness_cost_m(self.late_m).mean())
 
 
 def path_error_m(both_ways: tuple[Offsets, Offsets]) -> float:
@@ -143,7 +134,7 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
     Args:
         evaluation: a draft as it is flown.
         scales_m: the path errors, flown and planned.
-        whole: whether being late and creeping count, or the path errors only.
+        whole: whether being late counts, or the path errors only.
     """
     legs = len(evaluation.draft)
     cost = np.zeros(legs)
@@ -156,15 +147,7 @@ def leg_costs_m(evaluation: Evaluation, scales_m: tuple[float, float], *, whole:
         cost_m = lateness_cost_m(evaluation.late_m)
         by_leg_m = np.bincount(evaluation.planned[0].leg, cost_m, minlength=legs)
         cost += evaluation.time_share * by_leg_m / len(cost_m)
-        cost += CREEPING_M_S * _creeping_by_leg_s(evaluation)
     return cost
-
-
-def _creeping_by_leg_s(evaluation: Evaluation) -> Floats:
-    """How long the vehicle creeps on the leg to each place (n,)."""
-    slow, legs = np.flatnonzero(evaluation.creeping_s), len(evaluation.draft)
-    leg = np.searchsorted(evaluation.passed_s, evaluation.flight.time_s[slow]).clip(max=legs - 1)
-    return np.asarray(np.bincount(leg, evaluation.creeping_s[slow], minlength=legs), float)
 
 
 def seconds_cost_m_s(evaluation: Evaluation, recording: LocalTrack) -> Floats:
@@ -197,20 +180,4 @@ def evaluate(flight: SimulatedDraft, recording: LocalTrack, *, timed: bool) -> E
     late_off_m = counted_offsets_m(off_m, recording, matched.flown_s)
     if not timed:
         late_off_m = np.where((matched.flown_s > recording.time_s)[:, None], late_off_m, 0.0)
-    place_m = flight.place_m[:, : recording.axes]
-    slow_s = creeping_s(flight.draft, flight.time_s, place_m) if timed else np.empty(0)
-    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_off_m, slow_s, timed)
-
-
-def creeping_s(draft: Draft, time_s: Floats, place_m: Floats) -> Floats:
-    """How long of each step (k - 1,) a vehicle creeps that is at such places (k, axes) at such times (k,)."""
-    steps_s = np.diff(time_s)
-    slow = np.flatnonzero(segment_lengths_m(place_m) < CREEPING_SPEED_M_S * steps_s)
-    creeping = np.zeros_like(steps_s)
-    if len(slow):
-        stops = draft.hold_s > 0
-        stops[0] = stops[-1] = True
-        apart_m = lengths_m(place_m[slow, None] - draft.places_m[stops, : place_m.shape[1]])
-        away = slow[apart_m.min(axis=1) > _AT_STOP_M]
-        creeping[away] = steps_s[away]
-    return creeping
+    return Evaluation(flight, matched.planned, matched.flown, matched.flown_s, late_off_m, timed)

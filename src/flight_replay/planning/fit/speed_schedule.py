@@ -20,7 +20,7 @@ from flight_replay.planning.fit.offsets import CURVE_TOLERANCE_M, Offsets
 from flight_replay.planning.fit.reference import LEAST_HOLD_S, Hover, LocalTrack
 
 SLOWEST_M_S = 0.35
-"""A little more than creeping (``objective.CREEPING_SPEED_M_S``); ArduCopter ignores less than 0.2 m/s."""
+"""ArduCopter ignores less than 0.2 m/s."""
 SLOWEST_BETWEEN_WAITS_M_S = 0.7
 """A vehicle's estimate of its velocity is centimetres a second off: from rest to rest at 0.35 m/s a real one
 came 0.2 s late, with all that followed. It waits instead."""

@@ -1,13 +1,10 @@
 """Of a step that failed as a whole, what is better for it is kept."""
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
 
 from flight_replay.planning.fit.draft import Draft
 from flight_replay.planning.fit.fit import problem_for
-from flight_replay.planning.fit.objective import Evaluation, leg_costs_m, scales_of
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.reference import local_track
 from flight_replay.planning.fit.steps.better_parts import cheapest_sequence, places_better
 from flight_replay.simulator.dynamics.limits import Limits
@@ -31,22 +28,6 @@ def test_places_are_taken_where_the_trial_is_better() -> None:
     better = places_better(flown(2), flown(8))
     assert better[2]
     assert not better[8]
-
-
-def test_creeping_is_worse_on_the_leg_on_which_it_is() -> None:
-    """Ten seconds of it, on the way to one of the places."""
-    base = flown()
-    slow_s = np.zeros(len(base.flight.time_s) - 1)
-    at = int(np.searchsorted(base.flight.time_s, base.passed_s[4])) - 20
-    slow_s[at] = 10.0
-    creeping = replace(base, creeping_s=slow_s)
-    more_m = leg_costs_m(creeping, scales_of(base), whole=True) - leg_costs_m(
-        base, scales_of(base), whole=True
-    )
-    assert np.flatnonzero(more_m).tolist() == [4]
-    assert more_m[4] == pytest.approx(creeping.objective_m - base.objective_m)
-    assert not places_better(base, creeping)[4]
-    assert places_better(creeping, base)[4]
 
 
 def test_the_cheapest_sequence_is_the_cheapest_of_all() -> None:
