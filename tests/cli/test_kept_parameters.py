@@ -18,7 +18,7 @@ from flight_replay.cli.kept_parameters import (
 from flight_replay.events import Event, Notice
 from flight_replay.exceptions import FlightReplayError, VehicleError
 
-WANTED = {"GUID_TIMEOUT": 0.5}
+WANTED = {"GUID_TIMEOUT": 0.5, "WPNAV_SPEED": 1200.0}
 
 
 class FakeConnected:
@@ -32,15 +32,17 @@ class FakeConnected:
         return {name: self.values[name] for name in names if name in self.values}
 
     @contextmanager
-    def parameters_set(self, wanted: Mapping[str, float], restored: Callable[[], None]) -> Iterator[None]:
+    def parameters_set(
+        self, wanted: Mapping[str, float], put_back: Callable[[Mapping[str, str]], None]
+    ) -> Iterator[None]:
         before = self.parameters(wanted)
         self.values.update(wanted)
         try:
             yield
         finally:
-            if self.restores:
-                self.values.update(before)
-                restored()
+            unset = {} if self.restores else {"GUID_TIMEOUT": "it stays 0.5"}
+            self.values.update({name: value for name, value in before.items() if name not in unset})
+            put_back(unset)
         if not self.restores:
             raise VehicleError("it stays 0.5")
 
@@ -78,18 +80,19 @@ def test_the_file_is_there_only_during_the_flight(tmp_path: Path, during: Callab
         during()
 
     assert flown(connected, tmp_path, look) == []
-    assert files == [{"GUID_TIMEOUT": 3.0}]
+    assert files == [{"GUID_TIMEOUT": 3.0, "WPNAV_SPEED": 1000.0}]
     assert list(tmp_path.iterdir()) == []
     assert connected.values["GUID_TIMEOUT"] == 3.0
     assert told_by_the_next_run(connected, tmp_path) == []
 
 
-def test_what_is_not_put_back_is_told_with_the_command(tmp_path: Path) -> None:
-    """At once, and again by the next run, until it is as before."""
+@pytest.mark.parametrize("during", [lambda: None, interrupt], ids=["flown", "interrupted"])
+def test_what_is_not_put_back_is_told_with_the_command(tmp_path: Path, during: Callable[[], None]) -> None:
+    """At once, and it alone; and again by the next run, until it is as before."""
     connected = FakeConnected(restores=False)
-    (told,) = flown(connected, tmp_path)
+    (told,) = flown(connected, tmp_path, during)
     (path,) = tmp_path.iterdir()
-    assert "GUID_TIMEOUT may not be as before" in told
+    assert told.startswith("GUID_TIMEOUT may not be as before")
     assert told.endswith(f"restore {path.name}")
     (again,) = told_by_the_next_run(connected, tmp_path)
     assert "GUID_TIMEOUT 0.5 instead of 3" in again
@@ -111,7 +114,7 @@ def test_nothing_is_kept_for_a_vehicle_that_is_not_changed(tmp_path: Path) -> No
 
 def test_nothing_is_kept_where_nothing_changes(tmp_path: Path) -> None:
     connected = FakeConnected(restores=False)
-    connected.values["GUID_TIMEOUT"] = 0.5
+    connected.values |= WANTED
     assert flown(connected, tmp_path, lambda: pytest.fail() if list(tmp_path.iterdir()) else None) == []
 
 

@@ -5,7 +5,7 @@ A program that is killed cannot put them back: the file then stays, and the next
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import datetime
 from math import isclose
@@ -40,8 +40,8 @@ def kept_parameters(
         connected: the vehicle.
         wanted: parameters in its own units.
         folder: where the file is.
-        command: for people, where they are not put back.
-        listener: gets a notice of that.
+        command: for people, where not all are put back.
+        listener: gets a notice of those.
 
     Raises:
         VehicleError: The vehicle is armed, has no such parameter, or does not accept or restore a value.
@@ -52,21 +52,19 @@ def kept_parameters(
     if not changed:
         yield
         return
-    path, restored = unused_path(folder / f"{_NAME}{datetime.now():%Y%m%d-%H%M%S}{SUFFIXES[0]}"), False
-
-    def put_back() -> None:
-        nonlocal restored
-        restored = True
-        _discard(path)
-
-    change = connected.parameters_set(changed, put_back)  # Refuses an armed vehicle: no file of it.
+    path = unused_path(folder / f"{_NAME}{datetime.now():%Y%m%d-%H%M%S}{SUFFIXES[0]}")
+    left = set(changed)
+    # Refuses an armed vehicle: no file of it.
+    change = connected.parameters_set(changed, left.intersection_update)
     write_atomically(path, parameter_text({name: before[name] for name in changed if name in before}))
     try:
         with change:
             yield
     finally:
-        if not restored:
-            listener(Notice(_not_put_back(changed, command(path)), warning=True))
+        if left:
+            listener(Notice(_not_put_back(sorted(left), command(path)), warning=True))
+        else:
+            _discard(path)
 
 
 def _discard(path: Path) -> None:
@@ -75,7 +73,7 @@ def _discard(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _not_put_back(names: Mapping[str, float], command: str) -> str:
+def _not_put_back(names: Iterable[str], command: str) -> str:
     return f"{', '.join(names)} may not be as before the flight; to put back what was, run: {command}"
 
 

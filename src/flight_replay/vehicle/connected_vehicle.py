@@ -37,6 +37,7 @@ from flight_replay.vehicle.protocol.commands import CommandSender
 from flight_replay.vehicle.protocol.mission_storage import NOT_REPLACED, MissionStorage
 from flight_replay.vehicle.protocol.motion_targets import MotionTargets
 from flight_replay.vehicle.protocol.parameters import (
+    PutBack,
     limits_as_parameters,
     parameters_set,
     read_parameters,
@@ -291,18 +292,18 @@ class ConnectedVehicle:
         return {name: value for name, value in values.items() if name in wanted}
 
     def parameters_set(
-        self, wanted: Mapping[str, float], restored: Callable[[], None] = lambda: None
+        self, wanted: Mapping[str, float], put_back: PutBack = lambda unset: None
     ) -> AbstractContextManager[None]:
         """Set parameters, in the vehicle's own units, for as long as the context lasts.
 
-        ``restored`` is called once the vehicle has confirmed the values of before.
+        ``put_back`` is called after that, with why not for each that the vehicle did not confirm.
 
         Raises:
             VehicleError: The vehicle is armed.
         """
         if wanted:
             self._refuse_armed(_PARAMETERS_UNCHANGED, _HEARTBEAT_AGE_S, _NO_DATA_S)
-        return parameters_set(self._vehicle_link, wanted, restored)
+        return parameters_set(self._vehicle_link, wanted, put_back)
 
     def set_speedup(self, speedup: float | None) -> None:
         """Run a simulated vehicle's clock ``speedup`` times as fast as wall-clock time.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
 
 from flight_replay.exceptions import VehicleError
@@ -75,26 +77,31 @@ def test_an_error_restores_the_values_too() -> None:
     assert link.autopilot.parameters["WPNAV_SPEED"] == before
 
 
-def test_an_interrupt_while_they_are_put_back_puts_them_back() -> None:
-    """Ctrl-C right after a flight, when all seems to be done."""
+@pytest.mark.parametrize("lost", ["", "RTL_ALT"])
+def test_an_interrupt_while_they_are_put_back_puts_them_back(lost: str) -> None:
+    """Ctrl-C right after a flight, when all seems to be done; what the vehicle does not confirm is told."""
     link = VirtualLink()
-    before = link.autopilot.parameters["WPNAV_SPEED"]
-    restored: list[bool] = []
+    before = dict(link.autopilot.parameters)
+    told: list[Mapping[str, str]] = []
     send, interrupts = link.send, [KeyboardInterrupt]
 
     def interrupted_send(message: Message) -> None:
-        if message.get_type() == "PARAM_SET" and message.param_value == before and interrupts:
+        is_put_back = message.get_type() == "PARAM_SET" and message.param_value == before[message.param_id]
+        if is_put_back and interrupts:
             raise interrupts.pop()
-        send(message)
+        if not is_put_back or message.param_id != lost:
+            send(message)
 
     link.send = interrupted_send  # type: ignore[method-assign]
     with (
         pytest.raises(KeyboardInterrupt),
-        parameters_set(link, {"WPNAV_SPEED": 1500.0}, lambda: restored.append(True)),
+        parameters_set(link, {"WPNAV_SPEED": 1500.0, "RTL_ALT": 3000.0}, told.append),
     ):
-        assert link.autopilot.parameters["WPNAV_SPEED"] == 1500.0
-    assert link.autopilot.parameters["WPNAV_SPEED"] == before
-    assert restored == [True]
+        began_s = link.now_s()
+    assert link.now_s() - began_s < 5.0
+    assert link.autopilot.parameters["WPNAV_SPEED"] == before["WPNAV_SPEED"]
+    assert (link.autopilot.parameters["RTL_ALT"] == before["RTL_ALT"]) == (not lost)
+    assert told == [{lost: "the vehicle does not answer"} if lost else {}]
 
 
 def test_an_unknown_parameter_cannot_be_set() -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import Message, dialect
@@ -23,6 +23,8 @@ _MAX_ERROR = 1e-3  # Probability of taking a lost answer for an unknown name.
 _READ_S, _WRITE_S = 15.0, 10.0
 _RESTORE_S, _RESTORE_UNANSWERED_S = 4.0, 1.0
 _MAX_INTEGER_UNIT = 0.1
+PutBack = Callable[[Mapping[str, str]], None]
+"""Called when parameters were put back: why not, for each that the vehicle did not confirm."""
 _UNANSWERED, _UNKNOWN = "the vehicle does not answer", "its firmware has no such parameter"
 
 
@@ -99,18 +101,17 @@ class _ParameterReader:
                 awaited.discard(message.param_id)
 
 
-def write_parameters(
-    link: VehicleLink,
-    wanted: Mapping[str, float],
-    limit_s: float = _WRITE_S,
-    unanswered_s: float = math.inf,
-) -> None:
-    """Set parameters, each confirmed by the vehicle; one that never answers is left after ``unanswered_s``.
+def write_parameters(link: VehicleLink, wanted: Mapping[str, float], limit_s: float = _WRITE_S) -> None:
+    """Set parameters, each confirmed by the vehicle.
 
     Raises:
         VehicleError: The vehicle does not confirm all values in time.
     """
-    for name, why in _written(link, wanted, limit_s, unanswered_s).items():
+    _check_set(wanted, _written(link, wanted, limit_s, math.inf))
+
+
+def _check_set(wanted: Mapping[str, float], unset: Mapping[str, str]) -> None:
+    for name, why in unset.items():
         raise VehicleError(f"cannot set parameter {name} to {wanted[name]:g}: {why}; check the link")
 
 
@@ -131,7 +132,10 @@ def set_parameters(
 def _written(
     link: VehicleLink, wanted: Mapping[str, float], limit_s: float, unanswered_s: float
 ) -> dict[str, str]:
-    """Set parameters; why not, for each that the vehicle does not confirm in time."""
+    """Set parameters; why not, for each that the vehicle does not confirm in time.
+
+    One that never answers is left after ``unanswered_s``.
+    """
     reported: dict[str, float] = {}
     began_s = link.now_s()
     end_s = began_s + min(limit_s, unanswered_s)
@@ -169,11 +173,11 @@ def _set_message(link: VehicleLink, name: str, value: float) -> Message:
 
 @contextmanager
 def parameters_set(
-    link: VehicleLink, wanted: Mapping[str, float], restored: Callable[[], None] = lambda: None
+    link: VehicleLink, wanted: Mapping[str, float], put_back: PutBack = lambda unset: None
 ) -> Iterator[None]:
     """Set parameters for as long as the context lasts, and restore their values on every way out.
 
-    ``restored`` is called once the vehicle has confirmed the values of before.
+    ``put_back`` is called after that.
 
     Raises:
         VehicleError: The vehicle has no such parameter, or does not accept or restore a value.
@@ -187,13 +191,11 @@ def parameters_set(
         )
 
     def put_back_soon() -> None:
-        """Put them back on an early way out.
+        """Put them back on an early way out: Ctrl-C has to end the program in 10 s, of which RTL may take 8.
 
-        The first error counts; and Ctrl-C has to end the program within 10 s, of which RTL may take 8.
+        What led there is the error, not what the vehicle does not confirm.
         """
-        with suppress(VehicleError):
-            write_parameters(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S)
-            restored()
+        put_back(_written(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S))
 
     try:
         write_parameters(link, wanted)
@@ -202,11 +204,12 @@ def parameters_set(
         put_back_soon()
         raise
     try:
-        write_parameters(link, before)
+        unset = _written(link, before, _WRITE_S, math.inf)
     except KeyboardInterrupt:
         put_back_soon()
         raise
-    restored()
+    put_back(unset)
+    _check_set(before, unset)
 
 
 def limits_as_parameters(link: VehicleLink, limits: Mapping[str, float]) -> dict[str, float]:
