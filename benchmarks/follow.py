@@ -16,7 +16,8 @@ import sys
 import time
 from pathlib import Path
 
-from flight_replay.cli.flight_step import FlightResult, fly
+from flight_replay.cli.flight_result import FlightResult
+from flight_replay.cli.flight_step import fly
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.plan_step import Planner, read_recording
 from flight_replay.events import ignore

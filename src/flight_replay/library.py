@@ -31,7 +31,7 @@ from flight_replay.signals import as_keyboard_interrupt
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flight_replay.cli.flight_step import FlightResult
+    from flight_replay.cli.flight_result import FlightResult
 
 _TRACK, _ROUTE = "read_log(path).track", "plan(read_log(path).track)"
 """Where arguments come from."""
@@ -167,7 +167,7 @@ def figure(route: Route, flight: FlightResult | None = None) -> Figure:
     Raises:
         MissionError: An argument is not what it may be.
     """
-    from flight_replay.cli.flight_step import FlightResult
+    from flight_replay.cli.flight_result import FlightResult
     from flight_replay.output.charts.plot import replay_figure
 
     check_kind(route, Route, "route", _ROUTE)

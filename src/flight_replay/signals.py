@@ -134,14 +134,14 @@ def _send(number: signal.Signals) -> None:
         signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
-def is_after_interrupt(error: BaseException) -> bool:
-    """Whether an error came while a KeyboardInterrupt was on its way out.
+def is_interrupt(error: BaseException) -> bool:
+    """Whether an error is a KeyboardInterrupt, or came while one was on its way out.
 
     A condition variable whose wait is interrupted may be left without its lock, for example, and what
     is closed after it then raises a RuntimeError.
     """
     earlier = error.__context__
-    return earlier is not None and (isinstance(earlier, KeyboardInterrupt) or is_after_interrupt(earlier))
+    return isinstance(error, KeyboardInterrupt) or (earlier is not None and is_interrupt(earlier))
 
 
 def ignore() -> None:

@@ -109,7 +109,7 @@ def test_what_was_flown_is_saved(scratch: Path) -> None:
     """The plot, the report and the flown track, once RTL is confirmed; the report tells of the interrupt."""
     files = {option: scratch.parent / f"flown{suffix}" for option, suffix in FILES.items()}
     options = ["--sim", "builtin", *(word for each in files.items() for word in map(str, each))]
-    status, output = interrupted(options, "Distance to waypoint", scratch, within_s=DRAWING_S)
+    status, output = interrupted(options, "Distance to waypoint (2)", scratch, within_s=DRAWING_S)
     assert status == 130
     assert output.index("The vehicle confirmed RTL") < output.index("error: interrupted")
     assert "<name>Flown" in files["--save"].read_text()

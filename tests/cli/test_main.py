@@ -13,7 +13,7 @@ import pytest
 
 from flight_replay import signals
 from flight_replay.cli import flight_step
-from flight_replay.cli.flight_step import FlightResult
+from flight_replay.cli.flight_result import FlightResult, ReplayInterrupted
 from flight_replay.cli.main import main
 from flight_replay.cli.output_step import ReplayResult
 from flight_replay.logs.sample import sample_log
@@ -236,7 +236,7 @@ def test_while_an_interrupted_flight_is_saved_the_next_signal_ends_the_program(
         with suppress(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
         signal.raise_signal(signal.SIGINT)
-        raise flight_step.ReplayInterrupted(route, FlightResult("Copter", True, outcome))
+        raise ReplayInterrupted(route, FlightResult("Copter", True, outcome))
 
     def save(_options: object, result: ReplayResult, _track: object) -> list[str]:
         assert result.flight is not None

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from flight_replay.cli.flight_step import FlightResult
+from flight_replay.cli.flight_result import FlightResult
 from flight_replay.cli.options import parse_options
 from flight_replay.cli.output_step import ReplayResult, check_outputs, print_result, result_lines
 from flight_replay.exceptions import FlightReplayError

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight_replay.cli.flight_step import FlightResult
+from flight_replay.cli.flight_result import FlightResult
 from flight_replay.cli.main import main
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flight_replay import signals, supervisor
 from flight_replay.cli import vehicle_step
 from flight_replay.cli.consent import ArmingConsent
+from flight_replay.cli.flight_result import FlightResult, ReplayInterrupted
 from flight_replay.cli.kept_parameters import tell_of_changed_parameters
 from flight_replay.cli.mission_or_motion import FlownAs, flown_as, restore_commands
 from flight_replay.cli.options import Options
@@ -19,7 +20,7 @@ from flight_replay.exceptions import VehicleError
 from flight_replay.mission.fence import FenceArea
 from flight_replay.mission.items import Home
 from flight_replay.output.console.console import Console
-from flight_replay.output.outcome import Outcome, compare_flight
+from flight_replay.output.outcome import compare_flight
 from flight_replay.planning.route import Route
 from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.supervisor import FlightRecord, WallClock
@@ -27,32 +28,9 @@ from flight_replay.supervisor import FlightRecord, WallClock
 if TYPE_CHECKING:
     from flight_replay.logs.tlog.writer import Recorder
     from flight_replay.vehicle import ConnectedVehicle
-    from flight_replay.vehicle.identity import Identity
     from flight_replay.vehicle.preflight import Briefing
 
 _POSITION_TIMEOUT_S = 120.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FlightResult:
-    """A flight, the vehicle that flew it, and its errors."""
-
-    vehicle: str
-    simulated: bool
-    outcome: Outcome
-
-    @property
-    def record(self) -> FlightRecord:
-        """How the flight went."""
-        return self.outcome.record
-
-
-class ReplayInterrupted(KeyboardInterrupt):
-    """Ctrl-C or its like ended a flight, and RTL was commanded; ``flight`` is the part flown of ``route``."""
-
-    def __init__(self, route: Route, flight: FlightResult) -> None:
-        super().__init__()
-        self.route, self.flight = route, flight
 
 
 def fly(
@@ -73,28 +51,25 @@ def fly(
 
     Raises:
         FlightReplayError: The flight ended before the mission began.
-        ReplayInterrupted: Ctrl-C ended it after that.
+        ReplayInterrupted: Ctrl-C came after that, until this returns.
     """
+    flight: _Flight | None = None
     try:
         with ExitStack() as stack:
             recorder = stack.enter_context(vehicle_step.recording(options))
             connected, connection = _connected(options, home, listener, recorder, stack)
-            identity = connected.identity
             route = plan(vehicle_step.vehicle_limits(connected, options, listener))
             if options.dry_run:
                 return route, None
             confirm = _check_before_arming(options, route, connected, console, listener)
-            record = _flown(flown_as(options, route), connected, connection, listener, confirm)
-    except supervisor.FlightInterrupted as interrupt:
-        raise ReplayInterrupted(route, _result(identity, route, interrupt.record)) from interrupt
-    if recorder:
-        record = replace(record, problem=record.problem or recorder.problem)
-    listener(Finished(record.ended, record.problem, record.landed))
-    return route, _result(identity, route, record)
-
-
-def _result(identity: Identity, route: Route, record: FlightRecord) -> FlightResult:
-    return FlightResult(identity.name, identity.simulated, compare_flight(route, record))
+            flight = _Flight(connected, listener)
+            flight.fly(flown_as(options, route), connection, confirm)
+        flight.finish(None if recorder is None else recorder.problem)
+        return route, flight.result(route)
+    except BaseException as error:
+        if flight is None or flight.record is None or not signals.is_interrupt(error):
+            raise
+        raise ReplayInterrupted(route, flight.result(route)) from error
 
 
 def _connected(
@@ -110,22 +85,45 @@ def _connected(
     return connected, connection
 
 
-def _flown(
-    route: FlownAs,
-    connected: ConnectedVehicle,
-    connection: str,
-    listener: Listener,
-    confirm: ArmingConsent | None,
-) -> FlightRecord:
-    """The record of the flight, even if a parameter cannot be put back after it."""
-    with signals.not_stopped(), ExitStack() as changed:
-        route.prepare(connected, connection, changed, listener)
-        record = supervisor.fly(connected, WallClock(), route.plan(connected.identity), listener, confirm)
-        try:
-            changed.close()
-        except VehicleError as error:
-            record = replace(record, problem=record.problem or str(error))
-    return record
+class _Flight:
+    """A flight; ``record`` is kept from when it is over, whatever interrupts what follows."""
+
+    def __init__(self, connected: ConnectedVehicle, listener: Listener) -> None:
+        self._connected, self._listener = connected, listener
+        self.record: FlightRecord | None = None
+
+    def fly(self, route: FlownAs, connection: str, confirm: ArmingConsent | None) -> None:
+        """Fly, and put back what was changed for it."""
+        connected, listener = self._connected, self._listener
+        with signals.not_stopped(), ExitStack() as changed:
+            route.prepare(connected, connection, changed, listener)
+            plan = route.plan(connected.identity)
+            try:
+                self.record = supervisor.fly(connected, WallClock(), plan, listener, confirm)
+            except supervisor.FlightInterrupted as interrupt:
+                self.record = interrupt.record
+                raise
+            try:
+                changed.close()
+            except VehicleError as error:
+                self._note(str(error))
+
+    def _note(self, problem: str | None) -> FlightRecord:
+        """The record, with a problem that came after the flight if it had none."""
+        assert self.record is not None
+        self.record = replace(self.record, problem=self.record.problem or problem)
+        return self.record
+
+    def finish(self, problem: str | None) -> None:
+        """Tell that the flight is over, and how; a problem may come when the vehicle is closed."""
+        record = self._note(problem)
+        self._listener(Finished(record.ended, record.problem, record.landed))
+
+    def result(self, route: Route) -> FlightResult:
+        """The flight and its errors."""
+        assert self.record is not None
+        identity = self._connected.identity
+        return FlightResult(identity.name, identity.simulated, compare_flight(route, self.record))
 
 
 def _check_before_arming(

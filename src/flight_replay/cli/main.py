@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from flight_replay import signals
 from flight_replay.cli import output_step, plan_step, save_step
+from flight_replay.cli.flight_result import FlightResult, ReplayInterrupted
 from flight_replay.cli.map_step import with_live_map
 from flight_replay.cli.options import Options, parse_options
 from flight_replay.cli.output_step import ReplayResult
@@ -26,14 +27,13 @@ from flight_replay.output.console.log_lines import log_lines
 from flight_replay.output.console.terminal import flush_or_discard, show_cursor, write_error, write_line
 from flight_replay.output.event_log import EventLog
 from flight_replay.planning.vehicle_limits import VehicleLimits
-from flight_replay.writing.background import Background
+from flight_replay.writing.background import Background, Call
 
 if TYPE_CHECKING:
-    from flight_replay.cli.flight_step import FlightResult
     from flight_replay.mission.items import Home
     from flight_replay.planning.route import Route
 
-_ERROR_LINE_S = 1.0
+_STREAM_S = 1.0
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -69,7 +69,7 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
 
             for line in traceback.format_exc().rstrip().split("\n"):
                 write_line(sys.stderr, line)
-        if not isinstance(error, FlightReplayError) and signals.is_after_interrupt(error):
+        if not isinstance(error, FlightReplayError) and signals.is_interrupt(error):
             raise KeyboardInterrupt from error
         problem = failure_text(error)
     lost = flush_or_discard(sys.stdout)
@@ -80,12 +80,19 @@ def _run(options: Options, arguments: Sequence[str]) -> int:
 
 
 def _report(problem: str, *, interrupted: bool = False) -> None:
-    """Write the error line; a terminal or pipe that does not take it does not keep the program."""
-    background = Background("error line", capacity=2)
-    background.submit(lambda: write_error(sys.stderr, problem))
+    """Write the error line."""
+    calls: list[Call] = [lambda: write_error(sys.stderr, problem)]
     if interrupted:  # It may have kept the console from doing so.
-        background.submit(lambda: show_cursor(sys.stdout, sys.stderr))
-    background.close(_ERROR_LINE_S)
+        calls.append(lambda: show_cursor(sys.stdout, sys.stderr))
+    _write_soon(calls)
+
+
+def _write_soon(calls: Sequence[Call]) -> None:
+    """Make calls that write; a terminal or pipe that does not take it does not keep the program."""
+    background = Background("last lines", capacity=len(calls))
+    for call in calls:
+        background.submit(call)
+    background.close(_STREAM_S)
 
 
 def replay(options: Options, arguments: Sequence[str], console: Console) -> str | None:
@@ -95,13 +102,8 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
     relay = Relay(combine_listeners(console.listener, event_log.listener))
     for sentence in options.without_effect:
         relay(Notice(sentence, warning=True))
-    if options.compare:
-        from flight_replay.cli.compare_step import compare
-
-        compare(options, console)
-        return None
-    if options.info:
-        output_step.print_info(options, plan_step.read(options, relay), console)
+    if options.compare or options.info:
+        _print_only(options, console, relay)
         return None
     recording, flights, track = plan_step.read_recording(options, relay)
     planner = plan_step.Planner(options, track, relay, format_title(recording.format))
@@ -115,45 +117,64 @@ def replay(options: Options, arguments: Sequence[str], console: Console) -> str 
             relay.target = stack.enter_context(with_live_map(options, route, console, relay.target))
             return route
 
-        def save(route: Route, flight: FlightResult | None) -> list[str]:
+        def save(result: ReplayResult) -> list[str]:
             """Write the files of a flight; a sentence for each that could not be written."""
-            result = ReplayResult(recording, flights, route, flight)
             problems = save_step.save_flown(options, result, track)
             return problems + output_step.save_charts(options, result, event_log.entries, arguments)
 
-        route, flight = _fly(options, planner.home, plan, console, relay, save)
+        try:
+            route, flight = _fly(options, planner.home, plan, console, relay)
+        except ReplayInterrupted as interrupt:
+            result = ReplayResult(recording, flights, interrupt.route, interrupt.flight)
+            _save_interrupted(options, result, console, save)
+            raise
         result = ReplayResult(recording, flights, route, flight)
         output_step.print_result(options, result, console, arguments)
         problems = [] if flight is None else [flight.record.problem]
-        problems += save(route, flight)
+        problems += save(result)
     return "; ".join(filter(None, problems)) or None
 
 
-def _fly(  # noqa: PLR0913, PLR0917
+def _print_only(options: Options, console: Console, listener: Listener) -> None:
+    """Print what is asked for instead of a replay: a comparison, or what a log holds."""
+    if options.compare:
+        from flight_replay.cli.compare_step import compare
+
+        compare(options, console)
+    else:
+        output_step.print_info(options, plan_step.read(options, listener), console)
+
+
+def _save_interrupted(
+    options: Options, result: ReplayResult, console: Console, save: Callable[[ReplayResult], list[str]]
+) -> None:
+    """Write what is asked for of an interrupted flight; the next signal ends the program at once."""
+    with signals.as_keyboard_interrupt():
+        console.end_display(_STREAM_S)
+        files = [*save_step.files_of_flown(options), *filter(None, (options.plot, options.report))]
+        names = ", ".join(map(str, files))
+        line = f"Interrupted: writing what was flown to {names}; another Ctrl-C ends the program at once"
+        calls: list[Call] = [lambda: output_step.print_json(result)] if options.json else []
+        calls += [lambda: write_line(sys.stderr, line)] if files else []
+        _write_soon(calls)
+        for problem in save(result):
+            console.listener(Notice(problem, warning=True))
+
+
+def _fly(
     options: Options,
     home: Home,
     plan: Callable[[VehicleLimits], Route],
     console: Console,
     listener: Listener,
-    save: Callable[[Route, FlightResult], list[str]],
 ) -> tuple[Route, FlightResult | None]:
-    """The route, and how it was flown; a dry run without a vehicle is planned with ArduCopter's defaults.
-
-    A flight that is interrupted is saved before that is raised again.
-    """
+    """The route, and how it was flown; a dry run without a vehicle is planned with ArduCopter's defaults."""
     if options.dry_run and options.connect is None:
         return plan(VehicleLimits()), None
     # A dry run does not import half of the program.
     from flight_replay.cli import flight_step
 
-    try:
-        return flight_step.fly(options, home, plan, console, listener)
-    except flight_step.ReplayInterrupted as interrupt:
-        # RTL was commanded and the vehicle is closed: the next signal ends the program at once.
-        with signals.as_keyboard_interrupt():
-            for problem in save(interrupt.route, interrupt.flight):
-                listener(Notice(problem, warning=True))
-        raise
+    return flight_step.fly(options, home, plan, console, listener)
 
 
 def _console(options: Options) -> AbstractContextManager[Console]:

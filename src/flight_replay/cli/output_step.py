@@ -24,7 +24,7 @@ from flight_replay.output.result_text import flight_lines, route_lines
 from flight_replay.writing.output_files import check_place, check_suffix
 
 if TYPE_CHECKING:
-    from flight_replay.cli.flight_step import FlightResult
+    from flight_replay.cli.flight_result import FlightResult
     from flight_replay.logs.recording import Recording
     from flight_replay.output.event_log import LoggedEvent
     from flight_replay.output.outcome import Outcome
@@ -169,10 +169,15 @@ def _save_report(
 def print_result(options: Options, result: ReplayResult, console: Console, arguments: Sequence[str]) -> None:
     """Write the JSON object to standard output with ``--json``, otherwise lines of text to the console."""
     if options.json:
-        write_verbatim(sys.stdout, json.dumps(json_object(result)))
+        print_json(result)
     else:
         for line in result_lines(result, arguments):
             console.print(line)
+
+
+def print_json(result: ReplayResult) -> None:
+    """Write the JSON object to standard output."""
+    write_verbatim(sys.stdout, json.dumps(json_object(result)))
 
 
 def json_object(result: ReplayResult) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from flight_replay.planning.flown_part import flown_fixes, flown_part
 from flight_replay.planning.route import Route
 
 if TYPE_CHECKING:
-    from flight_replay.cli.flight_step import FlightResult
+    from flight_replay.cli.flight_result import FlightResult
     from flight_replay.logs.recording import Recording
     from flight_replay.logs.track import Track
 
@@ -37,18 +37,24 @@ def save_flown(options: Options, result: ReplayResult, track: Track) -> list[str
 
     They were complete before the flight, and stay so where this fails.
     """
-    flight = result.flight
-    if not options.save or flight is None or not len(flight.record.flown):
+    flight, files = result.flight, files_of_flown(options)
+    if not files or flight is None or not len(flight.record.flown):
+        return []
+    flown = _beside_recording(track, result.route, flight)
+    problems = []
+    for path in files:
+        write = partial(_save, path, options, result.route, result.log, track, flown)
+        problems += problems_of_writing(path, write)
+    return problems
+
+
+def files_of_flown(options: Options) -> list[Path]:
+    """The files of ``--save`` that hold what was flown."""
+    if not options.save:
         return []
     from flight_replay.mission import formats
 
-    flown = _beside_recording(track, result.route, flight)
-    problems = []
-    for path in options.save:
-        if path.suffix.lower() in formats.FLOWN_SUFFIXES:
-            write = partial(_save, path, options, result.route, result.log, track, flown)
-            problems += problems_of_writing(path, write)
-    return problems
+    return [path for path in options.save if path.suffix.lower() in formats.FLOWN_SUFFIXES]
 
 
 def _save(  # noqa: PLR0913, PLR0917

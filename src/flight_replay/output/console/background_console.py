@@ -46,6 +46,11 @@ class BackgroundConsole:
         while not self._thread.submit(call):
             self._thread.wait(None)
 
+    def end_display(self, timeout_s: float) -> None:
+        """End the display, if the terminal takes that within the time."""
+        self._thread.submit(lambda: self._console.end_display(timeout_s))
+        self.flush(timeout_s)
+
     def flush(self, timeout_s: float) -> bool:
         """Whether all has been written within the time."""
         return self._thread.wait(timeout_s)

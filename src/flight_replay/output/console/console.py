@@ -29,6 +29,9 @@ class Console(Protocol):
     def paused(self) -> AbstractContextManager[None]:
         """A context in which the terminal is free for a question."""
 
+    def end_display(self, timeout_s: float) -> None:
+        """End a display that is redrawn in place, within the time: what follows stands below it."""
+
     def flush(self, timeout_s: float) -> bool:
         """Whether all has been written within the time."""
 
@@ -86,6 +89,9 @@ class PlainConsole:
     def paused(self) -> AbstractContextManager[None]:
         """Plain lines leave the terminal free."""
         return nullcontext()
+
+    def end_display(self, timeout_s: float) -> None:
+        """Plain lines follow each other."""
 
     def flush(self, timeout_s: float) -> bool:
         """Each line is written at once."""

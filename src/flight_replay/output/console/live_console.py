@@ -59,7 +59,14 @@ class LiveConsole:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._live.transient = kind is not None  # What it showed last is not what became of the vehicle.
+        if kind is None:
+            self._stop()
+        else:
+            self.end_display(0.0)
+
+    def end_display(self, timeout_s: float) -> None:
+        """End the display, and erase it: what it showed last is not what became of the vehicle."""
+        self._live.transient = True
         self._stop()
 
     def _stop(self) -> None:
