@@ -124,7 +124,7 @@ def test_plain_lines_say_what_happens(capsys: pytest.CaptureFixture[str]) -> Non
         " Begins in ",
         "Return to launch",
         "Completed...",
-        " Route: 93 m, covers 101 of 101 fixes",
+        " Route: 93 m, covers all 101 fixes",
         " At equal times: by the recording's clock, ",
         " s of GUIDED",
     ]

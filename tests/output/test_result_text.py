@@ -80,3 +80,15 @@ def test_a_recording_that_is_followed_has_words_of_its_own() -> None:
     assert not any("waited" in line for line in lines)
     waited = flight_lines(*made_following(waits_at_s=40.0, waits_s=7.0))
     assert waited[-3] == " The recording waited 7.0 s for the vehicle"
+
+
+def test_what_there_is_one_of_is_told_as_the_only_one() -> None:
+    """A person does not say "1 of 1 waypoint"."""
+    route, outcome = made_replay()
+    mission = replace(route.mission, items=route.mission.items[:1])
+    for reached, text in ((1, "the only waypoint"), (0, "0 of 1 waypoints")):
+        flown = replace(outcome, record=replace(outcome.record, waypoints_reached=reached))
+        lines = flight_lines(replace(route, mission=mission), flown)
+        assert f" Reached {text} in 60.0 s of AUTO" in lines
+    one = Coverage(1, 1, 0.0, 0.0, (), timed=False)
+    assert coverage_lines(one) == [" Flown: the only recorded fix"]

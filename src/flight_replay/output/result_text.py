@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flight_replay.geometry.error_statistics import ErrorStatistics
-from flight_replay.writing.counted import counted
+from flight_replay.writing.counted import counted, counted_of
 
 if TYPE_CHECKING:
     from flight_replay.geometry.flight_errors import FlightErrors, PathErrors
@@ -18,9 +18,9 @@ _WORTH_TELLING_S = 0.05
 
 def route_lines(route: Route) -> list[str]:
     """The route: what it covers, and how near it is to the recording as planned and as predicted."""
-    of_fixes = counted(len(route.recording), "fix")
+    covered = counted_of(len(route.recorded), len(route.recording), "fix")
     lines = [
-        f" Route: {route.path.length_m:.0f} m, covers {len(route.recorded)} of {of_fixes}",
+        f" Route: {route.path.length_m:.0f} m, covers {covered}",
         *path_lines("Planned path error", route.planned_error, "planned"),
     ]
     if route.predicted is not None:
@@ -44,10 +44,8 @@ def _reached_line(route: Route, outcome: Outcome) -> str:
     if route.reference is not None:
         followed_s = outcome.coverage.recorded_s
         return f" Followed {followed_s:.1f} s of the recording in {record.auto_s:.1f} s of GUIDED"
-    return (
-        f" Reached {record.waypoints_reached} of {counted(len(route.mission.waypoints), 'waypoint')} "
-        f"in {record.auto_s:.1f} s of AUTO"
-    )
+    reached = counted_of(record.waypoints_reached, len(route.mission.waypoints), "waypoint")
+    return f" Reached {reached} in {record.auto_s:.1f} s of AUTO"
 
 
 def coverage_lines(coverage: Coverage, fly_all_command: str | None = None) -> list[str]:
@@ -63,11 +61,13 @@ def coverage_text(coverage: Coverage) -> str:
 
     The whole is what was selected of the recording, whose flights may be longer.
     """
-    part, whole = f"{coverage.fixes}", counted(coverage.of_fixes, "recorded fix")
-    if coverage.timed:
-        part = duration_text(coverage.recorded_s)
-        whole = f"{duration_text(coverage.of_recorded_s)} of recorded flight"
-    return f"the first {part} of {whole}" if coverage.fly_all else f"all {whole}"
+    if not coverage.timed:
+        fixes = coverage.fixes if coverage.fly_all else coverage.of_fixes
+        told = counted_of(fixes, coverage.of_fixes, "recorded fix")
+        return f"the first {told}" if fixes < coverage.of_fixes else told
+    part, whole = duration_text(coverage.recorded_s), duration_text(coverage.of_recorded_s)
+    which = f"the first {part} of {whole}" if coverage.fly_all else f"all {whole}"
+    return f"{which} of recorded flight"
 
 
 def duration_text(seconds: float) -> str:

@@ -13,7 +13,7 @@ from flight_replay.planning.heights import HeightChange, RouteHeights
 from flight_replay.planning.route import Route
 from flight_replay.planning.stretches import worst_stretches
 from flight_replay.simulator.dynamics.limits import Limits
-from flight_replay.writing.counted import counted
+from flight_replay.writing.counted import counted_of
 
 _LEVEL_M = 0.05
 """A first waypoint so near to the take-off altitude is at it."""
@@ -97,8 +97,8 @@ def _climb_note(takeoff_m: float, first_m: float, climb_s: float, *, followed: b
 def _floor_note(floor_m: float, below_m: Floats, of_fixes: int, raise_m: float) -> str:
     raised = f", {raise_m:g} m higher than recorded" if raise_m else ""
     told = (
-        f"Below the floor of {floor_m:g} m, by up to {below_m.max():.1f} m: {len(below_m)} of "
-        f"{counted(of_fixes, 'flown fix')}{raised}; flown at the floor (--floor)."
+        f"Below the floor of {floor_m:g} m, by up to {below_m.max():.1f} m: "
+        f"{counted_of(len(below_m), of_fixes, 'flown fix')}{raised}; flown at the floor (--floor)."
     )
     if below_m.max() <= floor_m + _DOWNHILL_M and len(below_m) < of_fixes:
         return told

@@ -11,7 +11,7 @@ from flight_replay.cli.many.many_run import Counts
 from flight_replay.output.console.terminal import is_capable_terminal, write_line, write_verbatim
 from flight_replay.output.many.flight_columns import Row
 from flight_replay.output.result_text import duration_text
-from flight_replay.writing.counted import counted
+from flight_replay.writing.counted import counted, counted_of
 
 _TERMINAL_S, _FILE_S, _PROGRAM_S = 0.5, 15.0, 2.0
 _WINDOW_S = 60.0
@@ -64,7 +64,7 @@ class RunProgress:
             write_verbatim(sys.stdout, json.dumps({"progress": shown}))
             return
         left = "" if left_s is None else f", {duration_text(left_s)} left"
-        done = f"{counts.logs_done} of {counted(counts.logs, 'log')}, {counted(counts.rows, 'flight')}"
+        done = f"{counted_of(counts.logs_done, counts.logs, 'log')}, {counted(counts.rows, 'flight')}"
         text = f"{done}, {rows_per_s:.1f} flights/s{left}"
         if self._terminal:
             sys.stderr.write(f"\r\x1b[K{text}")

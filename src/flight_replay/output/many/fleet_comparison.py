@@ -9,7 +9,7 @@ from typing import Any
 from flight_replay.exceptions import FlightReplayError
 from flight_replay.output.many.fleet_summary import flight_name
 from flight_replay.output.many.flight_columns import ERRORS, GOOD, Row, error_column
-from flight_replay.writing.counted import counted
+from flight_replay.writing.counted import counted, counted_of
 
 _COMPARED = ("mean", "p95")  # One position decides a maximum: it differs from flight to flight.
 _DEG_PER_M = 10.0
@@ -113,8 +113,9 @@ def _outcome(row: Row) -> str:
     waypoints = row.get("waypoints", 0)  # none where a motion was followed
     if "flown_by" not in row:
         return f"planned in {counted(waypoints, 'waypoint')}" if waypoints else "planned"
-    reached = f", {row.get('waypoints_reached', 0)} of {counted(waypoints, 'waypoint')}" if waypoints else ""
-    return f"{row.get('ended')}{reached}"
+    if not waypoints:
+        return str(row.get("ended"))
+    return f"{row.get('ended')}, {counted_of(row.get('waypoints_reached', 0), waypoints, 'waypoint')}"
 
 
 def _less_flown(old: Row, new: Row) -> bool:
