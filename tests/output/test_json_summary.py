@@ -23,6 +23,19 @@ def test_items_are_numbered_from_1_without_home() -> None:
     assert (summary["method"], summary["points"]) == ("spacing", count)
 
 
+def test_items_are_as_precise_as_on_board() -> None:
+    """No noise of floats, and no -0.0."""
+    route, _ = made_replay()
+    first = replace(
+        route.mission.items[0], params=(0.1 + 0.2, -1e-9, 0.0, 0.0),
+        lat_deg=47.1 + 0.2 + 1e-12, lon_deg=-1e-9, alt_m=-0.001,
+    )  # fmt: skip
+    mission = replace(route.mission, items=(first, *route.mission.items[1:]))
+    item = route_summary(replace(route, mission=mission))["items"][0]
+    told = [item["params"], item["lat_deg"], item["lon_deg"], item["alt_m"]]
+    assert json.dumps(told) == "[[0.3, 0.0, 0.0, 0.0], 47.3, 0.0, 0.0]"
+
+
 def test_errors_that_do_not_exist_are_null() -> None:
     """A flight that reached no waypoint has no error; its keys stay, and the reason is there."""
     route, outcome = made_replay()

@@ -206,14 +206,15 @@ def _height_change(change: HeightChange) -> Json:
 
 
 def _item(seq: int, item: MissionItem) -> Json:
+    """An item, as precise as on board: positions to 1e-7 degrees, heights to the centimetre."""
     return {
         "seq": seq,
         "command": int(item.command),
         "frame": int(item.frame),
-        "params": list(item.params),
-        "lat_deg": item.lat_deg,
-        "lon_deg": item.lon_deg,
-        "alt_m": item.alt_m,
+        "params": [_rounded(param, 4) for param in item.params],
+        "lat_deg": _rounded(item.lat_deg, 7),
+        "lon_deg": _rounded(item.lon_deg, 7),
+        "alt_m": _rounded(item.alt_m, 2),
     }
 
 

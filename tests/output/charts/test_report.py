@@ -118,6 +118,16 @@ def test_the_report_lists_mission_and_events(page: Page) -> None:
     assert ["12.3", "Warning: <lost>"] in page.rows
 
 
+def test_a_height_of_nothing_is_not_negative(tmp_path: Path) -> None:
+    """Nor is the time when the first waypoint is reached."""
+    route, outcome = made_replay()
+    first = replace(route.mission.items[0], alt_m=-0.04)
+    low = replace(route, mission=replace(route.mission, items=(first, *route.mission.items[1:])))
+    save_report(tmp_path / "a.html", ReportText(summary()), low, outcome)
+    page = Page((tmp_path / "a.html").read_text(encoding="utf-8"))
+    assert ["1", "waypoint, 0 m above home", "47.3977000", "8.5456000", "0.0", "0.0"] in page.rows
+
+
 def test_no_time_is_told_of_a_turn(tmp_path: Path) -> None:
     """The vehicle reads it as it passes the waypoint before, and makes it later."""
     route, outcome = made_replay()

@@ -32,7 +32,7 @@ def description(item: MissionItem) -> str:
     """A waypoint in one line: how it is flown to, how high, how long it is held."""
     frame = _ALTITUDE_FRAMES.get(item.frame, f"in frame {item.frame}")
     hold = f", hold {item.hold_s:g} s" if item.hold_s > 0 else ""
-    return f"{command_name(item)}, {round(item.alt_m, 1):g} m {frame}{hold}"
+    return f"{command_name(item)}, {round(item.alt_m, 1) + 0.0:g} m {frame}{hold}"
 
 
 def amsl_m(item: MissionItem, home: Home | None) -> float:

@@ -32,6 +32,7 @@ from flight_replay.output.result_text import coverage_text, duration_text, stati
 from flight_replay.planning.route import Route
 from flight_replay.supervisor.flight_plan import FlightRecord
 from flight_replay.writing.counted import counted
+from flight_replay.writing.fixed_point import fixed_point
 from flight_replay.writing.output_files import check_suffix, write_atomically
 
 if TYPE_CHECKING:
@@ -269,7 +270,7 @@ def _what_is_flown_rows(route: Summary) -> list[tuple[str, str]]:
     return [
         ("top speed", f"{motion['top_speed_m_s']:.1f} m/s"),
         ("top acceleration", f"{motion['top_acceleration_m_s2']:.1f} m/s²"),
-        ("altitude above home", f"{motion['lowest_m']:.1f} to {motion['highest_m']:.1f} m"),
+        ("altitude above home", f"{fixed_point(motion['lowest_m'], 1)} to {motion['highest_m']:.1f} m"),
     ]
 
 
@@ -311,9 +312,10 @@ def _mission_rows(route: Route, record: FlightRecord | None) -> list[dict[str, s
     for seq, item in enumerate(items, FIRST_SEQ):
         row = {"seq": str(seq), "item": _item_text(item), "lat": "", "lon": "", "alt": "", "reached": ""}
         if item.is_waypoint or item.command == Command.SET_ROI:
-            row |= {"lat": f"{item.lat_deg:.7f}", "lon": f"{item.lon_deg:.7f}", "alt": f"{item.alt_m:.1f}"}
+            row |= {"lat": fixed_point(item.lat_deg, 7), "lon": fixed_point(item.lon_deg, 7)}
+            row["alt"] = fixed_point(item.alt_m, 1)
         if item.is_waypoint and seq in reached:  # A turn is passed long before it is made.
-            row["reached"] = f"{reached[seq] - start_s:.1f}"
+            row["reached"] = fixed_point(reached[seq] - start_s, 1)
         rows.append(row)
     return rows
 
