@@ -26,11 +26,15 @@ class PhaseTimeoutError(VehicleError):
     """A phase of the flight did not complete before its deadline."""
 
 
+class LinkFaultError(VehicleError):
+    """An error of the program itself keeps it from hearing the vehicle."""
+
+
 class SimulatorError(FlightReplayError):
     """A simulator cannot be found or started, or stopped running."""
 
 
-def failure_text(error: Exception) -> str:
+def failure_text(error: BaseException) -> str:
     """What a command says of an error that ends it; one that is not expected is an error of the program."""
     if isinstance(error, FlightReplayError):
         return str(error)

@@ -6,7 +6,7 @@ import pytest
 
 from flight_replay import events
 from flight_replay.events import Event
-from flight_replay.exceptions import PhaseTimeoutError, VehicleError
+from flight_replay.exceptions import LinkFaultError, PhaseTimeoutError, VehicleError
 from flight_replay.supervisor import Deadlines, FlightInterrupted, Plan, fly
 from flight_replay.supervisor.vehicle_interface import MissionCurrent, Rebooted
 from tests.helpers.fake_vehicle import FakeClock, FakeVehicle, route
@@ -306,3 +306,23 @@ def test_a_fast_vehicle_that_reboots_is_not_taken_for_one_without_positions() ->
 
     vehicle.schedule.append((3.5, reboot))
     assert fake_flight(vehicle, duration_s=600.0).fly().ended == "reboot"
+
+
+@pytest.mark.parametrize(("when_s", "in_auto"), [(12.0, False), (30.0, True)])
+def test_an_error_of_the_program_on_the_link_commands_rtl(when_s: float, in_auto: bool) -> None:
+    """At once, and it is told as what it is."""
+    flight = fake_flight(FakeVehicle(FakeClock(), points=40))
+
+    def fail() -> None:
+        raise LinkFaultError("nothing is heard: internal error")
+
+    flight.vehicle.schedule.append((when_s, fail))
+    if in_auto:
+        record = flight.fly()
+        assert (record.ended, record.problem) == ("internal error", "nothing is heard: internal error")
+        assert record.waypoints_reached > 0
+    else:
+        with pytest.raises(VehicleError, match="nothing is heard: internal error"):
+            flight.fly()
+    assert flight.of(events.ReturnCommanded) == [events.ReturnCommanded(True)]
+    assert flight.wall_s < when_s + 3.0

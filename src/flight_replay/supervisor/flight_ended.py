@@ -52,6 +52,11 @@ def link_lost(silence: str, chosen_mode: str | None = None, *, may_be_armed: boo
     return FlightEnded("link lost", f"link to the vehicle lost: {silence}{now}")
 
 
+def internal_error(fault: str) -> FlightEnded:
+    """An error of this program, told in ``fault``, keeps it from hearing the vehicle."""
+    return FlightEnded("internal error", fault)
+
+
 def pilot(mode: str | None) -> FlightEnded:
     """The pilot, or another ground station, changed the mode."""
     return FlightEnded(

@@ -104,8 +104,8 @@ class FlightRecord:
     waypoints_reached: int
     ended: str
     """Why it ended: "duration", "final waypoint", "mission complete", "recording complete", "pilot",
-    "failsafe", "link lost", "reboot", "disarmed", "mission changed", "off course", "no progress"
-    or "interrupted"."""
+    "failsafe", "link lost", "reboot", "disarmed", "mission changed", "off course", "no progress",
+    "internal error" or "interrupted"."""
     problem: str | None
     """None if the flight ended as planned, else one sentence."""
     auto_start_s: float

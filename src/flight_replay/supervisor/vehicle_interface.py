@@ -120,7 +120,12 @@ class Vehicle(Protocol):
     """A vehicle: requests return at once, and what comes of them arrives as reports."""
 
     def reports(self, timeout_s: float) -> Sequence[Report]:
-        """All reports since the last call, in order; waits up to the timeout for the first."""
+        """All reports since the last call, in order; waits up to the timeout for the first.
+
+        Raises:
+            LinkFaultError: An error of this program keeps it from hearing the vehicle. It is raised once:
+                what the vehicle is told after that, such as RTL, may be heard.
+        """
 
     def request_mode(self, mode: str) -> None:
         """Request a flight mode; the next ``Heartbeat`` shows the mode that the vehicle is in."""

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from functools import singledispatchmethod
 
 from flight_replay.events import Listener, Notice, Severity, StatusText, VehicleState, WaypointReached
+from flight_replay.exceptions import LinkFaultError
 from flight_replay.geometry.geodesy import ground_distance_m
 from flight_replay.mission.items import Mission
 from flight_replay.supervisor import flight_ended
@@ -247,7 +248,8 @@ class VehicleMonitor:
         """Process the next report, waiting for it up to the timeout.
 
         Raises:
-            FlightEnded: The link stays lost, or the vehicle left the expected mode or rebooted.
+            FlightEnded: The link stays lost, this program fails on it, or the vehicle left the expected mode
+                or rebooted.
         """
         if not self._backlog:
             self._fetch(timeout_s)
@@ -270,7 +272,10 @@ class VehicleMonitor:
         self.step(0.0)
 
     def _fetch(self, timeout_s: float) -> None:
-        reports = self.vehicle.reports(timeout_s)
+        try:
+            reports = self.vehicle.reports(timeout_s)
+        except LinkFaultError as fault:
+            raise flight_ended.internal_error(str(fault)) from fault
         if reports:
             self._link.received(self.emit)
         self._backlog.extend(reports)

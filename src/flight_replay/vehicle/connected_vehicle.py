@@ -17,9 +17,10 @@ from flight_replay.events import (
     Progress,
     VehicleState,
     Waiting,
+    combine_listeners,
     ignore,
 )
-from flight_replay.exceptions import MissionError, PhaseTimeoutError, VehicleError
+from flight_replay.exceptions import LinkFaultError, MissionError, PhaseTimeoutError, VehicleError
 from flight_replay.flight_modes import mode_number
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mission.fence import FenceArea
@@ -92,7 +93,7 @@ class ConnectedVehicle:
         self._vehicle_link = DroneKitLink(link, self.drone, vehicle.system, vehicle.component)
         self._commands = CommandSender(self._vehicle_link)
         self._telemetry = Telemetry(self.drone, self._commands)
-        link.add_receiver(self._telemetry.receive, of_vehicle=True)
+        link.add_receiver(self._telemetry.receive, of_vehicle=True, needed=True)
         self._streams = StreamRequests(self._vehicle_link, self._telemetry)
         self._streams.renew(link.speedup)
         self.identity: Identity = identify(self._vehicle_link, vehicle)
@@ -102,8 +103,8 @@ class ConnectedVehicle:
         self._storage = MissionStorage(
             self._vehicle_link, as_int=self.identity.takes_item_int, refuse_armed=self._refuse_armed
         )
-        self._listener = listener
-        self._arm_requested = self._told_of_another = False
+        self._listener = combine_listeners(listener)
+        self._arm_requested = self._told_of_another = self._told_of_fault = self._raised_fault = False
         self._check_is_only_one()
 
     def _check_is_only_one(self) -> None:
@@ -115,13 +116,30 @@ class ConnectedVehicle:
             self._told_of_another = True
             self._listener(Notice(_ANOTHER_VEHICLE.format(self.identity.system, *both), warning=True))
 
+    def _check_faults(self) -> None:
+        """Tell of the first fault of the program on the link, and once that nothing is heard for faults.
+
+        Only once: RTL is commanded after that, and may be heard.
+        """
+        if self.link.faults.first and not self._told_of_fault:
+            self._told_of_fault = True
+            self._listener(Notice(self.link.faults.first, warning=True))
+        try:
+            self.link.faults.check()
+        except LinkFaultError:
+            if not self._raised_fault:
+                self._raised_fault = True
+                raise
+
     def reports(self, timeout_s: float) -> Sequence[Report]:
         """All reports since the last call, in order; waits up to the timeout for the first.
 
         Raises:
             VehicleError: Before arming was requested, another vehicle has the same system id.
+            LinkFaultError: Once: an error of the program keeps it from hearing the vehicle.
         """
         self._check_is_only_one()
+        self._check_faults()
         self._streams.renew(self.link.speedup)
         self._commands.retry_ping()
         return self._telemetry.reports(timeout_s)
@@ -187,6 +205,7 @@ class ConnectedVehicle:
         """
         heartbeat = self._telemetry.heartbeat(max_age_s, timeout_s)
         if heartbeat is None:
+            self.link.faults.check()
             raise VehicleError(
                 f"link to the vehicle lost: no heartbeat for {timeout_s:.0f} s; check the link"
             )
@@ -387,8 +406,8 @@ def _find(
     Raises:
         VehicleError: No vehicle sends a heartbeat, or none that is signed with the key.
     """
-    discovery = VehicleDiscovery()
-    link.add_receiver(discovery.receive)
+    discovery = VehicleDiscovery(link.faults.check)
+    link.add_receiver(discovery.receive, needed=True)
     try:
         vehicle = find_vehicle(discovery, connection_string, hint, limit_s, listener)
     except VehicleError as error:
@@ -402,6 +421,7 @@ def _find(
         listener(Notice(_KEY_WANTED, warning=True))
     for other in discovery.vehicles[1:]:
         listener(Notice(f"vehicle {other.system} is also on this link; it is ignored", warning=True))
+    link.remove_receiver(discovery.receive)
     return vehicle
 
 

@@ -6,17 +6,20 @@ import queue
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from flight_replay.exceptions import LinkFaultError
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mavlink import dialect, robust_parser, source_of
 from flight_replay.vehicle.link import timesync
 from flight_replay.vehicle.link.frame_parser import ParserPool
 from flight_replay.vehicle.link.link import Link
+from flight_replay.vehicle.link.link_faults import LinkFaults
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.transport import TcpClient
 from flight_replay.vehicle.link.vehicle_link import DroneKitLink
@@ -251,6 +254,62 @@ def test_an_error_in_a_receiver_does_not_stop_the_link(
     ]
 
 
+def test_one_message_that_cannot_be_processed_is_skipped(
+    vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those that came with it are not."""
+
+    def fail_on_pings(link: Link, message: Any, frame: bytes) -> bool:
+        if message.get_type() == "PING":
+            raise ValueError("no")
+        return True
+
+    monkeypatch.setattr(Link, "_is_of_one_vehicle", fail_on_pings)
+    link = vehicle.linked()
+    heard = heard_on(link)
+    assert vehicle.client
+    vehicle.client.sendall(b"".join(each.pack(vehicle.mav) for each in (PING, BEAT)))
+    assert heard.get(timeout=60).get_type() == "HEARTBEAT"
+    assert link.faults.first.startswith("cannot process PING: internal error (ValueError: no)")
+
+
+@pytest.mark.parametrize("needed", [True, False])
+def test_the_vehicle_is_not_heard_while_a_receiver_that_is_needed_fails(
+    vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch, needed: bool
+) -> None:
+    """What another does, such as a display, is nothing to the flight."""
+    monkeypatch.setattr("flight_replay.vehicle.link.link_faults._LASTING_S", 0.0)
+    link = vehicle.linked()
+    link.follow(1, 1)
+
+    def fail(message: Any) -> None:
+        raise RuntimeError("no")
+
+    link.add_receiver(fail, of_vehicle=True, needed=needed)
+    link.add_receiver(lambda _: None, of_vehicle=True, needed=True)
+    heard = heard_on(link)
+    for _ in range(3):
+        vehicle.send(BEAT)
+    for _ in range(3):
+        heard.get(timeout=60)
+    link.close()
+    with pytest.raises(LinkFaultError) if needed else nullcontext():
+        link.faults.check()
+    assert link.faults.first
+
+
+def test_whoever_waits_for_an_answer_is_told_that_none_can_come(vehicle: Vehicle) -> None:
+    """As soon as that is known: parameters and missions are waited for longer than a flight can wait."""
+    link = vehicle.linked()
+    link.faults = LinkFaults(iter(range(9)).__next__)
+    with DroneKitLink(link, None, 1, 1).inbox("PARAM_VALUE") as inbox:
+        assert inbox.get(0.0) is None
+        for _ in range(3):
+            link.faults.note("read the link", ValueError("no"))
+        with pytest.raises(LinkFaultError, match="nothing is heard from the vehicle"):
+            inbox.get(0.0)
+
+
 def test_junk_between_messages_is_skipped(vehicle: Vehicle) -> None:
     """Bytes that are not a frame are ignored."""
     link = vehicle.linked()
@@ -372,7 +431,7 @@ def test_a_recorder_that_fails_does_not_disturb_the_link(vehicle: Vehicle) -> No
 
 def test_no_error_ends_the_links_thread(vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not even one that nobody foresaw, such as of the parser: it is the only way to the vehicle."""
-    errors: list[type[Exception]] = [RecursionError, MemoryError, KeyError]
+    errors: list[type[BaseException]] = [RecursionError, MemoryError, KeyError, SystemExit]
     messages = ParserPool.messages
 
     def fail(self: ParserPool, data: bytes, sender: object) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from flight_replay.mavlink import Message, dialect, source_of
@@ -37,7 +38,9 @@ class DiscoveredVehicle:
 class VehicleDiscovery:
     """Collects heartbeats, on the link's thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, check_link: Callable[[], None] = lambda: None) -> None:
+        """``check_link`` raises an error where none can come."""
+        self._check_link = check_link
         self._changed = threading.Condition()
         self._heartbeats: Counter[DiscoveredVehicle] = Counter()
         self._others: set[str] = set()
@@ -58,6 +61,7 @@ class VehicleDiscovery:
         """The vehicle with the lowest system id, after each could send a heartbeat; None if there is none."""
         with self._changed:
             if not self._changed.wait_for(lambda: bool(self._heartbeats), limit_s):
+                self._check_link()
                 return None
             self._changed.wait_for(lambda: max(self._heartbeats.values()) >= _OTHERS_HEARTBEATS, _OTHERS_S)
         return min(self.vehicles)

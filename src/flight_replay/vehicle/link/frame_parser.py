@@ -21,7 +21,12 @@ class ParserPool:
         """The messages that ``data`` completes; bytes that are no message are skipped."""
         if not data:
             return
-        for message in parsed(self._parser(sender), data):
+        try:
+            messages = parsed(self._parser(sender), data)
+        except Exception:
+            self._parsers.pop(sender, None)  # What it holds would fail again and again.
+            raise
+        for message in messages:
             if message.get_type() != "BAD_DATA":
                 yield message
 

@@ -14,6 +14,7 @@ from typing import Any
 from flight_replay.logs.tlog.writer import Recorder
 from flight_replay.mavlink import Message, dialect, source_of
 from flight_replay.vehicle.link.frame_parser import ParserPool
+from flight_replay.vehicle.link.link_faults import LinkFaults
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.signing import Signing, is_signed, without_signature
 from flight_replay.vehicle.link.transport import Transport
@@ -58,7 +59,8 @@ class Link:
         self.ignored = 0
         """How many frames were ignored because of their signature, or because they had none."""
         self._recorder = recorder
-        self._receivers: list[tuple[Receiver, bool]] = []
+        self._receivers: list[tuple[Receiver, bool, bool]] = []
+        self.faults = LinkFaults()
         self._mav = dialect.MAVLink(None, srcSystem=OUR_SYSTEM, srcComponent=OUR_COMPONENT)
         self._parsers = ParserPool()
         self._vehicle: tuple[int, int] | None = None
@@ -77,12 +79,13 @@ class Link:
         """Start to receive, and to send heartbeats."""
         self._thread.start()
 
-    def add_receiver(self, receiver: Receiver, *, of_vehicle: bool = False) -> None:
+    def add_receiver(self, receiver: Receiver, *, of_vehicle: bool = False, needed: bool = False) -> None:
         """Call ``receiver`` with every message received, or with those of the vehicle that is followed.
 
-        Its gimbal's and another vehicle's are not among the latter.
+        Its gimbal's and another vehicle's are not among the latter. The vehicle is not heard while one
+        that is ``needed`` fails; what others raise is only noted.
         """
-        self._receivers = [*self._receivers, (receiver, of_vehicle)]
+        self._receivers = [*self._receivers, (receiver, of_vehicle, needed)]
 
     def remove_receiver(self, receiver: Receiver) -> None:
         """Call ``receiver`` no longer."""
@@ -166,9 +169,9 @@ class Link:
         while not self._stop.is_set():
             try:
                 self._exchange()
-            except Exception:
+            except BaseException as error:
                 # This thread is the only way to the vehicle: no error may end it.
-                _log.exception("the link's thread goes on after an error")
+                self.faults.note("read the link", error)
                 self._stop.wait(_REOPEN_S)
 
     def _exchange(self) -> None:
@@ -178,7 +181,10 @@ class Link:
         interval_s = max(1.0 / (_HEARTBEAT_HZ * self.speedup), _MIN_HEARTBEAT_S)
         if time.monotonic() - self._heartbeat_s >= interval_s:
             self._heartbeat_s = time.monotonic()
-            self.send(_heartbeat())
+            try:
+                self.send(_heartbeat())
+            except Exception as error:
+                self.faults.note("send a heartbeat", error)
         self._receive(min(_READ_S, interval_s))
 
     def _reopen(self) -> bool:
@@ -203,7 +209,13 @@ class Link:
         elif self._transport.reopen_if_silent and time.monotonic() - self._received_s > _SILENT_S:
             self._break(f"no data for {_SILENT_S} s")
         for message in self._parsers.messages(data, self._transport.sender):
-            self._deliver(message)
+            try:
+                self._deliver(message)
+            except Exception as error:
+                self._note_fault(message, error)
+
+    def _note_fault(self, message: Message, error: Exception) -> None:
+        self.faults.note(f"process {message.get_type()}", error)
 
     def _deliver(self, message: Message) -> None:
         frame = bytes(message.get_msgbuf())
@@ -213,14 +225,20 @@ class Link:
         source = source_of(message)
         if frame[0] == dialect.PROTOCOL_MARKER_V2 and self._vehicle in (None, source):
             self._heard_mavlink2.add(source)
-        for receiver, of_vehicle in self._receivers:
+        received = []
+        for receiver, of_vehicle, needed in self._receivers:
             if of_vehicle and source != self._vehicle:
                 continue
             try:
                 receiver(message)
-            except Exception:
+            except Exception as error:
                 # An error in one receiver must not stop the link in flight.
-                _log.exception("cannot process %s", message.get_type())
+                self._note_fault(message, error)
+                received += [False] if needed else []
+            else:
+                received += [True] if needed else []
+        if received and all(received):
+            self.faults.passed()
 
     def _is_of_one_vehicle(self, message: Message, frame: bytes) -> bool:
         """Whether a frame is not one of another vehicle with the same ids as the one that is followed."""

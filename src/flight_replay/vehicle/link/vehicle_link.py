@@ -14,6 +14,7 @@ from typing import Any, Protocol
 
 from flight_replay.mavlink import Message
 from flight_replay.vehicle.link.link import Link
+from flight_replay.vehicle.link.link_faults import LinkFaults
 from flight_replay.vehicle.link.own_ids import OUR_COMPONENT, OUR_SYSTEM
 from flight_replay.vehicle.link.round_trip import RoundTrip
 
@@ -55,14 +56,20 @@ def is_for_us(message: Message) -> bool:
 
 
 class _QueueInbox:
-    def __init__(self) -> None:
+    def __init__(self, faults: LinkFaults) -> None:
         self.queue: queue.SimpleQueue[Message] = queue.SimpleQueue()
+        self._faults = faults
 
     def get(self, timeout_s: float) -> Message | None:
-        """The oldest message not yet taken; None if none comes in time."""
+        """The oldest message not yet taken; None if none comes in time.
+
+        Raises:
+            LinkFaultError: None can come.
+        """
         try:
             return self.queue.get(timeout=max(timeout_s, 0.0))
         except queue.Empty:
+            self._faults.check()
             return None
 
 
@@ -87,7 +94,7 @@ class DroneKitLink:
     @contextmanager
     def inbox(self, *types: str) -> Iterator[Inbox]:
         """Collect the vehicle's messages of these types to us, from now until the context ends."""
-        inbox = _QueueInbox()
+        inbox = _QueueInbox(self._link.faults)
 
         def receive(message: Message) -> None:
             if message.get_type() in types and is_for_us(message):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from flight_replay.exceptions import VehicleError
 from flight_replay.mavlink import Message, dialect
@@ -195,7 +195,8 @@ def parameters_set(
 
         What led there is the error, not what the vehicle does not confirm.
         """
-        put_back(_written(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S))
+        with suppress(VehicleError):
+            put_back(_written(link, before, _RESTORE_S, _RESTORE_UNANSWERED_S))
 
     try:
         write_parameters(link, wanted)
