@@ -149,14 +149,15 @@ def _save_interrupted(
     options: Options, result: ReplayResult, console: Console, save: Callable[[ReplayResult], list[str]]
 ) -> None:
     """Write what is asked for of an interrupted flight; the next signal ends the program at once."""
+    files = [*save_step.files_of_flown(options), *filter(None, (options.plot, options.report))]
+    names = ", ".join(map(str, files))
+    line = f"Interrupted: writing what was flown to {names}; another Ctrl-C ends the program at once"
     with signals.as_keyboard_interrupt():
-        console.end_display(_STREAM_S)
-        files = [*save_step.files_of_flown(options), *filter(None, (options.plot, options.report))]
-        names = ", ".join(map(str, files))
-        line = f"Interrupted: writing what was flown to {names}; another Ctrl-C ends the program at once"
-        calls: list[Call] = [lambda: output_step.print_json(result)] if options.json else []
-        calls += [lambda: write_line(sys.stderr, line)] if files else []
-        _write_soon(calls)
+        if options.json:
+            _write_soon([lambda: output_step.print_json(result)])
+        if files:
+            console.end_display(_STREAM_S)
+            _write_soon([lambda: write_line(sys.stderr, line)])
         for problem in save(result):
             console.listener(Notice(problem, warning=True))
 

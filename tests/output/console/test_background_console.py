@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import pytest
 
 from flight_replay.events import Notice
 from flight_replay.output.console.background_console import QUEUED_LINES, BackgroundConsole
-from flight_replay.output.console.console import Console, open_console
+from flight_replay.output.console.console import Console, PlainConsole, open_console
 
 
 class Slow(io.StringIO):
@@ -76,3 +76,17 @@ def test_a_question_waits_until_the_events_are_shown(caplog: pytest.LogCaptureFi
         with console.paused():
             assert "many" in stream.getvalue()
     assert not caplog.records
+
+
+def test_a_display_is_not_waited_for_that_does_not_end() -> None:
+    """As on a terminal that is stopped."""
+    go_on = threading.Event()
+
+    class Stuck(PlainConsole):
+        def end_display(self, timeout_s: float) -> None:
+            go_on.wait(60.0)
+
+    with BackgroundConsole(lambda: nullcontext(Stuck(io.StringIO()))) as console:
+        console.end_display(0.0)
+        assert not console.flush(0.0)
+        go_on.set()

@@ -110,3 +110,16 @@ def test_an_interrupt_ends_with_what_became_of_the_vehicle() -> None:
     with LiveConsole(stream) as console:
         console.listener(ReturnCommanded(True))
     assert " The vehicle confirmed RTL" in stream.getvalue()
+
+
+def test_what_follows_a_display_that_is_ended_stands_below_it() -> None:
+    """It is erased, and drawn no more."""
+    stream = Terminal()
+    with LiveConsole(stream) as console:
+        console.listener(PhaseStarted(Phase.RETURN))
+        console.end_display(1.0)
+        ended = len(stream.getvalue())
+        stream.write("Interrupted\n")
+        console.listener(Notice("cannot write a.png", warning=True))
+    assert "\x1b[2K" in stream.getvalue()[:ended]
+    assert "\x1b[2K" not in stream.getvalue()[ended:]
