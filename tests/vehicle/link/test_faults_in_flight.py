@@ -81,3 +81,22 @@ def test_where_nothing_can_be_processed_rtl_is_commanded(
     assert str(record.problem).endswith(FAULT)
     assert ("take control with the transmitter" in str(record.problem)) is not recovers
     assert len(record.flown)
+
+
+def test_a_listener_that_fails_is_no_reason_to_hear_nothing() -> None:
+    """It is told of faults where the reports of the vehicle are taken."""
+    told: list[Event] = []
+
+    def listener(event: Event) -> None:
+        told.append(event)
+        if isinstance(event, Notice):
+            raise RuntimeError("no")
+
+    with (
+        launch.run(START, speedup=SPEEDUP) as running,
+        connect(running.connection, speedup=SPEEDUP, listener=listener) as connected,
+    ):
+        connected.link.faults.note("process PING", ValueError("no"))
+        for _ in range(3):
+            assert connected.reports(60.0)
+    assert warnings(told) == [f"cannot process PING: {FAULT}"]
