@@ -283,10 +283,9 @@ def test_the_vehicle_is_not_heard_while_a_receiver_that_is_needed_fails(
     link.follow(1, 1)
 
     def fail(message: Any) -> None:
-        raise RuntimeError("no")
+        raise SystemExit("no")
 
     link.add_receiver(fail, of_vehicle=True, needed=needed)
-    link.add_receiver(lambda _: None, of_vehicle=True, needed=True)
     heard = heard_on(link)
     for _ in range(3):
         vehicle.send(BEAT)

@@ -184,7 +184,7 @@ class Link:
             try:
                 self.send(_heartbeat())
             except Exception as error:
-                self.faults.note("send a heartbeat", error)
+                self.faults.note("send a heartbeat", error, unheard=False)
         self._receive(min(_READ_S, interval_s))
 
     def _reopen(self) -> bool:
@@ -214,8 +214,8 @@ class Link:
             except Exception as error:
                 self._note_fault(message, error)
 
-    def _note_fault(self, message: Message, error: Exception) -> None:
-        self.faults.note(f"process {message.get_type()}", error)
+    def _note_fault(self, message: Message, error: BaseException, *, unheard: bool = True) -> None:
+        self.faults.note(f"process {message.get_type()}", error, unheard=unheard)
 
     def _deliver(self, message: Message) -> None:
         frame = bytes(message.get_msgbuf())
@@ -231,9 +231,9 @@ class Link:
                 continue
             try:
                 receiver(message)
-            except Exception as error:
+            except BaseException as error:
                 # An error in one receiver must not stop the link in flight.
-                self._note_fault(message, error)
+                self._note_fault(message, error, unheard=needed)
                 received += [False] if needed else []
             else:
                 received += [True] if needed else []

@@ -24,16 +24,20 @@ class LinkFaults:
         self._in_a_row, self._since_s, self._latest = 0, 0.0, ""
         self._logged: set[tuple[str, type[BaseException]]] = set()
 
-    def note(self, what: str, error: BaseException) -> None:
-        """Note that the program cannot do something because of an error, which is logged once."""
+    def note(self, what: str, error: BaseException, *, unheard: bool = True) -> None:
+        """Note that the program cannot do something because of an error, which is logged once.
+
+        ``unheard`` is whether a message of the vehicle may be lost by it.
+        """
         if (what, type(error)) not in self._logged:
             self._logged.add((what, type(error)))
             _log.error("cannot %s", what, exc_info=error)
-        self._latest = f"cannot {what}: {failure_text(error)}"
-        self.first = self.first or self._latest
-        if not self._in_a_row:
-            self._since_s = self._clock_s()
-        self._in_a_row += 1
+        told = f"cannot {what}: {failure_text(error)}"
+        self.first = self.first or told
+        if unheard:
+            self._latest = told
+            self._since_s = self._since_s if self._in_a_row else self._clock_s()
+            self._in_a_row += 1
 
     def passed(self) -> None:
         """A message of the vehicle was received by all who need it."""
