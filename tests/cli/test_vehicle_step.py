@@ -36,6 +36,14 @@ def test_limits_are_read() -> None:
     assert events == []
 
 
+@pytest.mark.parametrize(("version", "late"), [("4.6.0", False), ("4.7.0", True), ("", False)])
+def test_corners_are_planned_for_as_the_firmware_flies_them(version: str, late: bool) -> None:
+    """Which it is, the vehicle's version tells."""
+    connected = vehicle({"WPNAV_SPEED": 1000.0}, version=version)
+    limits = vehicle_step.vehicle_limits(connected, parse_options([]), ignore)
+    assert bool(limits.limits.late_corners) is late
+
+
 def test_a_vehicle_that_does_not_answer_is_planned_for_with_the_defaults() -> None:
     """With a warning."""
     events: list[Event] = []

@@ -183,3 +183,15 @@ def test_the_gains_of_every_version_are_read() -> None:
     new = limits_of(DEFAULTS_46 | {"PSC_VELXY_D": 0.25}, "ArduCopter")
     assert new is not None
     assert (new.limits.velocity_p, new.limits.velocity_d) == (2.0, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("version", "late"),
+    [((), False), ((3, 3, 0), False), ((4, 6, 0), False), ((4, 6, 1), True), ((4, 7, 0), True)],
+)
+def test_corners_are_those_of_the_firmware(version: tuple[int, ...], late: bool) -> None:
+    """No parameter tells of them; 4.6.0 stands for what was flown of it, a development version."""
+    found = limits_of(DEFAULTS_46, "ArduCopter", version)
+    assert found is not None
+    assert bool(found.limits.late_corners) is late
+    assert found.notes == ()

@@ -64,6 +64,8 @@ _TRUSTED = {
 _JERK_NAMES = frozenset(name for name, (limit, _) in PARAMETERS.items() if limit == "wp_jerk_m_s3")
 _NO_JERK_LIMIT_M_S3 = 17.0
 """Before 4.1 legs had no jerk limit but that of the position controller (AC_PosControl.h)."""
+_LATE_CORNERS = (4, 6, 1)
+"""The first version whose corners are surely those of 4.6.0-beta6: 4.6.0 may be one of before."""
 _SAME = 1e-5
 """Relative: parameters are float32."""
 
@@ -105,12 +107,15 @@ def _value(limits: Limits, limit: str) -> float:
     return degrees(value) if limit.endswith(("_rad", "_rad_s", "_rad_s2")) else value
 
 
-def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | None:
+def limits_of(
+    parameters: Mapping[str, float], vehicle: str, version: tuple[int, ...] = ()
+) -> VehicleLimits | None:
     """The limits that a vehicle's parameters set, or None where its speed is not among them.
 
     Args:
         parameters: those of ``PARAMETER_NAMES`` or ``FOLLOWING_NAMES`` that it has, in its own units.
         vehicle: its name, for people.
+        version: that of its firmware, such as (4, 6, 0); empty where unknown.
     """
     known = {name: value for name, value in parameters.items() if name in PARAMETERS}
     if not any(PARAMETERS[name][0] == "wp_speed_m_s" for name in known):
@@ -123,4 +128,5 @@ def limits_of(parameters: Mapping[str, float], vehicle: str) -> VehicleLimits | 
     same = [name for name in _FIELDS if isclose(getattr(limits, name), getattr(default, name), rel_tol=_SAME)]
     bounded = {name: clamp(getattr(limits, name), *ends) for name, ends in _TRUSTED.items()}
     limits = replace(limits, **bounded | {name: getattr(default, name) for name in same})
+    limits = replace(limits, late_corners=float(version >= _LATE_CORNERS))
     return VehicleLimits(limits, vehicle, drag_model_of(parameters))

@@ -91,6 +91,8 @@ class Limits:
     guided_options: float = 0.0
     mount_type: float = 0.0
     """A gimbal turns to what is to be faced instead of the vehicle; 0 is none."""
+    late_corners: float = 0.0
+    """1 where corners between straight legs are those of ArduCopter since 4.6.1, else 0: ``leg_blending``."""
 
     @classmethod
     def from_parameters(cls, parameters: Mapping[str, float]) -> Limits:

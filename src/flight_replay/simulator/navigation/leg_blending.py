@@ -1,7 +1,9 @@
 """Straight legs in a row: at a fast waypoint the next leg begins before the last one has ended.
 
 Source: SCurve::advance_target_along_track. The target moves by the sum of the legs, which cuts
-the corner between them.
+the corner between them. Firmware since 4.6.0-beta6 (ardupilot pull request 29601) begins a corner no sooner
+than its first leg brakes, and ends it before its second has its speed; climbs and descents in it keep to
+their limits.
 """
 
 from __future__ import annotations
@@ -64,20 +66,29 @@ class StraightLegs(SnapshotPart):
         return target[0], target[1], target[2], finished
 
 
+def earliest_blend_s(leg: SCurve, following: SCurve, limits: Limits) -> float:
+    """When the following leg may begin at the earliest, seconds from the start of the leg."""
+    if limits.late_corners > 0:
+        return max(leg.turn_out_time, leg.end_time - following.gain_time)
+    return leg.turn_out_time - following.turn_in_time
+
+
 def can_blend(leg: SCurve, following: SCurve, limits: Limits) -> bool:
     """Whether the following leg may begin now: the overlap stays within radius, speed and acceleration."""
-    if leg.empty or following.empty or leg.time < leg.turn_out_time - following.turn_in_time:
+    if leg.empty or following.empty or leg.time < earliest_blend_s(leg, following, limits):
         return False
     half = 0.5 * (leg.end_time - leg.time)
-    if leg.position * 2.0 < leg.length or 2.0 * half >= 0.5 * following.end_time:
+    late = limits.late_corners > 0
+    if not late and (leg.position * 2.0 < leg.length or 2.0 * half >= 0.5 * following.end_time):
         return False
     position, speed, accel = leg.at(leg.time + half)
     overlap = _plus(_AT_REST, leg.direction, (position - leg.length, speed, accel))
-    (n, e, u), (vn, ve, _), (an, ae, _) = _plus(overlap, following.direction, following.at(half))
+    (n, e, u), (vn, ve, vu), (an, ae, au) = _plus(overlap, following.direction, following.at(half))
     return (
         norm(n, e, u) < limits.wp_radius_m
-        and norm(vn, ve) < min(leg.top_speed, following.top_speed)
+        and norm(vn, ve, vu if late else 0.0) < min(leg.top_speed, following.top_speed)
         and norm(an, ae) < limits.corner_accel_m_s2
+        and (not late or abs(au) < limits.wp_accel_z_m_s2)
     )
 
 

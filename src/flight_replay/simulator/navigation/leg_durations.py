@@ -12,7 +12,7 @@ from typing import Final
 
 from flight_replay.simulator.dynamics.limits import Limits
 from flight_replay.simulator.dynamics.vector import Vector, minus
-from flight_replay.simulator.navigation.leg_blending import can_blend
+from flight_replay.simulator.navigation.leg_blending import can_blend, earliest_blend_s
 from flight_replay.simulator.navigation.path_limits import PathLimits
 from flight_replay.simulator.navigation.scurve import SCurve
 
@@ -45,7 +45,7 @@ def straight_duration_s(positions: Sequence[Vector], limits: Limits) -> float:
 
 def _blend_start_s(leg: SCurve, following: SCurve, limits: Limits, since_s: float) -> float:
     """When the following leg begins, seconds from the start of the leg; not before ``since_s``."""
-    early_s, late_s = max(since_s, leg.turn_out_time - following.turn_in_time), leg.end_time
+    early_s, late_s = max(since_s, earliest_blend_s(leg, following, limits)), leg.end_time
     while late_s - early_s > _TOLERANCE_S:
         middle_s = 0.5 * (early_s + late_s)
         leg.time, leg.position = middle_s, leg.at(middle_s)[0]

@@ -164,6 +164,11 @@ class SCurve(SnapshotPart):
         return self._ends[ACCEL_MAX] if self._ends else 0.0
 
     @property
+    def gain_time(self) -> float:
+        """When the speed is gained."""
+        return self._ends[ACCEL_END] if self._ends else 0.0
+
+    @property
     def turn_out_time(self) -> float:
         """When braking begins."""
         return self._ends[CRUISE] if self._ends else 0.0
