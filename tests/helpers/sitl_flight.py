@@ -22,6 +22,8 @@ _EKF_READY = dialect.EKF_ATTITUDE | dialect.EKF_POS_HORIZ_ABS
 _SILENT_S = 30.0
 _STAY_S = 4.0
 _SPEEDUP = "10"
+_GAINS = ("PSC_VELXY_D", "PSC_NE_VEL_D")
+"""By which versions differ: one of the two names is that of the vehicle."""
 _AGAIN_S = 0.3  # By the wall clock: before the first message the vehicle's is unknown.
 
 
@@ -68,6 +70,8 @@ class SitlFlight:
         self._link: Any = None
         self.time_s = 0.0
         self.flown = Recorded()
+        self.parameters = dict(parameters)
+        """Those that were set, and the gains that are not the same in all versions."""
         self._seen: dict[str, Any] = {}
         self._recording = False
         self._mode, self._mode_s = -1, 0.0
@@ -119,6 +123,8 @@ class SitlFlight:
             self._mode, self._mode_s = message.custom_mode, self.time_s
         elif kind == "MISSION_ITEM_REACHED":
             self.flown.reached_s[message.seq] = self.time_s
+        elif kind == "PARAM_VALUE" and message.param_id in _GAINS:
+            self.parameters[message.param_id] = message.param_value
         return message
 
     def _until(
@@ -143,6 +149,12 @@ class SitlFlight:
 
     def _armed(self) -> bool:
         return bool(self._heartbeat().base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+
+    @property
+    def version(self) -> tuple[int, ...]:
+        """Of the firmware, such as (4, 6, 0)."""
+        packed = self._seen["AUTOPILOT_VERSION"].flight_sw_version
+        return tuple(packed >> shift & 0xFF for shift in (24, 16, 8))
 
     # the flight
 
@@ -181,10 +193,15 @@ class SitlFlight:
         """Ask for what is needed to judge and record, ten times a second."""
         for number in (0, 1, 33, 193):
             self._command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, number, 100_000)
+        self._command(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+        for name in _GAINS:
+            self._send(dialect.MAVLink_param_request_read_message(1, 1, name.encode(), -1))
 
     def _ready(self) -> bool:
         status, estimate = self._seen.get("SYS_STATUS"), self._seen.get("EKF_STATUS_REPORT")
         if status is None or estimate is None or self._heartbeat() is None:
+            return False
+        if "AUTOPILOT_VERSION" not in self._seen or self.parameters.keys().isdisjoint(_GAINS):
             return False
         return (
             bool(status.onboard_control_sensors_health & _PREARM)

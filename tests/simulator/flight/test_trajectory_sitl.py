@@ -15,7 +15,7 @@ from flight_replay.geometry.flight_errors import errors_at_equal_times
 from flight_replay.geometry.matching import match_in_order
 from flight_replay.geometry.movement import Movement
 from flight_replay.mission.items import Mission
-from flight_replay.simulator.dynamics.limits import Limits
+from flight_replay.planning.vehicle_limits import limits_of
 from flight_replay.simulator.flight.trajectory import home_frame, simulate_flight
 from tests.helpers.made_missions import mission_at, random_mission
 from tests.helpers.sitl_flight import SitlFlight
@@ -28,6 +28,7 @@ pytestmark = [
     ),
 ]
 SQUARE = mission_at([(40.0, 0.0, 20.0), (40.0, 40.0, 20.0), (0.0, 40.0, 20.0), (0.0, 0.0, 20.0)])
+AT_LEAST = {"WPNAV_SPEED": 1000.0, "WPNAV_JERK": 1.0}
 # The position estimate's noise decides how soon a leg from rest gets going, by 0.1 s each; after a
 # curve that began where AUTO did, and not at a waypoint, so do rounding errors, by 0.6 s.
 SHORTEST_NOISE_S = 0.8
@@ -38,9 +39,11 @@ def check(mission: Mission, parameters: dict[str, float], folder: Path) -> None:
     assert mission.home is not None
     with SitlFlight(Path(BINARY), Path(DEFAULTS), folder, mission.home, parameters) as there:
         truth = there.fly(mission)
+        told = limits_of({**AT_LEAST, **there.parameters}, "ArduCopter", there.version)
+    assert told is not None
     rows = np.array(truth.rows)
     last_s = max(truth.reached_s.values())
-    flown = simulate_flight(mission, Limits.from_parameters(parameters), after_s=truth.rtl_s - last_s)
+    flown = simulate_flight(mission, told.limits, after_s=truth.rtl_s - last_s)
     auto = (rows[:, 0] >= truth.auto_s) & (rows[:, 0] <= last_s)
     places = home_frame(mission).to_metres(rows[auto, 1], rows[auto, 2])
     own = (flown.time_s >= flown.auto_s[0]) & (flown.time_s <= flown.auto_s[1] + 1.0)
@@ -88,9 +91,12 @@ DOUBLED = mission_at([(30, 0, 20), (30, 0, 20), (30, 30, 20), (30, 30, 20), (0, 
 BACK = mission_at([(50, 0, 20), (0, 0, 20), (50, 0, 20), (20, 0, 20)], spline=True)
 
 
-@pytest.mark.parametrize("mission", [DOUBLED, BACK], ids=["doubled", "there and back"])
+STEPS = mission_at([(0, 0, 20), (0, 0, 40), (20, 0, 40), (20, 0, 20), (40, 0, 20), (40, 0, 40), (40, 0, 60)])
+
+
+@pytest.mark.parametrize("mission", [DOUBLED, BACK, STEPS], ids=["doubled", "there and back", "steps"])
 def test_odd_missions_fly_alike(mission: Mission, tmp_path: Path) -> None:
-    """Splines without length, and splines straight back."""
+    """Splines without length, splines straight back, and climbs straight up, whose corners are by version."""
     check(mission, {}, tmp_path)
 
 
