@@ -17,9 +17,11 @@ from flight_replay.planning.vehicle_limits import VehicleLimits
 from flight_replay.vehicle.identity import Identity
 
 
-def vehicle(parameters: dict[str, float], *, simulated: bool = True, version: str = "4.6.0") -> Any:
+def vehicle(
+    parameters: dict[str, float], *, simulated: bool = True, version: str = "4.6.0", maturity: int = 0
+) -> Any:
     """A vehicle that has some parameters."""
-    identity = Identity(1, 2, 3, version, takes_item_int=True, simulated=simulated)
+    identity = Identity(1, 2, 3, version, takes_item_int=True, simulated=simulated, maturity=maturity)
 
     def read(names: Iterable[str]) -> dict[str, float]:
         return {name: parameters[name] for name in names if name in parameters}
@@ -36,10 +38,13 @@ def test_limits_are_read() -> None:
     assert events == []
 
 
-@pytest.mark.parametrize(("version", "late"), [("4.6.0", False), ("4.7.0", True), ("", False)])
-def test_corners_are_planned_for_as_the_firmware_flies_them(version: str, late: bool) -> None:
+@pytest.mark.parametrize(
+    ("version", "maturity", "late"),
+    [("4.6.0", 0, False), ("4.6.0", 255, True), ("4.7.0", 0, True), ("", 0, False), ("4.5.7", 255, False)],
+)
+def test_corners_are_planned_for_as_the_firmware_flies_them(version: str, maturity: int, late: bool) -> None:
     """Which it is, the vehicle's version tells."""
-    connected = vehicle({"WPNAV_SPEED": 1000.0}, version=version)
+    connected = vehicle({"WPNAV_SPEED": 1000.0}, version=version, maturity=maturity)
     limits = vehicle_step.vehicle_limits(connected, parse_options([]), ignore)
     assert bool(limits.limits.late_corners) is late
 

@@ -152,9 +152,9 @@ class SitlFlight:
 
     @property
     def version(self) -> tuple[int, ...]:
-        """Of the firmware, such as (4, 6, 0)."""
+        """Of the firmware, and how mature it is, such as (4, 6, 0, 255)."""
         packed = self._seen["AUTOPILOT_VERSION"].flight_sw_version
-        return tuple(packed >> shift & 0xFF for shift in (24, 16, 8))
+        return tuple(packed >> shift & 0xFF for shift in (24, 16, 8, 0))
 
     # the flight
 

@@ -187,10 +187,16 @@ def test_the_gains_of_every_version_are_read() -> None:
 
 @pytest.mark.parametrize(
     ("version", "late"),
-    [((), False), ((3, 3, 0), False), ((4, 6, 0), False), ((4, 6, 1), True), ((4, 7, 0), True)],
+    [
+        ((0,), False),
+        ((3, 3, 0, 255), False),
+        ((4, 6, 0, 0), False),
+        ((4, 6, 0, 255), True),
+        ((4, 7, 0, 0), True),
+    ],
 )
 def test_corners_are_those_of_the_firmware(version: tuple[int, ...], late: bool) -> None:
-    """No parameter tells of them; 4.6.0 stands for what was flown of it, a development version."""
+    """No parameter tells of them; of 4.6.0 its development versions have those of before."""
     found = limits_of(DEFAULTS_46, "ArduCopter", version)
     assert found is not None
     assert bool(found.limits.late_corners) is late

@@ -104,7 +104,8 @@ def vehicle_limits(connected: ConnectedVehicle, options: Options, listener: List
     parameters: Mapping[str, float] = connected.parameters(names)
     if options.mode == "guided":
         parameters = _as_followed(connected, parameters)
-    limits = limits_of(parameters, connected.identity.name, connected.identity.version_numbers)
+    identity = connected.identity
+    limits = limits_of(parameters, identity.name, (*identity.version_numbers, identity.maturity))
     if limits is None:
         listener(
             Notice(

@@ -64,8 +64,8 @@ _TRUSTED = {
 _JERK_NAMES = frozenset(name for name, (limit, _) in PARAMETERS.items() if limit == "wp_jerk_m_s3")
 _NO_JERK_LIMIT_M_S3 = 17.0
 """Before 4.1 legs had no jerk limit but that of the position controller (AC_PosControl.h)."""
-_LATE_CORNERS = (4, 6, 1)
-"""The first version whose corners are surely those of 4.6.0-beta6: 4.6.0 may be one of before."""
+_LATE_CORNERS = (4, 6, 0, 128)
+"""A beta of 4.6.0; the sixth was the first with such corners."""
 _SAME = 1e-5
 """Relative: parameters are float32."""
 
@@ -115,7 +115,7 @@ def limits_of(
     Args:
         parameters: those of ``PARAMETER_NAMES`` or ``FOLLOWING_NAMES`` that it has, in its own units.
         vehicle: its name, for people.
-        version: that of its firmware, such as (4, 6, 0); empty where unknown.
+        version: of its firmware, then ``Identity.maturity``, such as (4, 6, 0, 255); empty where unknown.
     """
     known = {name: value for name, value in parameters.items() if name in PARAMETERS}
     if not any(PARAMETERS[name][0] == "wp_speed_m_s" for name in known):

@@ -60,6 +60,8 @@ class Identity:
     simulated: bool
     serves_fence: bool = False
     builtin: bool = False
+    maturity: int = 0
+    """What FIRMWARE_VERSION_TYPE is: 0 in development, 64 alpha, 128 beta, 192 candidate, 255 official."""
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -167,6 +169,7 @@ def identify(link: VehicleLink, vehicle: DiscoveredVehicle) -> Identity:
         simulated=any(name in parameters for name in _SIMULATOR_PARAMETERS),
         serves_fence=bool(capabilities & dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE),
         builtin=version is not None and bytes(version.flight_custom_version) == _BUILTIN,
+        maturity=version.flight_sw_version & 0xFF if version else 0,
         parameters={name: parameters[name] for name in _CHECKED_PARAMETERS if name in parameters},
     )
 

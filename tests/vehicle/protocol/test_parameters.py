@@ -155,3 +155,9 @@ def test_lost_requests_do_not_lengthen_the_round_trip(seed: int) -> None:
     link.round_trip = RoundTrip()
     identify(link, DiscoveredVehicle(1, 1, 2, 3))
     assert link.round_trip.median_s < 0.1
+
+
+def test_the_built_in_copter_is_a_version_in_development() -> None:
+    """As the one that it flies as: a released one turns corners in another way."""
+    identity = identify(VirtualLink(), DiscoveredVehicle(1, 1, 2, 3))
+    assert (*identity.version_numbers, identity.maturity) == (4, 6, 0, 0)

@@ -92,7 +92,7 @@ class Limits:
     mount_type: float = 0.0
     """A gimbal turns to what is to be faced instead of the vehicle; 0 is none."""
     late_corners: float = 0.0
-    """1 where corners between straight legs are those of ArduCopter since 4.6.1, else 0: ``leg_blending``."""
+    """1 where corners between straight legs are those of released 4.6 and later, else 0: ``leg_blending``."""
 
     @classmethod
     def from_parameters(cls, parameters: Mapping[str, float]) -> Limits:

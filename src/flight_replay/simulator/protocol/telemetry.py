@@ -26,7 +26,7 @@ _LOGGING = dialect.MAV_SYS_STATUS_LOGGING
 _BATTERY = dialect.MAV_SYS_STATUS_SENSOR_BATTERY
 _ALTITUDE_CONTROL = dialect.MAV_SYS_STATUS_SENSOR_Z_ALTITUDE_CONTROL
 _POSITION_CONTROL = dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
-_OFFICIAL_RELEASE = 255
+_IN_DEVELOPMENT = 0  # FIRMWARE_VERSION_TYPE; a released 4.6 turns corners in another way.
 
 
 def heartbeat(autopilot: Autopilot) -> Message:
@@ -104,7 +104,7 @@ def autopilot_version(autopilot: Autopilot) -> Message:
     """AUTOPILOT_VERSION with the capabilities of the simulated firmware."""
     firmware = autopilot.faults.firmware
     major, minor, patch = firmware.version
-    version = major << 24 | minor << 16 | patch << 8 | _OFFICIAL_RELEASE
+    version = major << 24 | minor << 16 | patch << 8 | _IN_DEVELOPMENT
     return dialect.MAVLink_autopilot_version_message(
         firmware.capabilities, version, 0, 0, 0, list(b"builtin\0"), [0] * 8, [0] * 8, 0, 0, 0
     )
