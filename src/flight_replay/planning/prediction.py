@@ -16,7 +16,7 @@ from flight_replay.planning.route import Route
 if TYPE_CHECKING:
     from flight_replay.simulator.flight.trajectory import Trajectory
 
-_STEP_S, _LONG_STEP_S = 0.02, 0.05
+_STEP_S, _LONG_STEP_S = 0.005, 0.05
 _CURVED = (Command.SPLINE_WAYPOINT, Command.CONDITION_YAW)
 """In long steps each turn of a chain ends some hundredths of a second too soon, and the next ones with it."""
 _LONG_M = 5_000.0

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from flight_replay.planning.fit import rounds, timed_search
+from flight_replay.planning.fit.draft import with_every_speed
 from flight_replay.planning.fit.first_drafts.knot_selection import selections
 from flight_replay.planning.fit.fit import problem_for
 from flight_replay.planning.fit.problem import FirstDraft, FitProblem
@@ -54,3 +55,17 @@ def test_a_hopeless_start_goes_no_further(monkeypatch: pytest.MonkeyPatch, after
     (kept,) = timed_search._rounded(problem, starts[:2], budget(1000))
     assert kept.best is good
     assert not after
+
+
+def test_places_are_left_in_time_in_steps_as_on_board() -> None:
+    """Speeds that make the vehicle late there are set anew; where that is no better, they stay."""
+    problem, (start, *_) = problem_and_starts()
+    found = rounds.flown_on_schedule(problem.exact, start.draft, start.hovers, budget(100))
+    draft, on_board = with_every_speed(found.draft), replace(problem, step_s=0.0025)
+    slow = replace(draft, speed_m_s=0.9 * draft.speed_m_s)
+    late = replace(found, flight=replace(found.flight, draft=slow))
+    in_time, as_it_was = timed_search.timed_finely(problem, late), on_board.evaluate(slow)
+    assert abs(as_it_was.passed_s - found.passed_s).max() > 1.0
+    assert abs(in_time.passed_s - found.passed_s).max() < 0.2
+    assert in_time.objective_m == on_board.evaluate(in_time.draft).objective_m
+    assert timed_search.timed_finely(problem, found).objective_m <= on_board.evaluate(draft).objective_m

@@ -74,8 +74,8 @@ def search(
     if best is not relieved:
         best = _relieved(problem, best, budget)
     budget.finish()
-    undived = without_dives(problem, best.best)
-    return without_errors(problem, without_leaps(problem, undived)), stopped
+    timed = timed_search.timed_finely(problem, best.best) if problem.timed else best.best
+    return without_errors(problem, without_leaps(problem, without_dives(problem, timed))), stopped
 
 
 def _relieved_soon(problem: FitProblem, states: list[State], budget: Budget) -> list[State]:

@@ -1,14 +1,18 @@
 """A search where the recorded speed is to be kept: steps of all speeds and places together.
 
-What is found in steps of the model that are long enough to be cheap is judged in exact ones.
+What is found in steps of the model that are long enough to be cheap is judged in exact ones. In the end it is
+timed in those of the autopilot: in steps of 20 ms a leg may be milliseconds off, and all later ones with it.
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 
+from flight_replay.exceptions import MissionError
 from flight_replay.planning.fit.chains.exchange import EXCHANGE_FLIGHTS
 from flight_replay.planning.fit.draft import with_straight_climbs
+from flight_replay.planning.fit.objective import Evaluation
 from flight_replay.planning.fit.problem import Budget, FirstDraft, FitProblem
 from flight_replay.planning.fit.rounds import (
     FIRST_DAMPING,
@@ -16,6 +20,7 @@ from flight_replay.planning.fit.rounds import (
     TIMED_FLIGHTS,
     WORTH_GOING_ON,
     State,
+    flown_leaving,
     flown_on_schedule,
     hopeful,
     rounded_hopeful,
@@ -25,6 +30,8 @@ from flight_replay.planning.fit.steps.joint_steps import JOINT_FLIGHTS, stepped
 _GOING_ON_FLIGHTS = 3 * JOINT_FLIGHTS
 _BEGINNING_FLIGHTS = ROUND_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS
 """What it takes at least to begin with another start."""
+_ON_BOARD_S = 0.0025
+"""A step of the autopilot's loop."""
 ANOTHER_FLIGHTS = 2 * JOINT_FLIGHTS
 """What it takes at least to go on with another start."""
 
@@ -67,3 +74,13 @@ def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:
         if state.objective_m > (1 - WORTH_GOING_ON) * before_m:
             break
     return state
+
+
+def timed_finely(problem: FitProblem, best: Evaluation) -> Evaluation:
+    """A draft with its speeds set anew, so that each place is left when it was, in steps as on board."""
+    fine = replace(problem, step_s=_ON_BOARD_S)
+    found = fine.evaluate(best.draft)
+    with suppress(MissionError):
+        anew, _ = flown_leaving(fine, best.draft, best.passed_s)
+        found = min(found, anew, key=lambda each: each.objective_m)
+    return found
