@@ -61,7 +61,7 @@ def test_places_are_left_in_time_in_steps_as_on_board() -> None:
     """Speeds that make the vehicle late there are set anew; where that is no better, they stay."""
     problem, (start, *_) = problem_and_starts()
     found = rounds.flown_on_schedule(problem.exact, start.draft, start.hovers, budget(100))
-    draft, on_board = with_every_speed(found.draft), replace(problem, step_s=0.0025)
+    draft, on_board = with_every_speed(found.draft), problem.on_board
     slow = replace(draft, speed_m_s=0.9 * draft.speed_m_s)
     late = replace(found, flight=replace(found.flight, draft=slow))
     in_time, as_it_was = timed_search.timed_finely(problem, late), on_board.evaluate(slow)

@@ -23,6 +23,8 @@ _simulated = lru_cache(maxsize=4)(simulate_draft)
 _EXACT_STEPS_S = ((1000.0, 3000.0), (0.02, 0.1))
 
 
+_ON_BOARD_S = 0.0025
+"""A step of the autopilot's loop."""
 _LEAPING_M_S2 = 5.0
 """With more acceleration than twice ArduCopter's default a spline from a stop may leap ahead."""
 
@@ -67,6 +69,11 @@ class FitProblem:
             return self
         exact_step_s = float(np.interp(self.recording.time_s[-1], *_EXACT_STEPS_S))
         return replace(self, step_s=min(self.step_s, exact_step_s))
+
+    @property
+    def on_board(self) -> FitProblem:
+        """The same in steps of the autopilot, in which a draft is timed in the end, where that counts."""
+        return replace(self, step_s=_ON_BOARD_S) if self.timed else self
 
     @property
     def straight_starts(self) -> bool:

@@ -30,8 +30,6 @@ from flight_replay.planning.fit.steps.joint_steps import JOINT_FLIGHTS, stepped
 _GOING_ON_FLIGHTS = 3 * JOINT_FLIGHTS
 _BEGINNING_FLIGHTS = ROUND_FLIGHTS + EXCHANGE_FLIGHTS + _GOING_ON_FLIGHTS
 """What it takes at least to begin with another start."""
-_ON_BOARD_S = 0.0025
-"""A step of the autopilot's loop."""
 ANOTHER_FLIGHTS = 2 * JOINT_FLIGHTS
 """What it takes at least to go on with another start."""
 
@@ -78,9 +76,8 @@ def gone_on(problem: FitProblem, state: State, budget: Budget) -> State:
 
 def timed_finely(problem: FitProblem, best: Evaluation) -> Evaluation:
     """A draft with its speeds set anew, so that each place is left when it was, in steps as on board."""
-    fine = replace(problem, step_s=_ON_BOARD_S)
-    found = fine.evaluate(best.draft)
+    found = problem.on_board.evaluate(best.draft)
     with suppress(MissionError):
-        anew, _ = flown_leaving(fine, best.draft, best.passed_s)
+        anew, _ = flown_leaving(problem.on_board, best.draft, best.passed_s)
         found = min(found, anew, key=lambda each: each.objective_m)
     return found
