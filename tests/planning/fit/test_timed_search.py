@@ -69,3 +69,14 @@ def test_places_are_left_in_time_in_steps_as_on_board() -> None:
     assert abs(in_time.passed_s - found.passed_s).max() < 0.2
     assert in_time.objective_m == on_board.evaluate(in_time.draft).objective_m
     assert timed_search.timed_finely(problem, found).objective_m <= on_board.evaluate(draft).objective_m
+
+
+def test_hours_are_not_timed_in_steps_as_on_board() -> None:
+    """Flights of hours would take a gigabyte; they are judged in steps that they can afford."""
+    problem, _ = problem_and_starts()
+    recording = problem.recording
+    hours = replace(
+        problem, recording=replace(recording, time_s=recording.time_s * 4000.0 / recording.time_s[-1])
+    )
+    assert problem.on_board.step_s == 0.0025
+    assert hours.on_board.step_s == hours.exact.step_s == problem.step_s

@@ -40,7 +40,7 @@ WITH_HEIGHTS = [
 
 @pytest.mark.parametrize("rows", [AT_A_LANES_END, WITH_HEIGHTS])
 def test_hooks_take_as_long_as_in_truth(rows: list[tuple[float, float, float, float, float | None]]) -> None:
-    """Within 0.07 s in steps as on board; leans taken for angles make the first 0.4 s late.
+    """Within 0.07 s in steps as on board; leans taken for angles make the first 0.3 s late.
 
     The second is 0.2 s late with heights that are not cut off to centimetres.
     """

@@ -21,10 +21,10 @@ _simulated = lru_cache(maxsize=4)(simulate_draft)
 """The best draft is looked at several times, with another clock or in exact steps."""
 # Durations of flights, and the steps of the model that are exact enough and can be afforded.
 _EXACT_STEPS_S = ((1000.0, 3000.0), (0.02, 0.1))
+_ON_BOARD_STEPS_S = ((1000.0, 3000.0), (0.0025, 0.1))
+"""Steps of the autopilot's loop, as far as they can be afforded."""
 
 
-_ON_BOARD_S = 0.0025
-"""A step of the autopilot's loop."""
 _LEAPING_M_S2 = 5.0
 """With more acceleration than twice ArduCopter's default a spline from a stop may leap ahead."""
 
@@ -65,15 +65,19 @@ class FitProblem:
     @property
     def exact(self) -> FitProblem:
         """The same in steps that are short enough to tell how late the vehicle will be, where that counts."""
-        if not self.timed:
-            return self
-        exact_step_s = float(np.interp(self.recording.time_s[-1], *_EXACT_STEPS_S))
-        return replace(self, step_s=min(self.step_s, exact_step_s))
+        return self._in_steps(_EXACT_STEPS_S)
 
     @property
     def on_board(self) -> FitProblem:
         """The same in steps of the autopilot, in which a draft is timed in the end, where that counts."""
-        return replace(self, step_s=_ON_BOARD_S) if self.timed else self
+        return self._in_steps(_ON_BOARD_STEPS_S)
+
+    def _in_steps(self, steps_s: tuple[tuple[float, float], tuple[float, float]]) -> FitProblem:
+        """The same, where the recorded speed is to be kept in steps that a recording so long can afford."""
+        if not self.timed:
+            return self
+        step_s = float(np.interp(self.recording.time_s[-1], *steps_s))
+        return replace(self, step_s=min(self.step_s, step_s))
 
     @property
     def straight_starts(self) -> bool:
